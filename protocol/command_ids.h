@@ -41,6 +41,8 @@ inline constexpr Id kGetBattery = 290;
 inline constexpr Id kGetCompass = 300;
 // /R/light, /R/sonar, /R/infrared, /R/odometry
 inline constexpr Id kGetLight = 310, kGetSonar = 320, kGetInfrared = 330, kGetOdometry = 340;
+// /R/channel
+inline constexpr Id kGetValues = 350, kSetMotors = 351, kGetChannel = 352;
 // Control boards: /R/joints
 inline constexpr Id kGetJoints = 203, kSetPositions = 204, kSetPositionsDirect = 205, kSetVelocities = 206,
                     kSetEfforts = 207, kSetModes = 208, kGetModes = 209, kSetCompliance = 210,

@@ -148,6 +148,7 @@ const std::vector<CommandTable>& AllModuleTables() {
       MotorsTable(),     JointsTable(),   DistanceTable(), TargetTable(),   PoseTable(),    NeighboursTable(),
       CompassTable(),    SupportTable(),  ImuTable(),      WrenchTable(),   LidarTable(),   ContactTable(),
       SonarTable(),      InfraredTable(), LightTable(),    CameraTable(),   BatteryTable(), OdometryTable(),
+      ChannelTable(),
       SimulationTable(), WorldTable(),    SwarmTable(),    RecorderTable(), PlaybackTable()};
   return tables;
 }

@@ -29,6 +29,7 @@ CommandTable LightTable();       // /R/light
 CommandTable CameraTable();      // /R/camera
 CommandTable BatteryTable();     // /R/battery
 CommandTable OdometryTable();    // /R/odometry
+CommandTable ChannelTable();     // /R/channel
 CommandTable SimulationTable();  // /simulation
 CommandTable WorldTable();       // /world
 CommandTable SwarmTable();       // /swarm

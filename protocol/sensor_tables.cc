@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "protocol/command_ids.h"
+#include "protocol/common_commands.h"
 #include "protocol/module_tables.h"
 #include "protocol/spec_parts.h"
 
@@ -114,6 +115,34 @@ CommandTable OdometryTable() {
           "x ahead.",
           {Value("x", "m"), Value("y", "m"), Value("heading", "rad"), Value("forward", "m/s"),
            Value("turn", "rad/s")})});
+}
+
+CommandTable ChannelTable() {
+  CommandSpec values =
+      Reading(command::kGetValues, "get_values",
+              "Returns the values of the channel, mapped as its model says.", {Repeated("value")});
+  values.reply_text = "`aborted` if the try is to end, else empty";
+  CommandSpec motors{.id = command::kSetMotors,
+                     .name = "set_motors",
+                     .help =
+                         "Sets all motors of the channel, mapped; answered after the steps of one "
+                         "exchange, or after as many as said, with the values.",
+                     .params = {StepsParam()},
+                     .data = {Repeated("motor")},
+                     .reply_params = StepReplyParams(),
+                     .reply_data = {Repeated("value")},
+                     .reply_text = "`aborted` if the try is to end, else empty",
+                     .example = "set_motors 0.5 0.5"};
+  CommandSpec channel = Reading(
+      command::kGetChannel, "get_channel",
+      "Returns for each motor, then each value, the internal and the external range, inf = not mapped, "
+      "1 if it is for the experimenter alone, and the number of its link.",
+      {Repeated("internal_min"), Repeated("internal_max"), Repeated("external_min"), Repeated("external_max"),
+       Repeated("auxiliary"), Repeated("link")});
+  channel.reply_params = {Value("motors"), Value("values"), Value("steps"), Value("links")};
+  channel.reply_text = "the names, in the same order, separated by spaces";
+  channel.no_push = "get_channel never changes: ask for it once";
+  return CommandTable("channel", {std::move(values), std::move(motors), std::move(channel)});
 }
 
 }  // namespace coopdyn

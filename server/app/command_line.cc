@@ -16,7 +16,9 @@
 #include "server/app/commands.h"
 #include "server/app/options.h"
 #include "server/app/print.h"
+#include "server/app/yars_words.h"
 #include "server/controllers/child_process.h"
+#include "server/model/readers.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
@@ -161,6 +163,33 @@ int RunSweep(std::vector<std::string> words) {
   return kExitErrors;
 }
 
+/// The length of a step of an experiment.
+std::optional<double> StepOf(const std::string& file) {
+  RobotLibrary robots(DataPath({}));
+  Diagnostics diagnostics;
+  const auto scenario = LoadScenario(file, robots, diagnostics);
+  if (scenario == nullptr) return std::nullopt;
+  return ToSeconds(scenario->simulation.step.value_or(kDefaultStep));
+}
+
+/// `serve` with the words of YARS.
+int RunYars(std::vector<std::string> words) {
+  YarsWords read = ReadYarsWords(words, StepOf);
+  if (read.help) {
+    Print("{}", YarsHelp());
+    return kExitOk;
+  }
+  if (!read.error.empty()) {
+    PrintError("coopdyn: {} (coopdyn yars --help shows how to write it)\n", read.error);
+    return kExitWrongUse;
+  }
+  for (const std::string& note : read.notes) PrintError("coopdyn: {}\n", note);
+  read.serve.insert(read.serve.begin(), {std::filesystem::read_symlink("/proc/self/exe"), "serve"});
+  HandOver(std::move(read.serve));
+  PrintError("coopdyn: this program cannot be started again\n");
+  return kExitErrors;
+}
+
 /// A command that another program carries out. What follows it is for that program, --help too.
 void AddHandedOver(CLI::App& app, const char* name, const char* what, int (*run)(std::vector<std::string>),
                    Chosen& chosen) {
@@ -203,6 +232,7 @@ int RunCommandLine(int argc, const char* const* argv) {
   AddExport(app, chosen);
   AddInfo(app, chosen);
   AddHandedOver(app, "bench", "Measure the speed of this machine and build", RunBench, chosen);
+  AddHandedOver(app, "yars", "Run an experiment of YARS, with the options of YARS", RunYars, chosen);
   AddHandedOver(app, "sweep", "Run a scenario with many values, controllers and seeds", RunSweep, chosen);
   try {
     CheckCommand(app, arguments);

@@ -25,6 +25,7 @@ namespace {
 /// Ports for names that other programs register, well above the block of our own.
 constexpr int kExternalPortsAbove = 2000;
 constexpr int kExternalPorts = 8000;
+constexpr int kChannelPort = 4500;  // where YARS begins
 constexpr std::chrono::microseconds kLockstepSpin{50};
 constexpr std::size_t kMaxSpinningRobots = 4;
 
@@ -117,12 +118,13 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
                board_.NoteSampleTaken(id, name, step, every);
              },
              [this](std::uint64_t id) { board_.ForgetReader(id); }}),
-      net_(logger_, clock_, EncodingsWithYarp(yarp_), options.read_only),
+      net_(logger_, clock_, AllEncodings(), options.read_only),
       wrong_tokens_(logger_),
       robot_guard_(token_, options.private_robots, &wrong_tokens_),
       control_guard_(token_, true, &wrong_tokens_),
       ports_(options.port == 0 ? 0 : options.port + 2,
              [this](int port) { return names_.IsExternalPort(port); }),
+      channel_ports_(options.channel_port.value_or(options.port == 0 ? 0 : kChannelPort)),
       pool_(ThreadsOf(options)),
       controllers_(ControllersOf(options), clock_, logger_, pool_, DrawOn(images_)),
       stepper_({frames_, board_, edits_, run_, bell_}, clock_, logger_, options.run, {&pool_, &controllers_}),
@@ -131,9 +133,17 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
       runs_(
           options_.record.folder, models_.path(), [this] { return recordings_.status().file.file; }, logger_),
       loader_("load", logger_),
-      control_("control", logger_) {
+      control_("control", logger_),
+      yars_desk_(control_, net_, frames_, options.channel_quits),
+      yars_ports_(yars_desk_) {
   board_.MeasureWaits(clock_);
   stepper_.set_on_ended([this] { shutdown_.Request(); });
+}
+
+Encodings Daemon::AllEncodings() {
+  Encodings all = EncodingsWithYarp(yarp_);
+  all.insert(all.begin(), YarsTcpEncodingKind(yars_desk_));
+  return all;
 }
 
 Daemon::~Daemon() {
@@ -194,8 +204,10 @@ std::string Daemon::OpenRobots() {
   if (host.sockets) host.addresses = addresses();
   host.threads = options_.robot_threads.value_or(0);
   host.spin = Spin();
-  const RobotServices robot_services{board_, frames_, edits_,       images_, names_,
-                                     net_,   roster_, robot_guard_, clock_,  kVersion};
+  host.channel_ports = &channel_ports_;
+  host.channel_ports_file = options_.channel_ports_file;
+  const RobotServices robot_services{board_,  frames_,      edits_, images_,  names_,      net_,
+                                     roster_, robot_guard_, clock_, kVersion, &yars_ports_};
   robots_ = std::make_unique<RobotHost>(robot_services, host, ports_);
   if (std::string error = robots_->Apply(*frames_.Latest()->scene, true); !error.empty()) {
     return WithAdvice(error, "--port");
@@ -240,6 +252,7 @@ std::string Daemon::OpenGlobalModules() {
     std::string error = options_.no_net ? port.Open({}, 0) : port.Open(addresses(), ports_.Take());
     if (!error.empty()) return error;
   }
+  control_.Call([this] { yars_desk_.Open(*simulation_); });
   return {};
 }
 
@@ -314,6 +327,7 @@ void Daemon::Stop() {
     published_.pop_back();
   }
   control_.Call([this] {
+    yars_desk_.Close();
     name_server_.reset();
     clock_timer_.reset();
   });

@@ -16,6 +16,7 @@
 #include "server/app/page_services.h"
 #include "server/app/run_report.h"
 #include "server/app/shutdown.h"
+#include "server/app/yars_desk.h"
 #include "server/base/log.h"
 #include "server/base/worker_pool.h"
 #include "server/control/branch_desk.h"
@@ -39,6 +40,7 @@
 #include "server/yarp/encoding.h"
 #include "server/yarp/network.h"
 #include "server/yarp/yarp_port.h"
+#include "server/yars/tcp_encoding.h"
 
 namespace coopdyn {
 
@@ -104,6 +106,7 @@ class Daemon final : private ControlActions {
   ReplayServices replay_services();
   RecordingOptions recording_options();
 
+  Encodings AllEncodings();
   std::string OpenNames();
   std::string OpenRobots();
   std::string OpenGlobalModules();
@@ -139,7 +142,7 @@ class Daemon final : private ControlActions {
   ConnectionRoster roster_;
   WrongTokens wrong_tokens_;
   const TokenGuard robot_guard_, control_guard_;
-  PortPlan ports_;
+  PortPlan ports_, channel_ports_;
 
   WorkerPool pool_;             // of whoever holds the step baton
   ControllerHost controllers_;  // likewise
@@ -151,6 +154,8 @@ class Daemon final : private ControlActions {
   std::unique_ptr<Player> player_;  // of the recording that is played; null in a live run
   std::unique_ptr<RenderThread> render_;
   IoThread control_;
+  YarsDesk yars_desk_;
+  YarsPorts yars_ports_;
   std::unique_ptr<RobotHost> robots_;
   std::unique_ptr<SimulationModule> simulation_;
   std::unique_ptr<WorldModule> world_;

@@ -45,6 +45,9 @@ struct ServeOptions {
   RunOptions run;
   int port = 10000;
   std::optional<int> name_port, http_port;
+  std::optional<int> channel_port;  // the first for clients of YARS
+  std::string channel_ports_file;   // begins the names of files with these ports; empty: none
+  bool channel_quits = false;       // they may end the daemon
   std::vector<std::string> hosts;  // empty: loopback
   std::string advertise;
   std::string token;

@@ -144,6 +144,9 @@ void AddNetwork(CLI::App* sub, ServeOptions& serve) {
   sub->add_option("--name-port", serve.name_port, "Another port for the name server")
       ->check(WholeIn(0, 65535));
   sub->add_option("--http-port", serve.http_port, "Another port for the page")->check(WholeIn(0, 65535));
+  sub->add_option("--channel-port", serve.channel_port,
+                  "First port for clients of YARS (default: 4500, or any with --port 0)")
+      ->check(WholeIn(0, 65535));
   sub->add_option("--host", serve.hosts,
                   "Address to listen at (default: this machine only); 0.0.0.0: everybody");
   sub->add_option("--advertise", serve.advertise, "Address that the name server tells");
@@ -160,6 +163,9 @@ void AddNetwork(CLI::App* sub, ServeOptions& serve) {
                   "Numbers as programs of YARP 3 or 4 read them; auto: ask each")
       ->check(OneOf({"auto", "3", "4"}))
       ->capture_default_str();
+  sub->add_option("--channel-ports-to", serve.channel_ports_file,
+                  "Write the port of each of these robots into a file BASE-ROBOT");
+  sub->add_flag("--channel-quits", serve.channel_quits, "Clients of YARS may end the daemon");
   sub->add_flag("--no-render", serve.no_render, "No pictures");
   sub->add_flag("--no-http", serve.no_http, "No page");
   sub->add_option("--render-fps", serve.render_fps, "Pictures per second of the live view")

@@ -25,6 +25,7 @@ struct Actuation {
   std::vector<Setpoint> setpoints;  // of the module's channels, within their limits
   std::optional<int> steps = {};    // as asked for; empty: one
   std::string limited = {};         // `limited to …` if the command was beyond the limits, else empty
+  std::string refusal = {};         // what is wrong with its data; empty: nothing
 };
 
 class Device {
@@ -41,6 +42,11 @@ class Device {
   command::Id first_reading() const { return table_.first_reading(); }
   /// True if the module drives the robot, and so can be owned.
   virtual bool is_actuator() const { return false; }
+  /// It drives all actuators of the robot; Actuate() has set-points for the channels of all.
+  virtual bool drives_all() const { return false; }
+  /// The text of the reply to an actuator command after its step, if there is more to say than what was
+  /// limited.
+  virtual std::string StepNote(const Frame& /*frame*/, int /*robot*/) const { return {}; }
   /// Answers a get-command for robot `robot` (index into the scene) from `frame`; without the final time_s
   /// and step.
   /// @pre CheckRequest() has accepted the request.

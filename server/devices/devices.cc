@@ -44,6 +44,10 @@ template <>
 struct DeviceOf<ContactModel> {
   using Type = ContactDevice;
 };
+template <>
+struct DeviceOf<ChannelModel> {
+  using Type = ChannelDevice;
+};
 
 /// 0 and floor, or the id and the name of an object or a robot.
 std::pair<std::uint32_t, std::string> NameOf(const ContactEnd& end, const Scene& scene) {

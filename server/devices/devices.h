@@ -100,6 +100,17 @@ class CameraDevice final : public SensorDevice {
                                       int robot) const override;
 };
 
+/// /R/channel: all motors and values of the robot that its model maps, in one exchange.
+class ChannelDevice final : public SensorDevice {
+ public:
+  using SensorDevice::SensorDevice;
+  bool is_actuator() const override { return true; }
+  bool drives_all() const override { return true; }
+  Message Read(const Message& request, const Frame& frame, int robot) const override;
+  std::optional<Actuation> Actuate(const Message& request, const Frame& frame, int robot) const override;
+  std::string StepNote(const Frame& frame, int robot) const override;
+};
+
 /// /R/joints: a control board, a group of joints that are driven one by one.
 class JointsDevice final : public Device {
  public:

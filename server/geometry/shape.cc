@@ -23,6 +23,12 @@ double Heading(const Quaternion& q) {
   return std::atan2(2 * (q.w() * q.z() + q.x() * q.y()), 1 - 2 * (q.y() * q.y() + q.z() * q.z()));
 }
 
+Vector3 ToRollPitchYaw(const Quaternion& q) {
+  const Matrix3 R = q.toRotationMatrix();
+  return {std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
+          std::atan2(R(1, 0), R(0, 0))};
+}
+
 double WrapAngle(double angle_rad) {
   if (angle_rad > -std::numbers::pi && angle_rad <= std::numbers::pi) return angle_rad;
   const double wrapped = std::remainder(angle_rad, 2 * std::numbers::pi);

@@ -62,6 +62,9 @@ inline Quaternion FromRollPitchYaw(double roll_rad, double pitch_rad, double yaw
                     Eigen::AngleAxisd(roll_rad, Vector3::UnitX()));
 }
 
+/// The reverse: roll and yaw in [−π, π], pitch in [−π/2, π/2].
+Vector3 ToRollPitchYaw(const Quaternion& q);
+
 /// Heading of the x axis of `q` in the horizontal plane, in (−π, π].
 double Heading(const Quaternion& q);
 /// `angle_rad` brought into (−π, π].

@@ -62,6 +62,8 @@ std::span<const Words> Table() {
       Words{BatteryModel::kType, "coopdyn:battery", "<coopdyn:battery capacity=\"1e5\"/>",
             ReadKind<BatteryModel>, BatteryModel()},
       Words{OdometryModel::kType, "coopdyn:odometry", "", ReadKind<OdometryModel>, OdometryModel()},
+      Words{ChannelModel::kType, "coopdyn:channel", "<coopdyn:channel>", ReadKind<ChannelModel>,
+            ChannelModel(), false},
   };
   return kTable;
 }
@@ -187,6 +189,10 @@ void SensorReader::Finish() {
     diagnostics_.Error(one.where, "<" + std::string(words.element) +
                                       "> needs its module: write <coopdyn:module type=\"" +
                                       std::string(words.type) + "\"" + name + "/>");
+  }
+  for (SensorModel& sensor : robot_.sensors) {
+    auto* const channel = std::get_if<ChannelModel>(&sensor.kind);
+    if (channel != nullptr) Connect(*channel, robot_, file_, diagnostics_);
   }
 }
 

@@ -61,6 +61,7 @@ void ReadInto(LightModel& sensor, const SensorSource& source);
 void ReadInto(CameraModel& sensor, const SensorSource& source);
 void ReadInto(BatteryModel& sensor, const SensorSource& source);
 void ReadInto(OdometryModel& sensor, const SensorSource& source);
+void ReadInto(ChannelModel& sensor, const SensorSource& source);
 
 /// What has to hold of a sensor however it was written; else what to write. Empty if it is good.
 std::string WrongIn(const LidarModel& sensor);
@@ -72,6 +73,10 @@ Mount MountOn(const RobotModel& robot, std::size_t frame, const Pose& X_FS);
 /// alone.
 std::vector<ContactModel::Part> CollisionsOf(const RobotModel& robot, const Assembly& assembly,
                                              std::size_t frame, std::string_view name = {});
+
+/// Finds the modules and the motors that a channel of `robot` names, once all are there.
+void Connect(ChannelModel& channel, const RobotModel& robot, const std::string& file,
+             Diagnostics& diagnostics);
 
 /// The orientation in which a wrench is measured.
 enum class WrenchFrame { kChild, kParent, kSensor };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/model/sensor_models.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace coopdyn {
@@ -27,7 +28,60 @@ std::size_t Count(const OdometryModel& /*kind*/) {
   return 7;
 }
 
+// How long they are if that is the same each time, 0 if not.
+
+std::size_t ReadingCount(const DistanceModel& model) {
+  return model.sectors.size();
+}
+std::size_t ReadingCount(const PoseModel& /*model*/) {
+  return 5;
+}
+std::size_t ReadingCount(const CompassModel& /*model*/) {
+  return 1;
+}
+std::size_t ReadingCount(const SupportModel& /*model*/) {
+  return 3;
+}
+std::size_t ReadingCount(const ImuModel& /*model*/) {
+  return 10;
+}
+std::size_t ReadingCount(const WrenchModel& /*model*/) {
+  return 6;
+}
+std::size_t ReadingCount(const LidarModel& model) {
+  return model.rays();
+}
+std::size_t ReadingCount(const ContactModel& model) {
+  return std::max<std::size_t>(model.zones.size(), 1);
+}
+std::size_t ReadingCount(const SonarModel& model) {
+  return model.beams.size();
+}
+std::size_t ReadingCount(const InfraredModel& model) {
+  return model.eyes.size();
+}
+std::size_t ReadingCount(const LightModel& model) {
+  return model.eyes.size();
+}
+std::size_t ReadingCount(const BatteryModel& /*model*/) {
+  return 3;
+}
+std::size_t ReadingCount(const OdometryModel& /*model*/) {
+  return 5;
+}
+std::size_t ReadingCount(const ChannelModel& model) {
+  return model.values.size();
+}
+template <typename Kind>
+std::size_t ReadingCount(const Kind& /*model*/) {
+  return 0;
+}
+
 }  // namespace
+
+std::size_t FixedCount(const SensorKind& kind) {
+  return std::visit([](const auto& one) { return ReadingCount(one); }, kind);
+}
 
 std::size_t MeasuredCount(const SensorKind& kind) {
   return std::visit([](const auto& one) { return Count(one); }, kind);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/geometry/shape.h"
+#include "server/model/channel_model.h"
 
 namespace coopdyn {
 
@@ -32,12 +33,6 @@ struct SensorTiming {
 
   bool each_step() const { return rate_hz <= 0 && delay_s <= 0; }
   bool operator==(const SensorTiming&) const = default;
-};
-
-/// Where a sensor is fixed.
-struct Mount {
-  int link = 0;  // index into RobotModel::links
-  Pose X_LS;
 };
 
 // The kinds of sensors. kType is the word for such a module in a robot's SDF.
@@ -230,11 +225,15 @@ struct OdometryModel {
 /// In the order of their ports. A recorded run has a sensor's kind by its place here: add at the end.
 using SensorKind = std::variant<DistanceModel, TargetModel, PoseModel, NeighboursModel, CompassModel,
                                 SupportModel, ImuModel, WrenchModel, LidarModel, ContactModel, SonarModel,
-                                InfraredModel, LightModel, CameraModel, BatteryModel, OdometryModel>;
+                                InfraredModel, LightModel, CameraModel, BatteryModel, OdometryModel,
+                                ChannelModel>;
 
 /// How many values physics measures for a sensor in each step (Frame::measured); docs/formats.md has their
 /// meaning.
 std::size_t MeasuredCount(const SensorKind& kind);
+
+/// How many values the reading of a sensor has if that does not vary; of a contact sensor its zones.
+std::size_t FixedCount(const SensorKind& kind);
 
 /// A sensor, and its module.
 struct SensorModel {

@@ -69,6 +69,10 @@ struct Describer {
   }
   std::string operator()(const BatteryModel& one) const { return Rounded4(one.capacity_j) + " J"; }
   std::string operator()(const OdometryModel& /*one*/) const { return ""; }
+  std::string operator()(const ChannelModel& one) const {
+    return Several(one.motors.size(), "motor") + ", " + Several(one.values.size(), "value") +
+           (one.steps > 1 ? ", every " + Several(static_cast<std::size_t>(one.steps), "step") : "");
+  }
 };
 
 }  // namespace

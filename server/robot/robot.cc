@@ -40,6 +40,7 @@ Robot::~Robot() {
   for (const std::string& name : registered_) services_.names.RemoveOwn(name);
   // Nothing of this robot may run on its thread after this.
   io_.Call([this] {
+    yars_ports_.clear();
     servers_.clear();
     modules_.clear();
     core_.inbox().Close();
@@ -47,7 +48,17 @@ Robot::~Robot() {
 }
 
 std::string Robot::Listen(std::size_t module, const std::vector<std::string>& addresses, int port) {
-  return servers_[module]->Listen(addresses, port);
+  std::string error = servers_[module]->Listen(addresses, port);
+  if (!error.empty() || !is_channel(module) || services_.yars == nullptr) return error;
+  std::string lack;
+  auto udp = YarsUdpPort::Open(name(), *modules_[module], io_, services_.net, *services_.yars, addresses,
+                               servers_[module]->port(), lack);
+  if (udp != nullptr) {
+    yars_ports_.push_back(std::move(udp));
+  } else {
+    services_.net.logger()->warn("{} has no UDP port for clients of YARS: {}", module_path(module), lack);
+  }
+  return error;
 }
 
 bool Robot::Register() {

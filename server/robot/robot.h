@@ -34,7 +34,10 @@ class Robot {
   /// 0: reached through OPEN only.
   int port(std::size_t module) const { return servers_[module]->port(); }
 
-  /// Makes a module listen; returns an error text, empty if it listens. At most once each.
+  /// It has motors and values for clients of YARS.
+  bool is_channel(std::size_t module) const { return core_.devices()[module]->drives_all(); }
+  /// Makes a module listen, a channel also by UDP; returns an error text, empty if it listens. At most once
+  /// each.
   std::string Listen(std::size_t module, const std::vector<std::string>& addresses, int port);
   /// Lists the modules in the name table; their ports must be settled. False if a name is taken by one of our
   /// own.
@@ -53,6 +56,7 @@ class Robot {
   std::vector<std::unique_ptr<RobotModule>> modules_;
   std::vector<std::unique_ptr<ModuleServer>> servers_;
   std::vector<std::unique_ptr<YarpPort>> yarp_ports_;
+  std::vector<std::unique_ptr<YarsUdpPort>> yars_ports_;
   std::vector<std::string> registered_;
 };
 

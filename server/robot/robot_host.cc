@@ -2,6 +2,7 @@
 #include "server/robot/robot_host.h"
 
 #include <algorithm>
+#include <fstream>
 #include <thread>
 #include <unordered_map>
 #include <utility>
@@ -43,14 +44,42 @@ IoThread& RobotHost::ThreadFor(const Scene& scene, bool own) {
   return *pool[next_of_pool_++ % pool.size()];
 }
 
+void RobotHost::TellChannel(const Robot& robot, std::size_t module) const {
+  const int port = robot.port(module);
+  services_.net.logger()->info("{} is on port {} for clients of YARS, by UDP and TCP",
+                               robot.module_path(module), port);
+  if (options_.channel_ports_file.empty()) return;
+  const std::string name = options_.channel_ports_file + "-" + robot.name();
+  std::ofstream file(name);
+  file << port << "\n";
+  file.close();
+  if (!file) services_.net.logger()->error("{} cannot be written", name);
+}
+
 std::string RobotHost::OpenModule(Robot& robot, std::size_t module, bool at_start) {
+  PortPlan& ports = PlanFor(robot, module);
+  // Clients of YARS look for the next free port, and others may have the first.
+  const bool must_be_free = at_start && &ports == &ports_;
+  const auto last =
+      robot.is_channel(module) ? last_channel_ports_.find(robot.name()) : last_channel_ports_.end();
+  if (ports.any_port() && last != last_channel_ports_.end() &&
+      robot.Listen(module, options_.addresses, last->second).empty()) {
+    TellChannel(robot, module);
+    return {};
+  }
   for (int attempt = 0; attempt < kMaxBusyPorts; ++attempt) {
-    const int port = ports_.Take();
-    if (port == 0 && !ports_.any_port()) break;
+    const int port = ports.Take();
+    if (port == 0 && !ports.any_port()) break;
     const std::string error = robot.Listen(module, options_.addresses, port);
-    if (error.empty()) return {};
-    if (at_start || ports_.any_port()) {
-      ports_.Release(port);
+    if (error.empty()) {
+      if (robot.is_channel(module)) {
+        last_channel_ports_[robot.name()] = robot.port(module);
+        TellChannel(robot, module);
+      }
+      return {};
+    }
+    if (must_be_free || ports.any_port()) {
+      ports.Release(port);
       return robot.module_path(module) + ": " + error;
     }
     // Stays taken in the plan: trying it again for every module would only cost time.
@@ -109,7 +138,7 @@ std::string RobotHost::Apply(const Scene& scene, bool at_start) {
 
 void RobotHost::Drop(std::unique_ptr<Robot> robot, const std::string& reason) {
   robot->CloseConnections(reason);
-  for (std::size_t i = 0; i < robot->module_count(); ++i) ports_.Release(robot->port(i));
+  for (std::size_t i = 0; i < robot->module_count(); ++i) PlanFor(*robot, i).Release(robot->port(i));
   const Robot* const gone = robot.get();
   robot.reset();
   std::erase_if(threads_, [gone](const Thread& thread) { return thread.only == gone; });

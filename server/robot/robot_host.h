@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "server/net/io_thread.h"
@@ -23,6 +24,8 @@ struct RobotHostOptions {
   int threads = 0;  // `--robot-threads`: for all robots; 0: one each for those with sockets, else a pool
   std::chrono::microseconds spin{0};  // IoThread
   std::size_t cores = 0;              // 0: those of this machine
+  PortPlan* channel_ports = nullptr;  // of modules for clients of YARS; null: as all others
+  std::string channel_ports_file;     // begins the names of files that have these ports; empty: none
 };
 
 class RobotHost {
@@ -67,6 +70,10 @@ class RobotHost {
   /// A thread for a robot of `scene`; `own`: for it alone.
   IoThread& ThreadFor(const Scene& scene, bool own);
   std::string Open(Robot& robot, const RobotEntry& entry, bool at_start);
+  PortPlan& PlanFor(const Robot& robot, std::size_t module) {
+    return options_.channel_ports != nullptr && robot.is_channel(module) ? *options_.channel_ports : ports_;
+  }
+  void TellChannel(const Robot& robot, std::size_t module) const;
   std::string OpenModule(Robot& robot, std::size_t module, bool at_start);
   void Drop(std::unique_ptr<Robot> robot, const std::string& reason);
 
@@ -76,6 +83,7 @@ class RobotHost {
   std::vector<Thread> threads_;
   std::size_t next_of_pool_ = 0;
   std::vector<std::unique_ptr<Robot>> robots_;
+  std::unordered_map<std::string, int> last_channel_ports_;  // by robot: its client stays where it is
 };
 
 }  // namespace coopdyn

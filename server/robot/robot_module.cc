@@ -6,6 +6,24 @@
 
 namespace coopdyn {
 
+namespace {
+
+/// The slots that module `index` of `robot` drives.
+std::vector<SlotId> SlotsOf(const RobotCore& robot, std::size_t index) {
+  const CommandBoard& board = robot.services().board;
+  const auto& devices = robot.devices();
+  if (!devices[index]->drives_all()) return {board.FindSlot(robot.name(), robot.module_names()[index])};
+  std::vector<SlotId> slots;
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    if (devices[i]->is_actuator() && !devices[i]->drives_all())
+      slots.push_back(board.FindSlot(robot.name(), robot.module_names()[i]));
+  }
+  if (slots.empty()) slots.push_back(board.FindSlot(robot.name()));
+  return slots;
+}
+
+}  // namespace
+
 RobotModule::RobotModule(RobotCore& robot, std::size_t index)
     : PeerModule({robot.services().board, robot.services().roster, robot.services().guard,
                   robot.services().clock, robot.services().version},
@@ -13,7 +31,9 @@ RobotModule::RobotModule(RobotCore& robot, std::size_t index)
                  robot.inbox()),
       robot_(robot),
       device_(*robot.devices()[index]),
-      slot_(robot.services().board.FindSlot(robot.name(), robot.module_names()[index])) {}
+      slots_(SlotsOf(robot, index)),
+      slot_(slots_.front()),
+      index_(index) {}
 
 RobotModule::~RobotModule() {
   StopListening();
@@ -61,9 +81,22 @@ std::optional<Message> RobotModule::Answer(Peer& peer, const Message& request) {
 
 std::optional<Message> RobotModule::Drive(Peer& peer, const Message& request, Actuation actuation) {
   if (!core().MayChange(peer.client)) return ModuleCore::NotAllowed(request);
+  if (!actuation.refusal.empty()) return ErrorReply(request.command, Error::kWrongData, actuation.refusal);
   peer.text = std::move(actuation.limited);
-  return Settle(
-      peer, board().Command(slot_, peer.client.client, actuation.setpoints, actuation.steps, Waiter(peer)));
+  const Client& client = peer.client.client;
+  if (device_.drives_all() && peer.client.attached.empty()) peer.client.attached = {index_};
+  if (slots_.size() == 1)
+    return Settle(peer, board().Command(slot_, client, actuation.setpoints, actuation.steps, Waiter(peer)));
+  return Settle(peer, board().StepAll({.slots = slots_, .setpoints = actuation.setpoints}, client,
+                                      actuation.steps.value_or(1), Waiter(peer)));
+}
+
+Message RobotModule::Stepped(Peer& peer, const StepResult& result) {
+  if (device_.drives_all()) {
+    const int index = robot_.IndexIn(*result.frame);
+    if (index >= 0) peer.text = device_.StepNote(*result.frame, index);
+  }
+  return PeerModule::Stepped(peer, result);
 }
 
 std::optional<Message> RobotModule::Tune(Peer& peer, const Message& request, edit::TuneJoints tuning) {
@@ -113,6 +146,9 @@ std::optional<Message> RobotModule::Ready(Peer& peer, const Message& request) {
     return std::nullopt;
   }
   if (!core().MayChange(peer.client)) return ModuleCore::NotAllowed(request);
+  if (slots_.size() > 1)
+    return Settle(peer, board().StepAll({.slots = slots_, .setpoints = {}}, peer.client.client, steps,
+                                        std::move(done)));
   return Settle(peer, board().Ready(slot_, peer.client.client, steps, std::move(done)));
 }
 
@@ -128,9 +164,11 @@ Message RobotModule::Hello(Peer& peer, const Message& request) {
   const Client& client = peer.client.client;
   if (device_.is_actuator()) {
     if (!core().MayChange(peer.client)) return ModuleCore::NotAllowed(request);
-    const Verdict verdict = board().Hello(slot_, client);
-    if (verdict.error != Error::kOk) return ErrorReply(request.command, verdict.error, verdict.text);
-    if (verdict.displaced != 0) CloseClient(verdict.displaced, "taken over by " + client.name);
+    for (const SlotId slot : slots_) {
+      const Verdict verdict = board().Hello(slot, client);
+      if (verdict.error != Error::kOk) return ErrorReply(request.command, verdict.error, verdict.text);
+      if (verdict.displaced != 0) CloseClient(verdict.displaced, "taken over by " + client.name);
+    }
   }
   return Done(request);
 }
@@ -146,8 +184,11 @@ Message RobotModule::ClaimOrRelease(Peer& peer, const Message& request) {
   }
   if (!core().MayChange(peer.client)) return ModuleCore::NotAllowed(request);
   const Client& client = peer.client.client;
+  const bool claims = request.command == command::kClaim;
   const Verdict verdict =
-      request.command == command::kClaim ? board().Claim(slot_, client) : board().Release(slot_, client);
+      slots_.size() > 1 ? (claims ? board().ClaimAll(slots_, client) : board().ReleaseAll(slots_, client))
+      : claims          ? board().Claim(slot_, client)
+                        : board().Release(slot_, client);
   if (verdict.error != Error::kOk) return ErrorReply(request.command, verdict.error, verdict.text);
   return Done(request);
 }
@@ -181,11 +222,13 @@ void RobotModule::AppendReading(std::size_t attachable, const Frame& frame, std:
 }
 
 void RobotModule::InputEnded(ClientId client) {
-  if (device_.is_actuator()) board().InputEnded(slot_, client);
+  if (!device_.is_actuator()) return;
+  for (const SlotId slot : slots_) board().InputEnded(slot, client);
 }
 
 void RobotModule::Closed(ClientId client) {
-  if (device_.is_actuator()) board().Closed(slot_, client);
+  if (!device_.is_actuator()) return;
+  for (const SlotId slot : slots_) board().Closed(slot, client);
 }
 
 }  // namespace coopdyn

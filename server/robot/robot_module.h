@@ -32,6 +32,7 @@ class RobotModule final : public PeerModule<ModulePeer> {
 
   std::optional<Message> Refuse(const Message& request) const override;
   std::optional<Message> Answer(Peer& peer, const Message& request) override;
+  Message Stepped(Peer& peer, const StepResult& result) override;
   std::string NewOwner() override;
   void InputEnded(ClientId client) override;
   void Closed(ClientId client) override;
@@ -50,7 +51,9 @@ class RobotModule final : public PeerModule<ModulePeer> {
 
   RobotCore& robot_;
   const Device& device_;
-  const SlotId slot_;  // its own; of a module without actuators its robot's first
+  const std::vector<SlotId> slots_;  // of a device that drives all: those of its robot
+  const SlotId slot_;                // the first; of a module without actuators its robot's first
+  const std::size_t index_;          // among the robot's modules
 };
 
 }  // namespace coopdyn

@@ -37,7 +37,7 @@ struct Body {
 struct Named {
   std::string name;
   int body = 0;  // index into Movable::bodies
-  Pose X_WN;
+  Pose X_WN = {};
   int line = 0;
 };
 
@@ -74,6 +74,36 @@ struct Sensor {
   int line = 0;
 };
 
+/// From a value inside the simulator to the one that clients exchange.
+struct Mapped {
+  std::optional<std::pair<double, double>> internal = {}, external = {};
+  std::string noise = {};  // uniform or gaussian; empty: none
+  double noise_mean = 0, noise_sigma = 0;
+};
+
+/// A value that a client sets.
+struct MotorValue {
+  std::string name;
+  int joint = 0;     // index into Movable::joints
+  std::string mode;  // velocity, direct, effort, pwm
+  Mapped mapped = {};
+  int line = 0;
+};
+
+/// Values that a client gets, of one sensor.
+struct SensorValue {
+  std::string name;
+  int sensor = -1;  // index into Movable::sensors, or
+  int joint = -1;   // into Movable::joints, or
+  int body = -1;    // into Movable::bodies, at X_WN; none of them: of the world
+  Pose X_WN = {};
+  std::vector<std::string> of = {};  // position, vx, …; of a sensor nothing
+  bool in_body = false;              // velocities along its own axes
+  bool auxiliary = false;
+  Mapped mapped = {};
+  int line = 0;
+};
+
 /// What each reset draws: x, y, z, gamma (degrees), mass, friction, power or value, from the least to the
 /// most.
 struct Random {
@@ -89,7 +119,11 @@ struct Movable {
   std::vector<Named> names;
   std::vector<Joint> joints;
   std::vector<Sensor> sensors;
-  std::string controller;  // "NAME key=value …"; empty: clients drive it
+  std::vector<MotorValue> motors;   // what a client exchanges, in this order
+  std::vector<SensorValue> values;  // likewise
+  int exchange_steps = 1;
+  std::vector<int> aborts;  // contact sensors that end a try
+  std::string controller;   // "NAME key=value …"; empty: clients drive it
   std::string colour;
   Random random;
   bool is_robot = false;

@@ -8,11 +8,11 @@ namespace {
 constexpr Rule kPublic[] = {
     {"&objects", "", "box sphere cylinder capsule ~ply composite macro"},
     {"&parts", "", "pose? -visualisation physics!"},
-    {"&sensed", "", "object=reference! ~mapping ~noise ~filter"},
+    {"&sensed", "", "object=reference! mapping=ends? noise? ~filter"},
     {"&driven", "",
-     "source=reference! destination=reference? force=most! velocity=most! pose! deflection? ~mapping "
+     "source=reference! destination=reference? force=most! velocity=most! pose! deflection? mapping=ends? "
      "-regular -limit "
-     "-orthogonal ~pid ~noise ~filter"},
+     "-orthogonal ~pid noise? ~filter"},
     {"rosiml", "version!:s",
      "-comment simulator! ~screens? macros? environment? robots? ~traces? ~logging? ~signals?"},
     {"simulator", "frequency!:+", "-solver? control?"},
@@ -42,7 +42,12 @@ constexpr Rule kPublic[] = {
     {"centreOfMass", "x:n y:n z:n", ""},
     {"factor", "value!:0", ""},
     {"robots", "", "robot"},
-    {"robot", "name!:s", "body! pose? actuators? sensors? ~controller?"},
+    {"robot", "name!:s", "body! pose? actuators? sensors? controller?"},
+    {"controller", "module!:s frequency:+", "parameter"},
+    {"parameter", "name!:s value!:s", ""},
+    {"ends", "min!:n max!:n", ""},
+    {"coordinates", "x!:b y!:b z!:b", ""},
+    {"noise", "module!:gauss|white", "parameter"},
     {"body", "~selfCollide:b", "&objects"},
     {"actuators", "", "hinge slider fixed ~generic ~muscle"},
     {"hinge",
@@ -63,18 +68,21 @@ constexpr Rule kPublic[] = {
     {"proximity", "name!:s", "pose! distance! openingAngles! &sensed"},
     {"distance", "meter!:+", ""},
     {"openingAngles", "x!:0 y!:0", ""},
-    {"coordinate_sensor", "name!:s -global:b", "-coordinates ~domain &sensed"},
-    {"joint_sensor", "name!:s", "-domain &sensed"},
+    {"coordinate_sensor", "name!:s global:b", "coordinates? domain=ends? &sensed"},
+    {"joint_sensor", "name!:s", "domain=ends? &sensed"},
     {"ldr", "name!:s opening!:0", "pose! ~colour &sensed"},
-    {"binaryContact", "name!:s", "-domain &sensed"},
+    {"binaryContact", "name!:s", "domain=ends? &sensed"},
 };
 
 constexpr Rule kPaper[] = {
     {"&weight", "mass:0 friction:0 bounce:0 colour:c", ""},
+    {"&exchanged", "auxiliary:b", "mapping=ends? noise=value_noise?"},
+    {"ends", "min!:n max!:n", ""},
+    {"value_noise", "kind!:uniform|gauss sigma!:0 mean:n", ""},
     {"&shapes", "", "box=shape_box sphere=shape_sphere cylinder=shape_round capsule=shape_round"},
     {"rosiml", "version:s", "-comment simulator? environment? movables!"},
     {"simulator",
-     "frequency:+ ~controllerFrequency:+ seed:i duration:+ mode:realtime|lockstep|free speed:n gravity:+",
+     "frequency:+ controllerFrequency:+ seed:i duration:+ mode:realtime|lockstep|free speed:n gravity:+",
      "~window? ~camera? ~keys?"},
     {"environment", "",
      "ground? ambient? light box=thing_box sphere=thing_sphere cylinder=thing_round "
@@ -102,24 +110,27 @@ constexpr Rule kPaper[] = {
     {"body", "", "compound object connector"},
     {"compound", "name!:s", "pose? compound object connector"},
     {"object", "name!:s mass!:0 friction:0 bounce:0 colour:c",
-     "pose? &shapes proximity ldr compass contact imu sharp camera=camera_sensor ~energy ~ambientLight "
-     "-position -orientation"},
-    {"proximity", "name!:s range!:+ opening:0 rays:i noise:0", "pose?"},
-    {"ldr", "name!:s opening:0", "pose?"},
-    {"compass", "name!:s noise:0", ""},
-    {"contact", "name!:s", ""},
+     "pose? &shapes proximity ldr compass contact imu sharp camera=camera_sensor ~energy "
+     "ambientLight=of_world position=of_place orientation=of_place velocity=of_place "
+     "angularVelocity=of_place"},
+    {"of_world", "name!:s &exchanged", "domain=ends? &exchanged"},
+    {"of_place", "name!:s x:b y:b z:b frame:world|body &exchanged", "domain=ends? &exchanged"},
+    {"proximity", "name!:s range!:+ opening:0 rays:i noise:0 &exchanged", "pose? &exchanged"},
+    {"ldr", "name!:s opening:0 &exchanged", "pose? domain=ends? &exchanged"},
+    {"compass", "name!:s noise:0 &exchanged", "&exchanged"},
+    {"contact", "name!:s abort:b &exchanged", "&exchanged"},
     {"imu", "name!:s", "pose?"},
-    {"sharp", "name!:s model!:gp2d12|dm2y3a003k0f", "pose?"},
+    {"sharp", "name!:s model!:gp2d12|dm2y3a003k0f &exchanged", "pose? domain=ends? &exchanged"},
     {"camera_sensor", "name!:s width:i height:i opening:+", "pose?"},
     {"connector", "name!:s type!:hinge|slider|ball|fixed|hinge2|complexHinge source!:s destination:s",
      "pose? limit? drive? spring? damper=joint_factor? friction=joint_factor? read ~backlash ~rotor "
      "~coupling ~pwm "
      "~noise"},
     {"limit", "min!:n max!:n", ""},
-    {"drive", "type:velocity|position|force maxForce!:+ maxVelocity!:+", ""},
+    {"drive", "type:velocity|position|force maxForce!:+ maxVelocity!:+", "mapping=ends? noise=value_noise?"},
     {"spring", "stiffness!:0 rest:n", ""},
     {"joint_factor", "value!:0", ""},
-    {"read", "what!:position|velocity|force|current|energy", ""},
+    {"read", "what!:position|velocity|force|current|energy &exchanged", "domain=ends? &exchanged"},
 };
 
 constexpr std::string_view kOther = "is not used here";
@@ -139,18 +150,11 @@ constexpr NotYet kNotYet[] = {
     {"selfCollide", "parts of one robot do not touch each other"},
     {"generic", "joints of six axes and their sensors are left out, and their bodies are loose"},
     {"muscle", "muscles and their sensors are left out, and their bodies are loose"},
-    {"mapping", "values go over the wire in SI units, as they are"},
-    {"domain", "values go over the wire in SI units, as they are"},
     {"noise", "values have none"},
     {"filter", "values are not filtered"},
     {"pid", "the motor reaches its velocity within its force"},
     {"scaling", "the force is the same everywhere"},
     {"colour", "light counts whatever its colour"},
-    {"controller",
-     "classes of YARS and its channels are not loaded: a client drives the robot, or one of coopdyn's "
-     "controllers "
-     "by --set ROBOT_1.controller=NAME"},
-    {"controllerFrequency", "a controller is asked in each step"},
     {"backlash", "it is left out"},
     {"rotor", "it is left out"},
     {"coupling", "it is left out"},

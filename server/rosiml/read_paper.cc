@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // RoSiML as the YARS paper tells it: simulator, environment, movables.
 #include <algorithm>
+#include <numbers>
+#include <optional>
 #include <utility>
 
 #include "server/base/printable.h"
@@ -53,6 +55,9 @@ class PaperReader : Reader {
     if (const auto frequency = Number(simulator, "frequency")) {
       if (const auto step = StepOf(simulator, *frequency)) experiment_.simulation.push_back(*step);
     }
+    frequency_hz_ = Number(simulator, "frequency", kUsual_hz);
+    if (const auto controller_hz = Number(simulator, "controllerFrequency"))
+      exchange_steps_ = StepsOf(simulator, frequency_hz_, *controller_hz);
     if (const auto seed = Number(simulator, "seed")) Simulate(simulator, "seed " + Whole(*seed));
     for (const char* key : {"duration", "speed", "gravity"}) {
       if (const auto value = Number(simulator, key))
@@ -148,7 +153,13 @@ class PaperReader : Reader {
     if (type == "passive" || type == "moving") {
       for (Joint& joint : movable.joints) joint.is_driven = false;
     }
-    if (type == "passive") movable.sensors.clear();
+    if (type == "passive" || type == "moving") movable.motors.clear();
+    movable.exchange_steps = exchange_steps_;
+    if (type == "passive") {
+      movable.sensors.clear();
+      movable.values.clear();
+      movable.aborts.clear();
+    }
     experiment_.robots.push_back(std::move(movable));
   }
 
@@ -203,7 +214,7 @@ class PaperReader : Reader {
         {"camera", Kind::kCamera}};
     const auto* const known = std::find_if(std::begin(kKinds), std::end(kKinds),
                                            [&](const auto& one) { return one.first == element.Name(); });
-    if (known == std::end(kKinds)) return;
+    if (known == std::end(kKinds)) return ReadPlace(element, movable);
     if (known->second == Kind::kSharp && Text(element, "model") == "dm2y3a003k0f") {
       Warn(element,
            "the Sharp DM2Y3A003K0F is not simulated yet: its curve is not known; write model=\"gp2d12\", or "
@@ -223,7 +234,50 @@ class PaperReader : Reader {
     sensor.width = static_cast<int>(Number(element, "width", 320));
     sensor.height = static_cast<int>(Number(element, "height", 240));
     sensor.line = element.GetLineNum();
+    AddValue(element, sensor, movable);
     movable.sensors.push_back(std::move(sensor));
+  }
+
+  /// What is exchanged of the sensor that is added next.
+  void AddValue(const Element& element, const Sensor& sensor, Movable& movable) {
+    using Kind = Sensor::Kind;
+    const int index = static_cast<int>(movable.sensors.size());
+    if (Flag(element, "abort", false)) movable.aborts.push_back(index);
+    if (sensor.kind == Kind::kCamera || sensor.kind == Kind::kImu) return;  // not one value
+    std::optional<std::pair<double, double>> internal;
+    if (sensor.kind == Kind::kProximity) internal = {0, sensor.range_m};
+    if (sensor.kind == Kind::kContact) internal = {0, 1};
+    if (sensor.kind == Kind::kCompass) internal = {-std::numbers::pi, std::numbers::pi};
+    movable.values.push_back({.name = sensor.name,
+                              .sensor = index,
+                              .auxiliary = Flag(element, "auxiliary", false),
+                              .mapped = MappedOf(element, internal),
+                              .line = sensor.line});
+  }
+
+  /// Where the last body is, how it moves, or the light of the world.
+  void ReadPlace(const Element& element, Movable& movable) {
+    static constexpr std::pair<std::string_view, const char*> kPlaces[] = {{"position", "x y z"},
+                                                                           {"orientation", "roll pitch yaw"},
+                                                                           {"velocity", "vx vy vz"},
+                                                                           {"angularVelocity", "wx wy wz"},
+                                                                           {"ambientLight", "ambient_light"}};
+    const auto* const known = std::find_if(std::begin(kPlaces), std::end(kPlaces),
+                                           [&](const auto& one) { return one.first == element.Name(); });
+    if (known == std::end(kPlaces)) return;
+    SensorValue value{.name = Text(element, "name"), .line = element.GetLineNum()};
+    value.auxiliary = Flag(element, "auxiliary", true);
+    value.in_body = Text(element, "frame") == "body";
+    value.mapped = MappedOf(element, std::nullopt);
+    value.of = SplitWords(known->second);
+    if (value.of.size() > 1) {
+      value.body = static_cast<int>(movable.bodies.size()) - 1;
+      value.X_WN = movable.bodies.back().X_WB;
+      for (const auto& [axis, number] : {std::pair("z", 2), std::pair("y", 1), std::pair("x", 0)}) {
+        if (!Flag(element, axis, true)) value.of.erase(value.of.begin() + number);
+      }
+    }
+    movable.values.push_back(std::move(value));
   }
 
   void ReadConnector(const Element& element, Movable& movable) {
@@ -257,7 +311,49 @@ class PaperReader : Reader {
       joint.max_velocity = Number(*drive, "maxVelocity", 0);
     }
     ReadResistance(element, joint);
+    const Joint added = joint;
+    const std::size_t before = movable.joints.size();
     AddJoint(movable, std::move(joint), element);
+    if (movable.joints.size() > before) AddExchange(element, added, movable);
+  }
+
+  /// What is set and read of the joint added last.
+  void AddExchange(const Element& element, const Joint& joint, Movable& movable) {
+    const int index = static_cast<int>(movable.joints.size()) - 1;
+    if (const Element* drive = Child(element, "drive"); drive != nullptr && joint.is_driven) {
+      const std::string type = Text(*drive, "type");
+      MotorValue motor{.name = joint.name, .joint = index, .mode = "velocity", .line = drive->GetLineNum()};
+      std::optional<std::pair<double, double>> internal{{-joint.max_velocity, joint.max_velocity}};
+      if (type == "position") {
+        motor.mode = "direct";
+        internal = joint.limit;
+      } else if (type == "force") {
+        motor.mode = "effort";
+        internal = {-joint.max_effort, joint.max_effort};
+      }
+      motor.mapped = MappedOf(*drive, internal);
+      movable.motors.push_back(std::move(motor));
+    }
+    ForEachChild(element, [&](const Element& read) {
+      if (std::string_view(read.Name()) != "read") return;
+      if (joint.kind != Joint::Kind::kHinge && joint.kind != Joint::Kind::kSlider)
+        return Error(read, "only a hinge or a slider has a position, velocity and force to <read>");
+      const std::string what = Text(read, "what");
+      if (what == "current" || what == "energy")
+        return Warn(read, "<read what=\"" + what + "\"/> is not simulated yet: it is left out");
+      const bool is_angle = what == "position" && joint.kind == Joint::Kind::kHinge;
+      SensorValue value{.name = joint.name + "_" + what,
+                        .joint = index,
+                        .of = {what == "force" ? "effort" : what},
+                        .auxiliary = Flag(read, "auxiliary", false),
+                        .line = read.GetLineNum()};
+      std::optional<std::pair<double, double>> internal;
+      if (what == "position") internal = joint.limit;
+      if (what == "velocity" && joint.is_driven) internal = {-joint.max_velocity, joint.max_velocity};
+      if (what == "force" && joint.is_driven) internal = {-joint.max_effort, joint.max_effort};
+      value.mapped = MappedOf(read, internal, is_angle ? kRadPerDeg : 1);
+      movable.values.push_back(std::move(value));
+    });
   }
 
   void ReadResistance(const Element& element, Joint& joint) {
@@ -271,18 +367,13 @@ class PaperReader : Reader {
     joint.rest = NumberIn(element, "spring", "rest", 0) * unit;
     joint.damping = NumberIn(element, "damper", "value", 0);
     joint.friction = NumberIn(element, "friction", "value", 0);
-    ForEachChild(element, [&](const Element& read) {
-      if (std::string_view(read.Name()) != "read") return;
-      const std::string what = Text(read, "what");
-      if (what == "force" || what == "current" || what == "energy")
-        Warn(read,
-             "<read what=\"" + what + "\"/> is not simulated yet: motors tell positions and velocities");
-      else if (!joint.is_driven)
-        Warn(read, "<read> of a connector without <drive> is not simulated yet: it has no module");
-    });
   }
 
+  static constexpr double kUsual_hz = 100;
+
   Experiment experiment_;
+  double frequency_hz_ = kUsual_hz;
+  int exchange_steps_ = 1;
 };
 
 }  // namespace

@@ -38,7 +38,7 @@ class PublicReader : Reader {
 
  private:
   void ReadSimulator(const Element& simulator) {
-    const double frequency_hz = Number(simulator, "frequency", 100);
+    const double frequency_hz = frequency_hz_ = Number(simulator, "frequency", 100);
     if (const auto step = StepOf(simulator, frequency_hz)) experiment_.simulation.push_back(*step);
     const Element* control = Child(simulator, "control");
     if (control == nullptr) return;
@@ -200,6 +200,15 @@ class PublicReader : Reader {
       ForEachChild(*actuators, [&](const Element& actuator) { ReadActuator(actuator, robot); });
     if (const Element* sensors = Child(element, "sensors"))
       ForEachChild(*sensors, [&](const Element& sensor) { ReadSensor(sensor, robot); });
+    if (const Element* controller = Child(element, "controller")) {
+      const std::string module = Text(*controller, "module");
+      if (module != "TCPIP" && !module.empty())
+        Warn(*controller, "the controller '" + Printable(module) +
+                              "' of YARS is not loaded: a client drives the robot, or one of coopdyn's "
+                              "controllers by --set ROBOT_1.controller=NAME");
+      constexpr double kUsual_hz = 10;
+      robot.exchange_steps = StepsOf(*controller, frequency_hz_, Number(*controller, "frequency", kUsual_hz));
+    }
     experiment_.robots.push_back(std::move(robot));
   }
 
@@ -223,7 +232,41 @@ class PublicReader : Reader {
     if (const Element* pose = Child(element, "pose"))
       joint.X_WJ = Flag(*pose, "global", false) ? PoseOf(*pose) : source->X_WN * PoseOf(*pose);
     if (joint.kind != Joint::Kind::kFixed) ReadMotor(element, joint);
+    const Joint added = joint;
+    const std::size_t before = robot.joints.size();
     AddJoint(robot, std::move(joint), element);
+    if (added.is_driven && robot.joints.size() > before) AddMotorValue(element, added, robot);
+  }
+
+  /// What a client sets of the joint added last.
+  void AddMotorValue(const Element& element, const Joint& joint, Movable& robot) {
+    const std::string type = Text(element, "type");
+    MotorValue motor{.name = joint.name,
+                     .joint = static_cast<int>(robot.joints.size()) - 1,
+                     .mode = "velocity",
+                     .line = element.GetLineNum()};
+    const double fastest = joint.max_velocity, most = joint.max_effort;
+    std::optional<std::pair<double, double>> internal{{-fastest, fastest}};
+    if (type == "force and velocity" || type == "force and angle") {
+      MotorValue force = motor;
+      force.name += "_force";
+      force.mode = "ignored";
+      force.mapped = MappedOf(element, std::pair(0.0, most));
+      robot.motors.push_back(std::move(force));
+      if (!said_force_)
+        Warn(element, "the first value of '" + Printable(type) +
+                          "' changes nothing: the motor always has its greatest force");
+      said_force_ = true;
+    }
+    if (type == "force") {
+      motor.mode = "effort";
+      internal = {-most, most};
+    } else if (type == "angular" || type == "positional" || type == "force and angle") {
+      motor.mode = "direct";
+      internal = joint.limit;
+    }
+    motor.mapped = MappedOf(element, internal);
+    robot.motors.push_back(std::move(motor));
   }
 
   void ReadMotor(const Element& element, Joint& joint) {
@@ -261,7 +304,15 @@ class PublicReader : Reader {
   void ReadSensor(const Element& element, Movable& robot) {
     const std::string_view kind = element.Name();
     const std::string object = TextIn(element, "object", "name");
-    if (kind == "velocity" || kind == "deflection") return CheckJoint(element, object, robot);
+    if (kind == "velocity" || kind == "deflection") return ReadJointSensor(element, object, robot);
+    if (kind == "ambientLight") {
+      robot.values.push_back({.name = Text(element, "name"),
+                              .of = {"ambient_light"},
+                              .auxiliary = true,
+                              .mapped = MappedOf(element, std::nullopt),
+                              .line = element.GetLineNum()});
+      return;
+    }
     const bool is_known = kind == "proximity" || kind == "ldr" || kind == "binaryContact" ||
                           kind == "position" || kind == "orientation" || kind == "ov" || kind == "oav";
     const Named* const at = is_known ? Find(robot, object, element) : nullptr;
@@ -286,28 +337,60 @@ class PublicReader : Reader {
     } else if (kind == "oav") {
       sensor.kind = Sensor::Kind::kImu;
       sensor.X_WS = at->X_WN;
+      AddPlace(element, *at, {"wx", "wy", "wz"}, robot);
     } else {
-      // Each robot's module `pose` tells them of its base.
-      if (at->body != 0 && !said_pose_) {
-        Warn(element, "<" + std::string(kind) +
-                          "> of another body than the robot's base is not simulated yet: the module pose "
-                          "tells that of the base");
-        said_pose_ = true;
-      }
+      // Each robot's module `pose` tells them of its base, too.
+      if (kind == "position") AddPlace(element, *at, {"x", "y", "z"}, robot);
+      if (kind == "orientation") AddPlace(element, *at, {"roll", "pitch", "yaw"}, robot);
+      if (kind == "ov") AddPlace(element, *at, {"vx", "vy", "vz"}, robot);
       return;
+    }
+    if (kind != "oav") {
+      SensorValue value{
+          .name = sensor.name, .sensor = static_cast<int>(robot.sensors.size()), .line = sensor.line};
+      const double most = kind == "proximity" ? sensor.range_m : 1;
+      value.mapped = MappedOf(element, std::pair(0.0, most));
+      if (kind == "binaryContact") {
+        // Its <domain> is what is exchanged.
+        value.mapped.external = Child(element, "domain") == nullptr ? std::nullopt : value.mapped.internal;
+        value.mapped.internal = {0, 1};
+      }
+      robot.values.push_back(std::move(value));
     }
     robot.sensors.push_back(std::move(sensor));
   }
 
-  /// Motors tell their positions and velocities themselves.
-  void CheckJoint(const Element& element, const std::string& name, const Movable& robot) {
+  /// Those of x, y and z that <coordinates> wants.
+  void AddPlace(const Element& element, const Named& at, std::vector<std::string> all, Movable& robot) {
+    SensorValue value{.name = Text(element, "name"),
+                      .body = at.body,
+                      .X_WN = at.X_WN,
+                      .in_body = all.front().front() == 'v' || all.front().front() == 'w',
+                      .line = element.GetLineNum()};
+    if (Flag(element, "global", false)) value.in_body = false;
+    const Element* coordinates = Child(element, "coordinates");
+    constexpr const char* kAxes[] = {"x", "y", "z"};
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (coordinates == nullptr || Flag(*coordinates, kAxes[i], true)) value.of.push_back(all[i]);
+    }
+    value.mapped = MappedOf(element, std::nullopt);
+    robot.values.push_back(std::move(value));
+  }
+
+  void ReadJointSensor(const Element& element, const std::string& name, Movable& robot) {
     std::vector<std::string> names;
-    for (const Joint& joint : robot.joints) {
+    for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+      const Joint& joint = robot.joints[i];
       names.push_back(joint.name);
       if (joint.name != name) continue;
-      if (!joint.is_driven)
-        Warn(element, "a sensor of a joint without a motor is not simulated yet: '" + Printable(name) +
-                          "' has no module");
+      const bool is_angle =
+          std::string_view(element.Name()) == "deflection" && joint.kind == Joint::Kind::kHinge;
+      SensorValue value{.name = Text(element, "name"),
+                        .joint = static_cast<int>(i),
+                        .of = {std::string_view(element.Name()) == "deflection" ? "position" : "velocity"},
+                        .line = element.GetLineNum()};
+      value.mapped = MappedOf(element, std::nullopt, is_angle ? kRadPerDeg : 1);
+      robot.values.push_back(std::move(value));
       return;
     }
     if (!name.empty() && !names.empty())
@@ -319,7 +402,8 @@ class PublicReader : Reader {
   std::map<std::string, const Element*> macros_;
   int uses_ = 0;          // of macros
   bool is_full_ = false;  // they go too deep, or make too many bodies
-  bool said_pose_ = false;
+  bool said_force_ = false;
+  double frequency_hz_ = 100;
 };
 
 }  // namespace

@@ -82,6 +82,51 @@ void Reader::AddJoint(Movable& movable, Joint joint, const Element& at) {
   movable.joints.push_back(std::move(joint));
 }
 
+Mapped Reader::MappedOf(const Element& element, std::optional<std::pair<double, double>> internal,
+                        double domain_unit) {
+  Mapped mapped{.internal = internal};
+  const auto range = [this](const Element& of) {
+    std::pair<double, double> ends{Number(of, "min", 0), Number(of, "max", 0)};
+    if (ends.first == ends.second) Error(of, "'min' and 'max' must differ");
+    return ends;
+  };
+  if (const Element* domain = Child(element, "domain")) {
+    mapped.internal = range(*domain);
+    mapped.internal->first *= domain_unit;
+    mapped.internal->second *= domain_unit;
+  }
+  if (mapped.internal && !(mapped.internal->first < mapped.internal->second)) mapped.internal.reset();
+  if (const Element* mapping = Child(element, "mapping")) {
+    mapped.external = range(*mapping);
+    if (!mapped.internal)
+      Warn(*mapping, "<mapping> needs the range of the values: write <domain min=\"…\" max=\"…\"/>");
+  }
+  const Element* noise = Child(element, "noise");
+  if (noise == nullptr) return mapped;
+  const std::string module = Text(*noise, "module") + Text(*noise, "kind");
+  mapped.noise = module == "gauss" ? "gaussian" : "uniform";
+  mapped.noise_sigma = Number(*noise, "sigma", 1);
+  mapped.noise_mean = Number(*noise, "mean", 0);
+  ForEachChild(*noise, [&](const Element& parameter) {
+    const double value = ParseNumber(Text(parameter, "value")).value_or(0);
+    if (Text(parameter, "name") == "sigma") mapped.noise_sigma = value;
+    if (Text(parameter, "name") == "mean") mapped.noise_mean = value;
+  });
+  if (mapped.noise_sigma < 0) Error(*noise, "'sigma' must not lie below 0");
+  mapped.noise_sigma = std::abs(mapped.noise_sigma);
+  return mapped;
+}
+
+int Reader::StepsOf(const Element& at, double frequency_hz, double controller_hz) {
+  const double steps = std::round(frequency_hz / controller_hz);
+  constexpr double kMost = 1e6;
+  if (steps >= 1 && steps <= kMost && std::abs(steps * controller_hz / frequency_hz - 1) < 1e-9)
+    return static_cast<int>(steps);
+  Error(at, "the controller's frequency must divide that of the simulator, " + Exact(frequency_hz) +
+                " Hz, not be " + Exact(controller_hz) + " Hz");
+  return 1;
+}
+
 std::optional<Setting> Reader::StepOf(const Element& simulator, double frequency_hz) {
   constexpr double kMicro = 1e6, kLeast_us = 500, kMost_us = 100'000;
   const double step_us = std::round(kMicro / frequency_hz);

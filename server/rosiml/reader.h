@@ -44,6 +44,12 @@ class Reader {
   /// The line `step` of [SIMULATION] for this number of steps per second.
   std::optional<Setting> StepOf(const Element& simulator, double frequency_hz);
 
+  /// <mapping>, <domain> and <noise> of a motor or a sensor whose values lie in `internal`.
+  Mapped MappedOf(const Element& element, std::optional<std::pair<double, double>> internal,
+                  double domain_unit = 1);
+  /// Steps of an exchange of a controller that is asked so often.
+  int StepsOf(const Element& at, double frequency_hz, double controller_hz);
+
  private:
   const std::string& file_;
   Diagnostics& diagnostics_;

@@ -8,6 +8,7 @@
 
 #include "server/base/printable.h"
 #include "server/rosiml/names.h"
+#include "server/rosiml/write_channel.h"
 
 namespace coopdyn::rosiml {
 
@@ -47,6 +48,7 @@ class SdfWriter {
     for (std::size_t i = 0; i < model_.links.size(); ++i) WriteJoint(i);
     WriteDrive();
     WriteSensors();
+    WriteExchange();
     Module(movable_.line, "pose", "pose");
     Add(movable_.line, "</model>");
     Add(movable_.line, "</sdf>");
@@ -222,7 +224,9 @@ class SdfWriter {
     MadeText all;
     for (const Sensor& one : movable_.sensors) {
       const std::string text = IsHere(one) ? write(one) : "";
-      if (!text.empty()) all.Add(one.line, text);
+      if (text.empty()) continue;
+      all.Add(one.line, text);
+      readings_[&one] = {type, static_cast<int>(all.lines.size())};
     }
     if (all.lines.empty()) return;
     const int line = all.lines.front();
@@ -233,11 +237,46 @@ class SdfWriter {
     Module(line, type, type);
   }
 
+  /// What clients of YARS exchange.
+  void WriteExchange() {
+    const auto sensor_of = [this](int sensor) { return readings_.find(&movable_.sensors[Index(sensor)]); };
+    const MadeText channel =
+        WriteChannel(movable_, {.joint =
+                                    [this](int joint) {
+                                      for (std::size_t i = 0; i < model_.links.size(); ++i) {
+                                        if (model_.links[i].joint == joint) return joint_names_[i];
+                                      }
+                                      return std::string();
+                                    },
+                                .place =
+                                    [this](int body, const Pose& X_WN) {
+                                      if (!links_.contains(body)) return std::string();
+                                      const Pose X_BN = BodyOf(body).X_WB.Inverse() * X_WN;
+                                      return " link=\"" + links_[body] + "\" pose=\"" + Places(X_BN) + "\"";
+                                    },
+                                .reading =
+                                    [&](int sensor) {
+                                      const auto found = sensor_of(sensor);
+                                      if (found == readings_.end()) return std::string();
+                                      return " module=\"" + found->second.first + "\" index=\"" +
+                                             std::to_string(found->second.second) + "\"";
+                                    },
+                                .module =
+                                    [&](int sensor) {
+                                      const auto found = sensor_of(sensor);
+                                      return found == readings_.end() ? std::string() : found->second.first;
+                                    }});
+    written_.sdf.text += channel.text;
+    written_.sdf.lines.insert(written_.sdf.lines.end(), channel.lines.begin(), channel.lines.end());
+    written_.has_modules = written_.has_modules || !channel.lines.empty();
+  }
+
   /// A module of its own.
   void WriteOne(const Sensor& sensor) {
     using Kind = Sensor::Kind;
     if (sensor.kind == Kind::kProximity || sensor.kind == Kind::kLight) return;
     const std::string name = modules_.New(ModuleName(sensor.name));
+    readings_[&sensor] = {name, 1};
     const auto write = [&](const char* type, const std::string& attributes, const std::string& inside = "") {
       const std::string element = std::string("coopdyn:") + type;
       Add(sensor.line, "<" + element + " name=\"" + name + "\"" + attributes +
@@ -266,9 +305,10 @@ class SdfWriter {
   Diagnostics& diagnostics_;
   WrittenModel written_;
   Names names_{"world"};
-  Names modules_{"motors", "distance", "sonar", "light", "pose", "joints"};
-  std::map<int, std::string> links_;      // names, by body
-  std::vector<std::string> joint_names_;  // of model_.links
+  Names modules_{"motors", "distance", "sonar", "light", "pose", "joints", "channel"};
+  std::map<const Sensor*, std::pair<std::string, int>> readings_;  // module, and which of its values
+  std::map<int, std::string> links_;                               // names, by body
+  std::vector<std::string> joint_names_;                           // of model_.links
 };
 
 }  // namespace

@@ -56,6 +56,17 @@ Names Named(const BatteryModel& /*model*/) {
 Names Named(const OdometryModel& /*model*/) {
   return {"x_m", "y_m", "heading_rad", "forward_m_s", "turn_rad_s"};
 }
+// Of values that are called alike with their numbers.
+Names Named(const ChannelModel& model) {
+  Names names;
+  for (std::size_t i = 0, number = 0; i < model.values.size(); ++i) {
+    const std::string& name = model.values[i].name;
+    number = i > 0 && model.values[i - 1].name == name ? number + 1 : 1;
+    const bool has_more = i + 1 < model.values.size() && model.values[i + 1].name == name;
+    names.push_back(number > 1 || has_more ? name + "_" + std::to_string(number) : name);
+  }
+  return names;
+}
 template <typename Kind>
 Names Named(const Kind& /*model*/) {
   return {};

@@ -97,60 +97,13 @@ void Append(const CameraModel& model, const Place& at, std::vector<double>& data
   data.insert(data.end(), {static_cast<double>(model.width), static_cast<double>(model.height), f, f,
                            model.width / 2.0, model.height / 2.0, model.near_m, model.far_m, rate_hz});
 }
+void Append(const ChannelModel& /*model*/, const Place& at, std::vector<double>& data) {
+  AppendChannelValues(at.frame, at.robot, at.number, data);
+}
 template <typename Kind>
 void Append(const Kind& /*model*/, const Place& /*at*/, std::vector<double>& /*data*/) {}
 
-// How long they are if that is the same each time, 0 if not.
-
-std::size_t Count(const DistanceModel& model) {
-  return model.sectors.size();
-}
-std::size_t Count(const PoseModel& /*model*/) {
-  return 5;
-}
-std::size_t Count(const CompassModel& /*model*/) {
-  return 1;
-}
-std::size_t Count(const SupportModel& /*model*/) {
-  return 3;
-}
-std::size_t Count(const ImuModel& /*model*/) {
-  return 10;
-}
-std::size_t Count(const WrenchModel& /*model*/) {
-  return 6;
-}
-std::size_t Count(const LidarModel& model) {
-  return model.rays();
-}
-std::size_t Count(const ContactModel& model) {
-  return std::max<std::size_t>(model.zones.size(), 1);
-}
-std::size_t Count(const SonarModel& model) {
-  return model.beams.size();
-}
-std::size_t Count(const InfraredModel& model) {
-  return model.eyes.size();
-}
-std::size_t Count(const LightModel& model) {
-  return model.eyes.size();
-}
-std::size_t Count(const BatteryModel& /*model*/) {
-  return 3;
-}
-std::size_t Count(const OdometryModel& /*model*/) {
-  return 5;
-}
-template <typename Kind>
-std::size_t Count(const Kind& /*model*/) {
-  return 0;
-}
-
 }  // namespace
-
-std::size_t FixedCount(const SensorKind& kind) {
-  return std::visit([](const auto& one) { return Count(one); }, kind);
-}
 
 void FillFixed(const Frame& frame, int robot, std::size_t sensor, std::span<double> values) {
   const RobotModel& model = ModelOf(frame, robot);

@@ -24,9 +24,7 @@ inline const RobotModel& ModelOf(const Frame& frame, int robot) {
 /// its module answers. Nothing if there is no such sensor.
 void AppendReading(const Frame& frame, int robot, std::size_t sensor, std::vector<double>& data);
 
-/// How many values the reading of a sensor has if that does not vary; of a contact sensor its zones.
-std::size_t FixedCount(const SensorKind& kind);
-/// Their names with units, e.g. ax_m_s2; counted from 1 where a sensor has many alike: range1_m.
+/// The names of the values of a reading of a fixed length (FixedCount()) with units, e.g. ax_m_s2; counted from 1 where a sensor has many alike: range1_m.
 std::vector<std::string> FixedNames(const SensorKind& kind);
 /// Writes as many values: the reading; of a contact sensor which zones are pressed; nan if that is unknown.
 void FillFixed(const Frame& frame, int robot, std::size_t sensor, std::span<double> values);
@@ -129,6 +127,17 @@ std::span<const double> SonarRanges(const Frame& frame, int robot, std::size_t n
 std::span<const double> InfraredValues(const Frame& frame, int robot, std::size_t number = 0);
 /// How much light each eye of a light sensor sees.
 std::vector<double> LightValues(const Frame& frame, int robot, std::size_t number = 0);
+
+/// Appends the external values of a channel, with their noise.
+void AppendChannelValues(const Frame& frame, int robot, std::size_t number, std::vector<double>& data);
+/// What one of them is internally: before it is cut, mapped and made noisy. nan: it cannot be told.
+double ChannelValue(const Frame& frame, int robot, const ChannelModel::Value& value);
+/// Whether a try is to end: the robot has exploded, or a contact sensor that the channel names is pressed.
+bool IsAborted(const Frame& frame, int robot, std::size_t number = 0);
+/// The set-points of the robot's channels for these external values, one for each motor; what no motor has
+/// keeps what it does.
+std::vector<Setpoint> ChannelSetpoints(const Frame& frame, int robot, std::size_t number,
+                                       std::span<const double> external);
 
 /// The pose of a sensor in the world.
 Pose MountPose(const Frame& frame, int robot, const Mount& mount);

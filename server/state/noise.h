@@ -31,7 +31,9 @@ enum class NoiseKind : std::uint32_t {
   kLight,
   kCameraColor,
   kCameraDepth,
-  kSlip
+  kSlip,
+  kChannelValue,
+  kChannelMotor
 };
 
 /// Names one reading. Two readings that differ in any field have independent noise.

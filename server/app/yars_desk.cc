@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include "server/app/yars_desk.h"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+#include "protocol/command_ids.h"
+
+namespace coopdyn {
+
+void YarsDesk::Open(Endpoint& simulation) {
+  simulation_ = &simulation;
+  id_ = net_.NextClient();
+  simulation.OnOpen(*this);
+}
+
+void YarsDesk::Close() {
+  if (simulation_ == nullptr) return;
+  std::exchange(simulation_, nullptr)->OnClosed(*this);
+  for (Job& job : std::exchange(jobs_, {}))
+    job.done(ErrorReply(0, Error::kNotPossible, "the daemon is stopping"));
+}
+
+void YarsDesk::Ask(YarsOrder order, std::function<void(const Message&)> done) {
+  control_.Post([this, order = std::move(order), done = std::move(done)] { Take(order, done); });
+}
+
+bool YarsDesk::IsEdited() const {
+  const FramePtr frame = frames_.Latest();
+  if (frame == nullptr) return false;
+  const Scenario& scenario = *frame->scene->scenario;
+  constexpr std::uintmax_t kMost = std::uintmax_t{4} << 20;
+  std::error_code missing;
+  const std::filesystem::path file = scenario.file;
+  if (file.extension() != ".xml" || std::filesystem::file_size(file, missing) > kMost || missing)
+    return false;
+  std::ifstream in(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  // Settings of the command line may follow the file's own text.
+  return !scenario.text.starts_with(text);
+}
+
+void YarsDesk::Take(const YarsOrder& order, std::function<void(const Message&)> done) {
+  if (simulation_ == nullptr)
+    return done(ErrorReply(0, Error::kNotPossible, "the simulation has not begun yet"));
+  Job job{{}, std::move(done)};
+  switch (order.kind) {
+    case YarsOrder::Kind::kReset:
+      if (IsEdited()) job.requests.push_back(ReplyTo(command::kReload));
+      job.requests.push_back(ReplyTo(command::kReset));
+      if (order.seed) job.requests.back().params = {static_cast<std::int32_t>(*order.seed & 0x7fffffff)};
+      break;
+    case YarsOrder::Kind::kLoadText:
+    case YarsOrder::Kind::kLoadFile:
+      job.requests.push_back(ReplyTo(command::kLoadScenario, order.text));
+      break;
+    case YarsOrder::Kind::kLog:
+      net_.logger()->info("message of a client of YARS: {}", order.text);
+      return job.done(ReplyTo(0));
+    case YarsOrder::Kind::kQuit:
+      if (!quits_) return job.done(ReplyTo(0));
+      job.requests.push_back(ReplyTo(command::kQuit));
+      break;
+  }
+  jobs_.push_back(std::move(job));
+  if (jobs_.size() == 1) Begin();
+}
+
+void YarsDesk::Begin() {
+  Message request = std::move(jobs_.front().requests.front());
+  jobs_.front().requests.pop_front();
+  // Posted, so that a reply that comes at once does not come within the call.
+  simulation_->OnRequest(*this, std::move(request),
+                         [this](const Message& reply) { control_.Post([this, reply] { OnReply(reply); }); });
+}
+
+void YarsDesk::OnReply(const Message& reply) {
+  if (jobs_.empty()) return;
+  // A file with mistakes is said, and the world stays as it was.
+  const bool was_reload = reply.command == command::kReload;
+  if (reply.error != 0) net_.logger()->warn("asked by a client of YARS: {}", reply.text);
+  if ((reply.error == 0 || was_reload) && !jobs_.front().requests.empty()) return Begin();
+  const std::function<void(const Message&)> done = std::move(jobs_.front().done);
+  jobs_.pop_front();
+  done(reply);
+  if (!jobs_.empty()) Begin();
+}
+
+}  // namespace coopdyn

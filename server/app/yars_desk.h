@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// What clients of YARS want of the world, asked of /simulation as any client would.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <string>
+
+#include "server/net/endpoint.h"
+#include "server/net/io_thread.h"
+#include "server/net/net_services.h"
+#include "server/state/frame_board.h"
+#include "server/yars/world.h"
+
+namespace coopdyn {
+
+class YarsDesk final : public YarsWorld, private Connection {
+ public:
+  /// Any thread. All outlive it. `quits`: a client may end the daemon.
+  YarsDesk(IoThread& control, NetServices& net, const FrameBoard& frames, bool quits)
+      : control_(control), net_(net), frames_(frames), quits_(quits) {}
+
+  /// From now on it asks `simulation`, which lives on the control thread. Control thread.
+  void Open(Endpoint& simulation);
+  /// Answers all that is still to come with error 5. Control thread.
+  void Close();
+
+  void Ask(YarsOrder order, std::function<void(const Message&)> done) override;
+
+ private:
+  struct Job {
+    std::deque<Message> requests;  // one after the other, up to the first that fails
+    std::function<void(const Message&)> done;
+  };
+
+  // Connection
+  ClientId id() const override { return id_; }
+  const std::string& peer() const override { return peer_; }
+  bool trusted() const override { return true; }
+  bool input_ended() const override { return false; }
+  bool output_ended() const override { return false; }
+  bool Push(const UnaskedPtr& /*message*/, std::int64_t /*dropped*/) override { return true; }
+  void Close(const std::string& /*reason*/) override {}
+
+  void Take(const YarsOrder& order, std::function<void(const Message&)> done);
+  void Begin();
+  void OnReply(const Message& reply);
+  /// The file of the experiment is another one than what runs.
+  bool IsEdited() const;
+
+  IoThread& control_;
+  NetServices& net_;
+  const FrameBoard& frames_;
+  const bool quits_;
+  const std::string peer_ = "yars";
+  // Control thread:
+  Endpoint* simulation_ = nullptr;
+  ClientId id_ = 0;
+  std::deque<Job> jobs_;  // the first is under way
+};
+
+}  // namespace coopdyn

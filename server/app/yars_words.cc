@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: MIT
+#include "server/app/yars_words.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "server/base/words.h"
+#include "server/model/values.h"
+
+namespace coopdyn {
+
+namespace {
+
+enum class Takes { kNothing, kMayTake, kValue };
+
+/// A flag of YARS: what it takes, and what it is here. `serve` with %: its value; empty: it changes nothing.
+struct YarsFlag {
+  std::string_view name;
+  Takes takes = Takes::kNothing;
+  std::string_view serve = {};
+  std::string_view note = {};  // why it changes nothing
+};
+
+constexpr std::string_view kPage = "the page shows the simulation: open the URL that the program prints";
+constexpr std::string_view kFilms =
+    "record the run with coopdyn serve --record, then coopdyn export RUN --video";
+
+constexpr std::array kFlags = {
+    YarsFlag{"--nogui", Takes::kNothing, "--no-render --no-http"},
+    YarsFlag{"--noSimVis", Takes::kNothing, "--no-render --no-http"},
+    YarsFlag{"--seed", Takes::kValue, "--seed %"},
+    YarsFlag{"--lib", Takes::kValue, "--scenarios %"},
+    YarsFlag{"--printComPortsToFile", Takes::kValue, "--channel-ports-to %"},
+    YarsFlag{"--pause", Takes::kNothing, "--paused"},
+    YarsFlag{"--debug", Takes::kNothing, "--log-level debug"},
+    YarsFlag{"--silent", Takes::kNothing, "--log-level off"},
+    YarsFlag{"--port", Takes::kValue, "--channel-port %"},
+    YarsFlag{"--drawPeriod", Takes::kValue, {}, kPage},
+    YarsFlag{"--follow", Takes::kMayTake, {}, kPage},
+    YarsFlag{"--osd", Takes::kMayTake, {}, kPage},
+    YarsFlag{"--trace", Takes::kMayTake, {}, kPage},
+    YarsFlag{"--geometry", Takes::kValue, {}, kPage},
+    YarsFlag{"--textures", Takes::kMayTake, {}, kPage},
+    YarsFlag{"--synched", Takes::kMayTake, {}, "a robot with a controller is always waited for"},
+    YarsFlag{"--captureVideo", Takes::kMayTake, {}, kFilms},
+    YarsFlag{"--captureFrames", Takes::kMayTake, {}, kFilms},
+    YarsFlag{"--framesDirectory", Takes::kValue, {}, kFilms},
+    YarsFlag{"--vcodec", Takes::kValue, {}, kFilms},
+    YarsFlag{"--log", Takes::kMayTake, {}, "record the run with coopdyn serve --record, then coopdyn export"},
+    YarsFlag{"--noctrl",
+             Takes::kNothing,
+             {},
+             "--set ROBOT_1.controller= of coopdyn serve takes a controller away"},
+    YarsFlag{"--config", Takes::kValue, {}, "coopdyn serve --config reads a file of coopdyn's own options"},
+    YarsFlag{
+        "--writeConfig", Takes::kMayTake, {}, "coopdyn serve --config reads a file of coopdyn's own options"},
+    YarsFlag{"--printTime", Takes::kNothing, {}, "coopdyn status tells the time"},
+    YarsFlag{"--printConfig", Takes::kNothing, {}, "coopdyn describe scenario FILE prints what it is"},
+    YarsFlag{
+        "--printRobotConfiguration", Takes::kNothing, {}, "coopdyn describe robot FILE prints what it is"},
+    YarsFlag{"--printKeyboardShortcuts", Takes::kNothing, {}, "the page's help lists its keys"},
+};
+
+std::optional<double> PositiveOf(const std::string& text) {
+  const std::optional<double> value = ParsePlain(text);
+  return value && *value > 0 ? value : std::nullopt;
+}
+
+class YarsLine {
+ public:
+  YarsLine(const std::vector<std::string>& words,
+           const std::function<std::optional<double>(const std::string& file)>& step_s)
+      : words_(words), step_s_(step_s) {}
+
+  YarsWords Read() {
+    for (at_ = 0; at_ < words_.size() && out_.error.empty(); ++at_) ReadWord(words_[at_]);
+    if (out_.error.empty() && !out_.help) Finish();
+    return std::move(out_);
+  }
+
+ private:
+  void ReadWord(const std::string& word) {
+    const std::size_t equals = word.find('=');
+    const std::string name = word.substr(0, equals);
+    given_ = equals == std::string::npos ? std::nullopt : std::optional(word.substr(equals + 1));
+    if (word == "--help" || word == "-h") {
+      out_.help = true;
+    } else if (name == "--xml" || name == "-d" || name == "-x") {
+      TakeFile(Value(name, "experiment.xml"));
+    } else if (name == "--iterations") {
+      iterations_ = PositiveOf(Value(name, "1000"));
+      if (!iterations_ && out_.error.empty()) out_.error = "--iterations takes a number of steps above 0";
+    } else if (name == "--simfreq") {
+      const std::optional<double> frequency_hz = PositiveOf(Value(name, "100"));
+      if (!frequency_hz && out_.error.empty())
+        out_.error = "--simfreq takes steps a second, e.g. --simfreq 100";
+      if (frequency_hz) step_given_s_ = 1 / *frequency_hz;
+    } else if (name == "--ctrlfreq") {
+      Value(name, "10");
+      out_.notes.emplace_back(
+          "--ctrlfreq: write it as controllerFrequency or <controller frequency> of the XML");
+    } else if (name == "--realtime") {
+      realtime_ = 1;
+      if (!given_ && at_ + 1 < words_.size() && PositiveOf(words_[at_ + 1])) given_ = words_[++at_];
+      if (given_) realtime_ = PositiveOf(*given_);
+      if (!realtime_) out_.error = "--realtime takes a factor above 0, or nothing: --realtime 2";
+    } else if (name == "--norealtime") {
+      realtime_.reset();
+    } else if (!word.starts_with("-") || word == "-") {
+      TakeFile(word);
+    } else {
+      ReadFlag(name);
+    }
+  }
+
+  void ReadFlag(const std::string& name) {
+    const auto* const flag =
+        std::find_if(kFlags.begin(), kFlags.end(), [&](const YarsFlag& one) { return one.name == name; });
+    if (flag == kFlags.end()) {
+      std::vector<std::string> names = {"--xml", "--iterations", "--simfreq", "--realtime", "--norealtime"};
+      for (const YarsFlag& one : kFlags) names.emplace_back(one.name);
+      out_.error = "there is no option " + name + " of YARS that coopdyn knows" + DidYouMean(name, names);
+      return;
+    }
+    std::string value;
+    if (flag->takes == Takes::kValue) value = Value(name, "VALUE");
+    const bool has_next = at_ + 1 < words_.size() && !words_[at_ + 1].starts_with("-");
+    if (flag->takes == Takes::kMayTake && !given_ && has_next && !file_.empty()) ++at_;
+    if (flag->serve.empty()) {
+      out_.notes.push_back(name + " changes nothing here: " + std::string(flag->note));
+      return;
+    }
+    for (std::string& word : SplitWords(flag->serve))
+      out_.serve.push_back(word == "%" ? value : std::move(word));
+  }
+
+  std::string Value(const std::string& name, const std::string& example) {
+    if (given_) return *given_;
+    if (at_ + 1 < words_.size()) return words_[++at_];
+    out_.error = name + " needs a value, e.g. " + name + " " + example;
+    return {};
+  }
+
+  void TakeFile(const std::string& file) {
+    if (!file_.empty() && out_.error.empty())
+      out_.error = "one experiment at a time: " + file_ + " or " + file;
+    file_ = file == "-" ? "/dev/stdin" : file;
+  }
+
+  void Finish() {
+    if (file_.empty()) {
+      out_.error = "which experiment? Write coopdyn yars --xml experiment.xml";
+      return;
+    }
+    std::vector<std::string> first = {file_, "--channel-quits"};
+    const auto add = [&first](std::string name, std::string value) {
+      first.push_back(std::move(name));
+      first.push_back(std::move(value));
+    };
+    // As YARS: as fast as it goes, and robots wait for their programs.
+    add("--mode", realtime_ ? "realtime" : "lockstep");
+    add("--speed", realtime_ ? FormatNumber(*realtime_) : "0");
+    if (step_given_s_) add("--step", FormatNumber(*step_given_s_));
+    if (iterations_) {
+      const std::optional<double> step_s = step_given_s_ ? step_given_s_ : step_s_(file_);
+      if (!step_s) {
+        out_.error = "--iterations needs an experiment that can be read: coopdyn check " + file_;
+        return;
+      }
+      add("--duration", FormatNumber(*iterations_ * *step_s));
+    }
+    out_.serve.insert(out_.serve.begin(), first.begin(), first.end());
+  }
+
+  const std::vector<std::string>& words_;
+  const std::function<std::optional<double>(const std::string& file)>& step_s_;
+  std::size_t at_ = 0;
+  std::optional<std::string> given_;  // by NAME=VALUE
+  std::string file_;
+  std::optional<double> iterations_, step_given_s_, realtime_;
+  YarsWords out_;
+};
+
+}  // namespace
+
+YarsWords ReadYarsWords(const std::vector<std::string>& words,
+                        const std::function<std::optional<double>(const std::string& file)>& step_s) {
+  return YarsLine(words, step_s).Read();
+}
+
+std::string YarsHelp() {
+  std::string text =
+      "Run an experiment of YARS, with the options of YARS\n"
+      "Usage: coopdyn yars --xml EXPERIMENT.xml [OPTIONS]\n\n"
+      "  --xml FILE, -d FILE        The experiment; - reads it from a pipe\n"
+      "  --iterations N             End after so many steps\n"
+      "  --realtime [FACTOR]        As fast as the wall clock, or FACTOR times; without it as fast as it "
+      "goes\n"
+      "  --simfreq HZ               Steps a second, instead of the file's\n";
+  for (const YarsFlag& flag : kFlags) {
+    if (flag.serve.empty()) continue;
+    const std::string name = std::string(flag.name) + (flag.takes == Takes::kValue ? " VALUE" : "");
+    text += fmt::format("  {:<26} As coopdyn serve {}\n", name, flag.serve);
+  }
+  return text + "\nOptions of YARS for its window and its films are read and change nothing.\n";
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+// The channel of a robot: all motors and sensors that its program exchanges in one request, as mapped values.
+// Internal values are SI units, or those of a module's reading; external ones are what is exchanged. Constant
+// once read; any thread.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/geometry/shape.h"
+
+namespace coopdyn {
+
+enum class ControlMode : std::uint8_t;
+
+/// Where a sensor is fixed.
+struct Mount {
+  int link = 0;  // index into RobotModel::links
+  Pose X_LS;
+};
+
+/// The line through (internal_min, external_min) and (internal_max, external_max). A value beyond one end is
+/// cut there. External values may fall. An infinite range leaves its values as they are.
+struct ValueMap {
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  double internal_min = -kInfinity, internal_max = kInfinity;
+  double external_min = -kInfinity, external_max = kInfinity;
+
+  bool maps() const { return std::isfinite(internal_min) && std::isfinite(external_min); }
+  double CutInternal(double value) const { return std::clamp(value, internal_min, internal_max); }
+  double CutExternal(double value) const {
+    return std::clamp(value, std::min(external_min, external_max), std::max(external_min, external_max));
+  }
+  double ToExternal(double internal) const {
+    const double cut = CutInternal(internal);
+    if (!maps()) return cut;
+    return external_min +
+           (cut - internal_min) / (internal_max - internal_min) * (external_max - external_min);
+  }
+  double ToInternal(double external) const {
+    const double cut = CutExternal(external);
+    if (!maps()) return CutInternal(cut);
+    return CutInternal(internal_min +
+                       (cut - external_min) / (external_max - external_min) * (internal_max - internal_min));
+  }
+};
+
+/// Added to an external value, anew in each step; then it is cut.
+struct MappedNoise {
+  enum class Kind { kNone, kUniform, kGaussian };
+  Kind kind = Kind::kNone;
+  double mean = 0;
+  double sigma = 0;  // uniform: the most that it differs from the mean; Gaussian: standard deviation
+};
+
+struct ChannelModel {
+  static constexpr const char* kType = "channel";
+  static constexpr std::size_t kMaxValues = 10'000;
+
+  struct Motor {
+    std::string name;
+    std::string joint;
+    ControlMode mode{};
+    ValueMap map;
+    MappedNoise noise;
+    static constexpr std::size_t kNone = ~std::size_t{0};
+    std::size_t channel = 0;  // of the robot's; kNone: it changes nothing
+    int line = 0;             // of the file, for messages
+  };
+
+  /// What a value is: one of a module's first reading, of a joint, of a place on a link, or of the world.
+  enum class Quantity {
+    kReading,
+    kPosition,  // joint: rad or m
+    kVelocity,
+    kEffort,  // of its motor; without one of its spring and damper: N m or N
+    kX,       // place, in the world: m
+    kY,
+    kZ,
+    kRoll,  // rad
+    kPitch,
+    kYaw,
+    kVx,  // m/s
+    kVy,
+    kVz,
+    kWx,  // rad/s
+    kWy,
+    kWz,
+    kAmbientLight,
+  };
+
+  struct Value {
+    std::string name;  // of neighbours that are called alike: one sensor of several values
+    Quantity quantity = Quantity::kReading;
+    std::string of;          // the module or joint
+    std::size_t index = 0;   // of the reading, from 0
+    bool in_body = false;    // velocities along the place's own axes
+    bool auxiliary = false;  // for the experimenter, not for the controller
+    Mount mount;
+    ValueMap map;
+    MappedNoise noise;
+    std::size_t source = 0;  // index into the sensors or joints
+    int line = 0;
+  };
+
+  std::vector<Motor> motors;
+  std::vector<Value> values;
+  int steps = 1;                    // of one exchange
+  std::vector<std::string> abort;   // contact modules that end a try when they are pressed
+  std::vector<std::size_t> aborts;  // index into the sensors
+};
+
+/// position, vx, …; empty for a reading.
+std::string_view ToString(ChannelModel::Quantity quantity);
+
+}  // namespace coopdyn

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: MIT
+// `<coopdyn:channel>`: motors and values that are exchanged in one request.
+#include <array>
+#include <utility>
+
+#include "server/model/robot_model.h"
+#include "server/model/sdf_sensors.h"
+#include "server/model/values.h"
+
+namespace coopdyn {
+
+namespace {
+
+using What = ChannelModel::Quantity;
+
+constexpr std::pair<What, std::string_view> kQuantities[] = {{What::kPosition, "position"},
+                                                             {What::kVelocity, "velocity"},
+                                                             {What::kEffort, "effort"},
+                                                             {What::kX, "x"},
+                                                             {What::kY, "y"},
+                                                             {What::kZ, "z"},
+                                                             {What::kRoll, "roll"},
+                                                             {What::kPitch, "pitch"},
+                                                             {What::kYaw, "yaw"},
+                                                             {What::kVx, "vx"},
+                                                             {What::kVy, "vy"},
+                                                             {What::kVz, "vz"},
+                                                             {What::kWx, "wx"},
+                                                             {What::kWy, "wy"},
+                                                             {What::kWz, "wz"},
+                                                             {What::kAmbientLight, "ambient_light"}};
+
+constexpr std::pair<ControlMode, std::string_view> kModes[] = {{ControlMode::kPosition, "position"},
+                                                               {ControlMode::kDirect, "direct"},
+                                                               {ControlMode::kVelocity, "velocity"},
+                                                               {ControlMode::kEffort, "effort"},
+                                                               {ControlMode::kKeep, "ignored"}};
+
+/// The value of the word that attribute `name` has; nothing, and reported, if it is none of `table`.
+template <typename T, std::size_t N>
+std::optional<T> ReadWord(XmlAttributes& attributes, const std::string& name,
+                          const std::pair<T, std::string_view> (&table)[N]) {
+  const std::optional<std::string> text = attributes.Text(name);
+  if (!text) return std::nullopt;
+  std::vector<std::string> words;
+  for (const auto& [value, word] : table) {
+    if (word == *text) return value;
+    words.emplace_back(word);
+  }
+  std::string list;
+  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
+  attributes.Error("'" + name + "' is one of " + list + ", not '" + *text + "'" + DidYouMean(*text, words));
+  return std::nullopt;
+}
+
+std::string ReadName(XmlAttributes& attributes) {
+  attributes.Require("name");
+  constexpr std::size_t kMaxName = 100;
+  std::string name = attributes.Text("name").value_or("");
+  const bool is_plain = std::ranges::all_of(name, [](char c) { return c > ' ' && c != 0x7f; });
+  if (name.empty() || name.size() > kMaxName || !is_plain)
+    attributes.Error("a name has 1 to " + std::to_string(kMaxName) + " letters, digits or signs, no blanks");
+  return name;
+}
+
+ValueMap ReadMap(XmlAttributes& attributes) {
+  constexpr double kMost = 1e9;
+  ValueMap map;
+  const auto internal = attributes.Numbers("internal", 2), external = attributes.Numbers("external", 2);
+  const auto is_far = [](const std::vector<double>& of) {
+    return std::abs(of[0]) > kMost || std::abs(of[1]) > kMost;
+  };
+  if (internal) {
+    map.internal_min = (*internal)[0];
+    map.internal_max = (*internal)[1];
+    if (!(map.internal_min < map.internal_max) || is_far(*internal)) {
+      attributes.Error("'internal' is the least and the greatest value, in SI units, at most 1e9");
+      return {};
+    }
+  }
+  if (external) {
+    map.external_min = (*external)[0];
+    map.external_max = (*external)[1];
+    if (!internal) attributes.Error("'external' needs 'internal': the range that is mapped to it");
+    if (map.external_min == map.external_max || is_far(*external)) {
+      attributes.Error("the two ends of 'external' must differ, and be at most 1e9");
+      return {};
+    }
+  }
+  return map;
+}
+
+MappedNoise ReadMappedNoise(XmlAttributes& attributes) {
+  using Kind = MappedNoise::Kind;
+  constexpr std::pair<Kind, std::string_view> kKinds[] = {
+      {Kind::kNone, "none"}, {Kind::kUniform, "uniform"}, {Kind::kGaussian, "gaussian"}};
+  constexpr double kMost = 1e9;
+  MappedNoise noise;
+  noise.kind = ReadWord(attributes, "noise", kKinds).value_or(Kind::kNone);
+  noise.sigma = attributes.Number("noise_sigma", 0, kMost).value_or(0);
+  noise.mean = attributes.Number("noise_mean", -kMost, kMost).value_or(0);
+  return noise;
+}
+
+/// Index into `all` of what is called `name`; nothing, and reported, if there is none.
+template <typename T>
+std::optional<std::size_t> FindNamed(XmlAttributes& attributes, const char* what, const std::string& name,
+                                     const std::vector<T>& all) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].name == name) return i;
+    names.push_back(all[i].name);
+  }
+  attributes.Error(std::string("there is no ") + what + " '" + name + "'" + DidYouMean(name, names));
+  return std::nullopt;
+}
+
+ChannelModel::Motor ReadMotor(XmlAttributes& attributes, const RobotModel& robot) {
+  ChannelModel::Motor motor;
+  motor.line = attributes.where().line;
+  motor.name = ReadName(attributes);
+  attributes.Require("joint");
+  motor.joint = attributes.Text("joint").value_or("");
+  motor.mode = ReadWord(attributes, "mode", kModes).value_or(ControlMode::kVelocity);
+  if (motor.mode == ControlMode::kKeep) motor.channel = ChannelModel::Motor::kNone;
+  motor.map = ReadMap(attributes);
+  motor.noise = ReadMappedNoise(attributes);
+  FindNamed(attributes, "joint", motor.joint, robot.joints);
+  return motor;
+}
+
+ChannelModel::Value ReadValue(XmlAttributes& attributes, const SensorSource& source) {
+  ChannelModel::Value value;
+  value.line = attributes.where().line;
+  value.name = ReadName(attributes);
+  const auto module = attributes.Text("module"), joint = attributes.Text("joint");
+  const auto quantity = ReadWord(attributes, "of", kQuantities);
+  const std::optional<int> index = attributes.Integer("index", 1, 1'000'000);
+  value.map = ReadMap(attributes);
+  value.noise = ReadMappedNoise(attributes);
+  value.auxiliary = attributes.Flag("auxiliary").value_or(false);
+  if (module) {
+    value.of = *module;
+    value.index = static_cast<std::size_t>(index.value_or(1) - 1);
+    if (quantity || joint) attributes.Error("a value of a module has no 'of' and no 'joint': write 'index'");
+    return value;
+  }
+  if (index) attributes.Error("'index' needs 'module': of whose reading it is");
+  if (attributes.Text("of") && !quantity) return value;
+  value.quantity = quantity.value_or(What::kPosition);
+  if (joint) {
+    value.of = *joint;
+    if (value.quantity > What::kEffort) attributes.Error("'of' a joint is position, velocity or effort");
+    if (const auto found = FindNamed(attributes, "joint", *joint, source.robot.joints)) {
+      value.source = *found;
+      if (!source.robot.joints[*found].has_axis())
+        attributes.Error("the joint '" + *joint + "' has no axis to measure");
+    }
+  } else if (value.quantity == What::kAmbientLight) {
+    return value;
+  } else if (quantity && *quantity > What::kEffort) {
+    value.mount = source.ReadMount(attributes);
+    constexpr std::pair<bool, std::string_view> kFrames[] = {{false, "world"}, {true, "body"}};
+    value.in_body = ReadWord(attributes, "frame", kFrames).value_or(false);
+    if (value.in_body && value.quantity < What::kVx)
+      attributes.Error("frame=\"body\" is for velocities: vx vy vz wx wy wz");
+  } else {
+    attributes.Error(
+        "says nothing to measure: write module=\"sonar\" index=\"1\", joint=\"knee\" of=\"position\", "
+        "link=\"body\" of=\"x\" or of=\"ambient_light\"");
+  }
+  return value;
+}
+
+}  // namespace
+
+std::string_view ToString(ChannelModel::Quantity quantity) {
+  for (const auto& [one, word] : kQuantities) {
+    if (one == quantity) return word;
+  }
+  return "";
+}
+
+void ReadInto(ChannelModel& sensor, const SensorSource& source) {
+  if (auto v = source.attributes.Integer("steps", 1, 1'000'000)) sensor.steps = *v;
+  for (std::string& name : SplitWords(source.attributes.Text("abort").value_or("")))
+    sensor.abort.push_back(std::move(name));
+  source.ForEachChild({"coopdyn:motor", "coopdyn:value"}, [&](XmlAttributes& child, std::string_view name) {
+    if (sensor.motors.size() + sensor.values.size() == ChannelModel::kMaxValues)
+      child.Error("a channel has at most " + std::to_string(ChannelModel::kMaxValues) + " motors and values");
+    if (sensor.motors.size() + sensor.values.size() >= ChannelModel::kMaxValues) return;
+    if (name == "coopdyn:motor") {
+      sensor.motors.push_back(ReadMotor(child, source.robot));
+    } else {
+      sensor.values.push_back(ReadValue(child, source));
+    }
+  });
+}
+
+void Connect(ChannelModel& channel, const RobotModel& robot, const std::string& file,
+             Diagnostics& diagnostics) {
+  std::vector<std::string> modules;
+  for (const SensorModel& sensor : robot.sensors) modules.push_back(sensor.name);
+  const auto find = [&](const std::string& name, int line) -> const SensorModel* {
+    for (const SensorModel& sensor : robot.sensors) {
+      if (sensor.name == name) return &sensor;
+    }
+    diagnostics.Error({file, line}, "the channel names a module '" + name + "' that is no sensor's" +
+                                        DidYouMean(name, modules));
+    return nullptr;
+  };
+  for (ChannelModel::Value& value : channel.values) {
+    if (value.quantity != What::kReading) continue;
+    const SensorModel* const sensor = find(value.of, value.line);
+    if (sensor == nullptr) continue;
+    value.source = static_cast<std::size_t>(sensor - robot.sensors.data());
+    if (std::holds_alternative<ChannelModel>(sensor->kind))
+      diagnostics.Error({file, value.line}, "a channel cannot carry the values of a channel");
+    const std::size_t count = FixedCount(sensor->kind);
+    if (value.index >= count)
+      diagnostics.Error({file, value.line}, "the reading of '" + value.of + "' has " + std::to_string(count) +
+                                                " values of a fixed number: index " +
+                                                std::to_string(value.index + 1) + " is none of them");
+  }
+  for (const std::string& name : channel.abort) {
+    const SensorModel* const sensor = find(name, channel.values.empty() ? 0 : channel.values.front().line);
+    if (sensor == nullptr) continue;
+    channel.aborts.push_back(static_cast<std::size_t>(sensor - robot.sensors.data()));
+    if (!std::holds_alternative<ContactModel>(sensor->kind))
+      diagnostics.Error({file, 0}, "'abort' of a channel names contact modules: '" + name + "' is none");
+  }
+  for (ChannelModel::Motor& motor : channel.motors) {
+    if (motor.channel == ChannelModel::Motor::kNone) continue;
+    std::size_t next = 0;
+    bool found = false;
+    for (const ActuatorModel& actuator : robot.actuators) {
+      for (const int joint : actuator.joints) {
+        if (robot.joints[static_cast<std::size_t>(joint)].name == motor.joint && !actuator.module.empty()) {
+          motor.channel = next;
+          found = true;
+          if (!actuator.is_board() && motor.mode != ControlMode::kVelocity)
+            diagnostics.Error({file, motor.line}, "a wheel of a drive takes mode=\"velocity\" only");
+        }
+        ++next;
+      }
+    }
+    if (!found)
+      diagnostics.Error({file, motor.line}, "no module drives the joint '" + motor.joint +
+                                                "': give it <limit> with effort and velocity, and a module");
+  }
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: MIT
+#include "server/yars/tcp_encoding.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "protocol/command_ids.h"
+#include "server/yars/wire.h"
+
+namespace coopdyn {
+
+namespace {
+
+constexpr std::size_t kHead = 5;  // a letter and a count
+constexpr std::uint32_t kMostText = std::uint32_t{1} << 16, kMostNumbers = 20'000;
+
+std::uint32_t CountAt(std::string_view bytes) {
+  return static_cast<std::uint32_t>(YarsReader(bytes.substr(1)).Int().value_or(0));
+}
+
+/// A value that a client has sent.
+struct TcpValue {
+  enum class State { kNeedMore, kWhole, kBroken };
+  State state = State::kNeedMore;
+  std::size_t size = 0;  // with its letter
+  char letter = 0;
+  std::string_view text;
+  std::vector<double> numbers;
+};
+
+TcpValue ReadTcpValue(std::string_view bytes) {
+  TcpValue value;
+  if (bytes.empty()) return value;
+  value.letter = bytes[0];
+  std::size_t each = 0, count = 1, head = 1;
+  switch (value.letter) {
+    case 'd':
+      each = 8;
+      break;
+    case 'i':
+      each = 4;
+      break;
+    case 's':
+    case 'D':
+    case 'I':
+      each = value.letter == 's' ? 1 : value.letter == 'D' ? 8 : 4;
+      head = kHead;
+      if (bytes.size() < kHead) return value;
+      count = CountAt(bytes);
+      break;
+    default:
+      value.state = TcpValue::State::kBroken;
+      return value;
+  }
+  if (count > (each == 1 ? kMostText : kMostNumbers)) {
+    value.state = TcpValue::State::kBroken;
+    return value;
+  }
+  value.size = head + each * count;
+  if (bytes.size() < value.size) return value;
+  value.state = TcpValue::State::kWhole;
+  YarsReader rest(bytes.substr(head));
+  if (each == 1) {
+    value.text = bytes.substr(head, count);
+    return value;
+  }
+  for (std::size_t i = 0; i < count; ++i)
+    value.numbers.push_back(each == 8 ? rest.Double().value_or(0) : rest.Int().value_or(0));
+  return value;
+}
+
+void AppendText(std::string_view text, std::string& out) {
+  out += 's';
+  PutInt(static_cast<std::int32_t>(text.size()), out);
+  out += text;
+}
+
+/// One connection.
+class YarsTcpEncoding final : public Encoding {
+ public:
+  YarsTcpEncoding(const Endpoint& endpoint, YarsWorld& world)
+      : path_(endpoint.path()), world_(world), fits_(endpoint.table().Find(command::kSetMotors) != nullptr) {}
+
+  Incoming Decode(std::string_view bytes) override {
+    if (!fits_)
+      return Fatal(path_ +
+                   " has no motors and values for clients of YARS: connect to the robot's module channel");
+    const TcpValue value = ReadTcpValue(bytes);
+    if (value.state == TcpValue::State::kNeedMore) return {};
+    if (value.state == TcpValue::State::kBroken)
+      return Fatal(
+          "this is no value of YARS's TCP protocol: d, i, s, D or I, then little-endian bytes, at most "
+          "65536 of a text and 20000 numbers");
+    Incoming incoming = awaited_ ? Awaited(value) : Command(value);
+    incoming.consumed = value.size;
+    return incoming;
+  }
+
+  void Reply(const Message& reply, std::string& out) override {
+    switch (std::exchange(asks_, Asks::kNothing)) {
+      case Asks::kConfiguration:
+        if (reply.error == 0) AppendConfiguration(YarsChannel::Of(reply), out);
+        break;
+      case Asks::kSensors: {
+        const std::size_t count = reply.data.size() < 2 ? 0 : reply.data.size() - 2;
+        out += 'D';
+        PutInt(static_cast<std::int32_t>(count), out);
+        for (std::size_t i = 0; i < count; ++i) PutDouble(reply.data[i], out);
+        break;
+      }
+      default:
+        break;  // gets no answer
+    }
+  }
+
+  void Push(UnaskedMessage& /*push*/, std::string& /*out*/) override {}
+
+ private:
+  enum class Asks { kNothing, kConfiguration, kSensors, kStep, kWorld };
+
+  static Incoming Fatal(const std::string& why) {
+    return {DecodeStatus::kFatal, 0, ErrorReply(command::kUnreadable, Error::kMalformed, why)};
+  }
+  static Incoming Ask(Asks& asks, Asks what, Message request) {
+    asks = what;
+    return {.status = DecodeStatus::kMessage, .message = std::move(request)};
+  }
+  Incoming AskWorld(YarsOrder order) {
+    asks_ = Asks::kWorld;
+    return {.status = DecodeStatus::kNothing, .ask = [this, order = std::move(order)](ReplyFunction reply) {
+              world_.Ask(order, std::move(reply));
+            }};
+  }
+
+  Incoming Command(const TcpValue& value) {
+    if (value.letter != 's') return Fatal("a command is a text: CONFIGURATION, SENSORS, ACTUATORS, …");
+    const std::string_view word = value.text;
+    if (word == "SENSORS") return Ask(asks_, Asks::kSensors, ReplyTo(command::kGetValues));
+    if (word == "CONFIGURATION") return Ask(asks_, Asks::kConfiguration, ReplyTo(command::kGetChannel));
+    if (word == "ACTUATORS" || word == "RANDOM SEED" || word == "MESSAGE") {
+      awaited_ = word == "ACTUATORS" ? 'D' : word == "MESSAGE" ? 's' : 'i';
+      return {.status = DecodeStatus::kNothing};
+    }
+    if (word == "RESET") return AskWorld({.seed = std::exchange(seed_, std::nullopt)});
+    if (word == "QUIT") {
+      world_.Ask({.kind = YarsOrder::Kind::kQuit}, [](const Message&) {});
+      return {.status = DecodeStatus::kLeave};
+    }
+    return Fatal("there is no command '" + std::string(word.substr(0, 40)) +
+                 "': CONFIGURATION, SENSORS, ACTUATORS, RESET, RANDOM SEED, MESSAGE or QUIT");
+  }
+
+  /// What belongs to the command before.
+  Incoming Awaited(const TcpValue& value) {
+    const char letter = std::exchange(awaited_, 0);
+    if (value.letter != letter)
+      return Fatal(fmt::format("the command before is followed by {}, not {}", letter, value.letter));
+    if (letter == 's') return AskWorld({.kind = YarsOrder::Kind::kLog, .text = std::string(value.text)});
+    if (letter == 'i') {
+      seed_ = static_cast<std::uint32_t>(static_cast<std::int64_t>(value.numbers.front()));
+      return {.status = DecodeStatus::kNothing};
+    }
+    Message request = ReplyTo(command::kSetMotors);
+    request.data = value.numbers;
+    return Ask(asks_, Asks::kStep, std::move(request));
+  }
+
+  void AppendConfiguration(const YarsChannel& channel, std::string& out) const {
+    const auto line = [&out](const std::string& text) { AppendText(text, out); };
+    line("BEGIN CONFIGURATION");
+    line("BEGIN DATA TYPES");
+    line("INTEGER 4 bytes, little endian");
+    line("DOUBLE 8 bytes, little endian");
+    line("END DATA TYPES");
+    line("BEGIN ROBOT DATA");
+    line("NAME " + path_.substr(1, path_.rfind('/') - 1));
+    const auto entries = [&](const std::vector<YarsEntry>& all, const std::string& word) {
+      for (std::size_t i = 0; i < all.size();) {
+        std::size_t end = i + 1;  // of those that are called alike: its dimension
+        while (end < all.size() && all[end].name == all[i].name) ++end;
+        line("BEGIN " + word);
+        line("NAME " + all[i].name);
+        line(fmt::format("DIMENSION {}", end - i));
+        for (; i < end; ++i) {
+          line(fmt::format("INTERNAL DOMAIN {:.6g} {:.6g}", all[i].internal_min, all[i].internal_max));
+          line(fmt::format("EXTERNAL DOMAIN {:.6g} {:.6g}", all[i].external_min, all[i].external_max));
+        }
+        line("END " + word);
+      }
+    };
+    entries(channel.values, "SENSOR");
+    entries(channel.motors, "ACTUATOR");
+    line("END ROBOT DATA");
+    line("END CONFIGURATION");
+  }
+
+  const std::string path_;
+  YarsWorld& world_;
+  const bool fits_;
+  char awaited_ = 0;  // the letter of the value that belongs to the command before; 0: none does
+  Asks asks_ = Asks::kNothing;
+  std::optional<std::uint64_t> seed_;  // of the next reset
+};
+
+}  // namespace
+
+EncodingKind YarsTcpEncodingKind(YarsWorld& world) {
+  // By the lengths of the commands: no line of text has these bytes, and a short one need not wait for more.
+  const auto match = [](std::string_view first) {
+    constexpr std::string_view kLengths = "\x04\x05\x07\x09\x0b\x0d";
+    if (first.empty()) return Match::kMaybe;
+    if (first[0] != 's') return Match::kNo;
+    if (first.size() > 1 && kLengths.find(first[1]) == std::string_view::npos) return Match::kNo;
+    for (std::size_t i = 2; i < std::min(first.size(), kHead); ++i) {
+      if (first[i] != 0) return Match::kNo;
+    }
+    return first.size() < kHead ? Match::kMaybe : Match::kYes;
+  };
+  return {match, [&world](const Endpoint& endpoint) -> std::unique_ptr<Encoding> {
+            return std::make_unique<YarsTcpEncoding>(endpoint, world);
+          }};
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// The TCP protocol of the public YARS's controller TCPIP, on the port of a robot's module `channel`. A value
+// on the wire is a letter and little-endian bytes: d double, i int32, s text, D doubles, I int32s, the last
+// three with their count before. Commands are texts: CONFIGURATION, SENSORS, ACTUATORS, RESET, RANDOM SEED,
+// MESSAGE, QUIT.
+#pragma once
+
+#include "server/net/encoding.h"
+#include "server/yars/world.h"
+
+namespace coopdyn {
+
+/// Its kind: chosen by a text's first five bytes, which nothing else begins with. `world` outlives it.
+EncodingKind YarsTcpEncodingKind(YarsWorld& world);
+
+}  // namespace coopdyn

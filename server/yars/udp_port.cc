@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: MIT
+#include "server/yars/udp_port.h"
+
+#include <array>
+#include <chrono>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include <boost/asio/ip/udp.hpp>
+#include <boost/asio/ip/v6_only.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include "server/net/peer.h"
+#include "server/net/turn.h"
+
+namespace coopdyn {
+
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::udp;
+using boost::system::error_code;
+using std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kWatch{2};
+
+std::string ToText(const udp::endpoint& peer) {
+  return ToString(SocketAddress{peer.address().to_string(), peer.port(), peer.address().is_loopback()});
+}
+
+}  // namespace
+
+struct YarsPorts::Shared {
+  Mutex mutex;
+  std::map<std::string, std::weak_ptr<YarsUdpPort::Impl>> ports GUARDED_BY(mutex);
+};
+
+std::shared_ptr<YarsPorts::Shared> YarsPorts::MakeShared() {
+  return std::make_shared<Shared>();
+}
+
+/// The robot's thread only, in its turn.
+class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, private Connection {
+ public:
+  Impl(std::string robot, Endpoint& channel, IoThread& io, NetServices& net, YarsPorts& ports)
+      : robot_(std::move(robot)),
+        channel_(channel),
+        net_(net),
+        ports_(ports.shared_),
+        world_(ports.world()),
+        poster_(io.poster()),
+        turn_(Turn::Of(io.context())),
+        context_(io.context()),
+        watch_(io.context()) {}
+
+  std::string Listen(const std::vector<std::string>& addresses, int port) {
+    for (const std::string& text : addresses) {
+      error_code failed;
+      const asio::ip::address address = asio::ip::make_address(text, failed);
+      if (failed) continue;
+      auto socket = std::make_unique<udp::socket>(context_);
+      socket->open(address.is_v6() ? udp::v6() : udp::v4(), failed);
+      if (!failed && address.is_v6()) socket->set_option(asio::ip::v6_only(true), failed);
+      if (!failed) socket->bind({address, static_cast<std::uint16_t>(port)}, failed);
+      if (!failed) socket->non_blocking(true, failed);
+      namespace errc = boost::system::errc;
+      const bool is_missing =
+          failed == errc::address_not_available || failed == errc::address_family_not_supported;
+      if (failed && is_missing) continue;
+      if (failed) return "UDP port " + std::to_string(port) + " of " + text + ": " + failed.message();
+      sockets_.push_back(std::move(socket));
+    }
+    return sockets_.empty() ? "no address for UDP port " + std::to_string(port) : "";
+  }
+
+  void Start() {
+    {
+      const MutexLock lock(ports_->mutex);
+      ports_->ports[robot_] = weak_from_this();
+    }
+    for (const auto& socket : sockets_) Wait(*socket);
+  }
+
+  void Close() {
+    for (const auto& socket : sockets_) {
+      error_code ignored;
+      socket->close(ignored);
+    }
+    watch_.cancel();
+    Leave();
+    closed_ = true;
+  }
+
+ private:
+  // Connection
+  ClientId id() const override { return id_; }
+  const std::string& peer() const override { return peer_text_; }
+  bool trusted() const override { return peer_ && peer_->address().is_loopback(); }
+  bool input_ended() const override { return false; }
+  bool output_ended() const override { return false; }
+  bool Push(const UnaskedPtr& /*message*/, std::int64_t /*dropped*/) override { return true; }
+  void Close(const std::string& reason) override {
+    Say(spdlog::level::info, reason);
+    Post([](Impl& self) { self.Leave(); });
+  }
+
+  template <typename Work>
+  void Post(Work work) {
+    poster_([weak = weak_from_this(), work = std::move(work)]() mutable {
+      if (const auto self = weak.lock(); self != nullptr && !self->closed_) work(*self);
+    });
+  }
+
+  void Say(spdlog::level::level_enum level, const std::string& text) {
+    net_.LogPeer(level, peer_text_, "/" + robot_ + "/channel by UDP: " + text);
+  }
+
+  void Wait(udp::socket& socket) {
+    socket.async_wait(udp::socket::wait_read, [self = shared_from_this(), &socket](const error_code& failed) {
+      if (failed || self->closed_) return;
+      self->turn_.Run([&] { self->Receive(socket); });
+      if (!self->closed_) self->Wait(socket);
+    });
+  }
+
+  void Receive(udp::socket& socket) {
+    constexpr int kAtOnce = 64;
+    for (int i = 0; i < kAtOnce && !closed_; ++i) {
+      std::array<char, 2 * YarsUdpTalk::kMaxDatagram> bytes;
+      udp::endpoint from;
+      error_code failed;
+      const std::size_t count = socket.receive_from(asio::buffer(bytes), from, 0, failed);
+      if (failed == asio::error::would_block) return;
+      if (failed) continue;  // of a datagram before
+      Take({bytes.data(), count}, from, socket);
+    }
+  }
+
+  void Take(std::string_view datagram, const udp::endpoint& from, udp::socket& socket) {
+    const auto now = steady_clock::now();
+    if (peer_ && from != *peer_) {
+      // A silent client may have gone: there is no other sign.
+      constexpr std::chrono::seconds kMayGo{2};
+      if (now - heard_ < kMayGo || talk_.waits()) {
+        if (datagram.size() == 1) return;
+        Send(YarsUdpTalk::Refusal(robot_ + " is driven by " + peer_text_ + ": one client at a time"), from,
+             socket);
+        return;
+      }
+      Say(spdlog::level::info, "silent, " + ToText(from) + " takes its place");
+      Leave();
+    }
+    if (!peer_) Join(from, socket);
+    heard_ = now;
+    if (datagram.size() != 1 && net_.read_only()) {
+      Send(YarsUdpTalk::Refusal(kReadOnlyText), from, socket);
+      return;
+    }
+    Perform(talk_.Take(datagram));
+  }
+
+  void Join(const udp::endpoint& from, udp::socket& socket) {
+    id_ = net_.NextClient();
+    peer_ = from;
+    peer_text_ = ToText(from);
+    socket_ = &socket;
+    talk_ = {};
+    told_trouble_ = false;
+    channel_.OnOpen(*this);
+    Watch();
+  }
+
+  /// The client is gone.
+  void Leave() {
+    if (!peer_) return;
+    channel_.OnInputEnded(*this);
+    channel_.OnClosed(*this);
+    peer_.reset();
+    ++serial_;
+    watch_.cancel();
+  }
+
+  void Watch() {
+    watch_.expires_after(kWatch);
+    watch_.async_wait([self = shared_from_this()](const error_code& failed) {
+      if (failed || self->closed_) return;
+      self->turn_.Run([&] {
+        if (!self->peer_) return;
+        const bool is_silent = steady_clock::now() - self->heard_ > ConnectionEnd::kDatagramSilence;
+        if (is_silent && !self->talk_.waits()) {
+          self->Say(spdlog::level::info, "silent for 10 s: it is taken for gone");
+          return self->Leave();
+        }
+        self->Watch();
+      });
+    });
+  }
+
+  void Perform(YarsUdpTalk::Action action) {
+    while (true) {
+      if (!action.trouble.empty() && !std::exchange(told_trouble_, true))
+        Say(spdlog::level::warn, action.trouble);
+      for (const std::string& datagram : action.datagrams) Send(datagram, *peer_, *socket_);
+      if (action.order) Ask(*std::move(action.order));
+      if (action.leaves) return Leave();
+      if (!action.request) return;
+      // Replies that come at once are taken up here, so that no chain of them grows the stack.
+      answer_.reset();
+      asking_ = true;
+      channel_.OnRequest(*this, *std::move(action.request),
+                         [weak = weak_from_this(), serial = ++serial_](const Message& reply) {
+                           const auto self = weak.lock();
+                           if (self == nullptr || self->closed_ || serial != self->serial_) return;
+                           if (self->asking_) {
+                             self->answer_ = reply;
+                           } else {
+                             self->heard_ = steady_clock::now();
+                             self->Perform(self->talk_.Answer(reply));
+                           }
+                         });
+      asking_ = false;
+      if (!answer_ || !peer_) return;
+      action = talk_.Answer(*std::exchange(answer_, std::nullopt));
+    }
+  }
+
+  void Ask(YarsOrder order) {
+    world_.Ask(std::move(order),
+               [ports = ports_, robot = robot_, peer = *peer_, talk = talk_](const Message& reply) {
+                 std::shared_ptr<Impl> port;
+                 {
+                   const MutexLock lock(ports->mutex);
+                   const auto found = ports->ports.find(robot);
+                   if (found != ports->ports.end()) port = found->second.lock();
+                 }
+                 if (port != nullptr)
+                   port->Post([peer, talk, reply](Impl& self) { self.GoOn(peer, talk, reply); });
+               });
+  }
+
+  /// The world has answered; the robot, and this port, may be new since the order.
+  void GoOn(const udp::endpoint& peer, const YarsUdpTalk& talk, const Message& reply) {
+    if (!talk.waits() || (peer_ && *peer_ != peer)) return;
+    if (!peer_) {
+      Join(peer, SocketFor(peer));
+      talk_ = talk;
+    }
+    heard_ = steady_clock::now();
+    if (talk_.waits()) Perform(talk_.Done(reply));
+  }
+
+  udp::socket& SocketFor(const udp::endpoint& peer) {
+    for (const auto& socket : sockets_) {
+      error_code ignored;
+      if (socket->local_endpoint(ignored).address().is_v6() == peer.address().is_v6()) return *socket;
+    }
+    return *sockets_.front();
+  }
+
+  static void Send(const std::string& datagram, const udp::endpoint& to, udp::socket& socket) {
+    error_code lost;  // as datagrams are: the client asks again
+    socket.send_to(asio::buffer(datagram), to, 0, lost);
+  }
+
+  const std::string robot_;
+  Endpoint& channel_;
+  NetServices& net_;
+  const std::shared_ptr<YarsPorts::Shared> ports_;
+  YarsWorld& world_;
+  const IoThread::Poster poster_;
+  Turn& turn_;
+  asio::io_context& context_;
+  std::vector<std::unique_ptr<udp::socket>> sockets_;
+  asio::steady_timer watch_;
+  bool closed_ = false;
+  // Of the client; none: no peer_.
+  std::optional<udp::endpoint> peer_;
+  std::string peer_text_;
+  udp::socket* socket_ = nullptr;  // on which it talks
+  ClientId id_ = 0;
+  steady_clock::time_point heard_;
+  YarsUdpTalk talk_;
+  bool told_trouble_ = false;
+  std::uint64_t serial_ = 0;  // of the request under way
+  bool asking_ = false;
+  std::optional<Message> answer_;  // that has come while asking
+};
+
+YarsUdpPort::YarsUdpPort(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+std::unique_ptr<YarsUdpPort> YarsUdpPort::Open(std::string robot, Endpoint& channel, IoThread& io,
+                                               NetServices& net, YarsPorts& ports,
+                                               const std::vector<std::string>& addresses, int port,
+                                               std::string& error) {
+  auto impl = std::make_shared<Impl>(std::move(robot), channel, io, net, ports);
+  error = impl->Listen(addresses, port);
+  if (!error.empty()) return nullptr;
+  io.Call([&impl] { impl->Start(); });
+  return std::unique_ptr<YarsUdpPort>(new YarsUdpPort(std::move(impl)));
+}
+
+YarsUdpPort::~YarsUdpPort() {
+  impl_->Close();
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,440 @@
+// SPDX-License-Identifier: MIT
+#include "server/yars/udp_talk.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "protocol/command_ids.h"
+
+namespace coopdyn {
+
+namespace {
+
+enum : std::int32_t {
+  kEnd = -1,
+  kPing = 0,
+  kPingAck = 1,
+  kHandshake = 10,
+  kHandshakeAck = 11,
+  kExtended = 12,
+  kExtendedAck = 13,
+  kSensors = 20,
+  kMotors = 30,
+  kStep = 40,
+  kReset = 50,
+  kInit = 60,
+  kNextTry = 70,
+  kParallel = 80,
+  kSerial = 82,
+  kNewSimulation = 90,
+  kNewSimulationAck = 91,
+  kNewSimulationFailed = 92,
+  kClear = 93,
+  kClearAck = 94,
+  kQuit = 100,
+  kQuitAck = 101,
+};
+enum : std::int32_t {
+  kTagRobot = 0,
+  kTagCompound = 100,
+  kTagSegment = 200,
+  kTagMotor = 300,
+  kTagSensor = 400,
+  kTagAuxiliary = 500,
+  kTagMore = 999,
+};
+
+/// Its acknowledgement, as all but the uploads have it.
+std::int32_t AckOf(std::int32_t id) {
+  return id + 1;
+}
+
+}  // namespace
+
+std::string YarsUdpTalk::Ints(std::initializer_list<std::int32_t> numbers) {
+  std::string out;
+  for (const std::int32_t number : numbers) PutInt(number, out);
+  return out;
+}
+
+std::string YarsUdpTalk::Finish(std::string datagram) const {
+  PutInt(kEnd, datagram);
+  if (number_) PutInt(*number_, datagram);
+  return datagram;
+}
+
+std::string YarsUdpTalk::Refusal(const std::string& why) {
+  std::string out = Ints({kRefused, static_cast<std::int32_t>(why.size())}) + why;
+  PutInt(kEnd, out);
+  return out;
+}
+
+YarsUdpTalk::Action YarsUdpTalk::Refuse(const std::string& why) {
+  const std::string text = why.substr(0, kUsable - 16);
+  Action action = Send({Finish(Ints({kRefused, static_cast<std::int32_t>(text.size())}) + text)});
+  action.trouble = why;
+  return action;
+}
+
+YarsUdpTalk::Action YarsUdpTalk::Send(std::vector<std::string> datagrams) {
+  last_answer_ = datagrams;
+  last_number_ = number_;
+  return {.datagrams = std::move(datagrams)};
+}
+
+YarsUdpTalk::Action YarsUdpTalk::Take(std::string_view datagram) {
+  if (datagram.size() == 1) return {};  // who it is
+  if (!waits()) return Begin(datagram);
+  if (datagram != current_) later_ = datagram;
+  return {};
+}
+
+YarsUdpTalk::Action YarsUdpTalk::GoOn(Action action) {
+  if (waits() || later_.empty()) return action;
+  const std::string next = std::exchange(later_, {});
+  Action more = Begin(next);
+  more.datagrams.insert(more.datagrams.begin(), action.datagrams.begin(), action.datagrams.end());
+  more.leaves = more.leaves || action.leaves;
+  if (more.trouble.empty()) more.trouble = action.trouble;
+  return more;
+}
+
+YarsUdpTalk::Action YarsUdpTalk::Begin(std::string_view datagram) {
+  current_ = datagram;
+  number_.reset();
+  if (datagram.size() > kMaxDatagram) return Refuse("a datagram has at most 1024 bytes");
+  YarsReader whole(datagram);
+  const std::optional<std::int32_t> id = whole.Int();
+  if (!id) return Refuse("a datagram begins with an int32, the id of the request");
+  if (!knows_channel_) {
+    waiting_ = Waiting::kChannel;
+    Action action;
+    action.request.emplace();
+    action.request->command = command::kGetChannel;
+    return action;
+  }
+  return Handle(*id, whole);
+}
+
+YarsUdpTalk::Action YarsUdpTalk::Handle(std::int32_t id, YarsReader& fields) {
+  // The end of requests of a fixed length; of a step and an upload it is found there.
+  const auto end = [&](std::size_t ints) {
+    YarsReader rest = fields;
+    for (std::size_t i = 0; i < ints; ++i) rest.Int();
+    if (rest.Int() != kEnd) return false;
+    number_ = rest.Int();
+    return true;
+  };
+  const auto is_repeated = [&] { return number_ && number_ == last_number_ && !last_answer_.empty(); };
+  const auto ends_with_robot = [&](std::size_t more) { return end(1 + more); };
+  const std::string unfinished =
+      "the request " + std::to_string(id) + " does not end with -1 where it should";
+  switch (id) {
+    case kPing:
+      if (!end(0)) return Refuse(unfinished);
+      return Send({Finish(Ints({kPingAck}))});
+    case kHandshake:
+      if (!end(0)) return Refuse(unfinished);
+      if (is_repeated()) return {.datagrams = last_answer_};
+      return BasicHandshake();
+    case kExtended:
+      if (!end(0) && !end(1)) return Refuse(unfinished);
+      if (is_repeated()) return {.datagrams = last_answer_};
+      return Handshake(fields);
+    case kSensors: {
+      if (!ends_with_robot(0)) return Refuse(unfinished);
+      robot_ = fields.Int().value_or(0);
+      step_id_ = id;
+      waiting_ = Waiting::kValues;
+      Action action;
+      action.request.emplace();
+      action.request->command = command::kGetValues;
+      return action;
+    }
+    case kMotors:
+    case kStep:
+      return Step(id, fields);
+    case kInit:
+    case kNextTry:
+    case kReset: {
+      if (!ends_with_robot(id == kReset ? 0 : 1)) return Refuse(unfinished);
+      if (is_repeated()) return {.datagrams = last_answer_};
+      robot_ = fields.Int().value_or(0);
+      YarsOrder order;
+      if (id != kReset) order.seed = static_cast<std::uint32_t>(fields.Int().value_or(0));
+      return Order(std::move(order), AckOf(id), std::nullopt);
+    }
+    case kClear:
+      // The next experiment takes the place of this one at once.
+      if (!end(0)) return Refuse(unfinished);
+      upload_.reset();
+      return Send({Finish(Ints({kClearAck}))});
+    case kNewSimulation:
+      return NewSimulation(fields);
+    case kQuit: {
+      if (!end(0)) return Refuse(unfinished);
+      Action action = Send({Finish(Ints({kQuitAck}))});
+      action.leaves = true;
+      action.order = YarsOrder{.kind = YarsOrder::Kind::kQuit};
+      return action;
+    }
+    default:
+      return Refuse("there is no request " + std::to_string(id) +
+                    ": 0 ping, 10 and 12 handshake, 20 sensors, 40 step, 50 reset, 60 init, 70 next try, "
+                    "93 clear, 90 new simulation, 100 quit");
+  }
+}
+
+// --- handshake
+
+void YarsUdpTalk::NoteTree() {
+  tree_ = {{kTagRobot}, {kTagCompound}};
+  motor_order_.clear();
+  value_order_.clear();
+  std::vector<std::size_t> auxiliary;
+  std::int32_t segments = std::max(channel_.segments, std::int32_t{1});
+  for (const auto* entries : {&channel_.motors, &channel_.values}) {
+    for (const YarsEntry& entry : *entries) segments = std::max(segments, entry.segment);
+  }
+  for (std::int32_t segment = 1; segment <= segments; ++segment) {
+    const auto is_here = [&](const YarsEntry& entry) { return std::max(entry.segment, 1) == segment; };
+    tree_.push_back({kTagSegment});
+    for (std::size_t i = 0; i < channel_.motors.size(); ++i) {
+      if (!is_here(channel_.motors[i])) continue;
+      tree_.push_back({kTagMotor, true, channel_.motors[i]});
+      motor_order_.push_back(i);
+    }
+    for (const bool is_auxiliary : {false, true}) {
+      for (std::size_t i = 0; i < channel_.values.size(); ++i) {
+        const YarsEntry& value = channel_.values[i];
+        if (!is_here(value) || value.auxiliary != is_auxiliary) continue;
+        tree_.push_back({is_auxiliary ? kTagAuxiliary : kTagSensor, true, value});
+        (is_auxiliary ? auxiliary : value_order_).push_back(i);
+      }
+    }
+  }
+  value_order_.insert(value_order_.end(), auxiliary.begin(), auxiliary.end());
+}
+
+YarsUdpTalk::Action YarsUdpTalk::BasicHandshake() {
+  std::vector<std::string> datagrams;
+  if (told_ >= tree_.size() || in_handshake_) told_ = 0;
+  in_handshake_ = false;
+  std::string datagram = Ints({kHandshakeAck});
+  constexpr std::size_t kRoom = 12;  // for the last tags and a number
+  while (told_ < tree_.size() && datagram.size() + kRoom <= kUsable) PutInt(tree_[told_++].tag, datagram);
+  if (told_ < tree_.size()) PutInt(kTagMore, datagram);
+  return Send({Finish(std::move(datagram))});
+}
+
+YarsUdpTalk::Action YarsUdpTalk::Handshake(YarsReader& fields) {
+  const std::int32_t mode = fields.Int().value_or(kEnd);
+  if (mode != kEnd && mode != kSerial && mode != kParallel)
+    return Refuse("the extended handshake is 12, 82 (serial) or 80 (parallel), -1");
+  if (mode != kEnd || !in_handshake_) {
+    in_handshake_ = true;
+    told_ = 0;
+    names_next_ = false;
+    std::string datagram = Ints({kExtendedAck});
+    if (mode != kEnd) PutInt(AckOf(mode), datagram);
+    current_head_ = std::move(datagram);
+    return NextOfHandshake();
+  }
+  current_head_ = Ints({kExtendedAck});
+  return NextOfHandshake();
+}
+
+YarsUdpTalk::Action YarsUdpTalk::NextOfHandshake() {
+  std::string datagram = std::exchange(current_head_, {});
+  if (std::exchange(names_next_, false)) {
+    const std::string& name = tree_[told_ - 1].entry.name;
+    return Send({Finish(datagram + Ints({static_cast<std::int32_t>(name.size())}) + name)});
+  }
+  constexpr std::size_t kRoom = 24;  // for an entry and the end
+  while (told_ < tree_.size()) {
+    if (datagram.size() + kRoom > kUsable) {
+      PutInt(kTagMore, datagram);
+      return Send({Finish(std::move(datagram))});
+    }
+    const Tag& tag = tree_[told_++];
+    PutInt(tag.tag, datagram);
+    if (!tag.is_entry) continue;
+    PutFloat(static_cast<float>(tag.entry.external_min), datagram);
+    PutFloat(static_cast<float>(tag.entry.external_max), datagram);
+    names_next_ = true;
+    return Send({Finish(std::move(datagram))});
+  }
+  in_handshake_ = false;
+  return Send({Finish(std::move(datagram))});
+}
+
+// --- steps
+
+YarsUdpTalk::Action YarsUdpTalk::Step(std::int32_t id, YarsReader& fields) {
+  const std::int32_t robot = fields.Int().value_or(kEnd);
+  if (robot == kEnd && fields.left() < 8) {  // more values, please
+    number_ = fields.Int();
+    if (left_.empty()) return Refuse("nothing is left to be sent: a step is 40, robot, count, motors, -1");
+    const std::size_t count = std::min(left_.size(), kUnacknowledged);
+    std::vector<std::string> some(left_.begin(), left_.begin() + static_cast<std::ptrdiff_t>(count));
+    left_.erase(left_.begin(), left_.begin() + static_cast<std::ptrdiff_t>(count));
+    return Send(std::move(some));
+  }
+  const std::int32_t count = fields.Int().value_or(kEnd);
+  const std::size_t expected = channel_.motors.size();
+  const bool begins = count == static_cast<std::int32_t>(expected);
+  if (begins) {
+    motors_.clear();
+    motor_datagrams_ = 0;
+  }
+  if (count < 0 || motors_.size() + static_cast<std::size_t>(count) != expected) {
+    motors_.clear();
+    return Refuse("the robot has " + std::to_string(expected) + " motors, not " + std::to_string(count) +
+                  ": a step is 40, robot, count, motors, -1");
+  }
+  // A datagram ends with −1, and perhaps a number: what is before are values.
+  const std::size_t words = fields.left() / 4;
+  const std::size_t here = std::min(static_cast<std::size_t>(count), words == 0 ? 0 : words - 1);
+  for (std::size_t i = 0; i < here; ++i) motors_.push_back(fields.Float().value_or(NAN));
+  if (fields.Int() != kEnd ||
+      std::any_of(motors_.begin(), motors_.end(), [](double value) { return !std::isfinite(value); })) {
+    motors_.clear();
+    return Refuse("a step is 40, robot, count, motors, -1, and all motors are finite numbers");
+  }
+  number_ = fields.Int();
+  if (number_ && number_ == last_number_ && !last_answer_.empty()) return {.datagrams = last_answer_};
+  if (motors_.size() < expected) {
+    const bool wants_ack = ++motor_datagrams_ % kUnacknowledged == 0;
+    return wants_ack ? Send({Finish(Ints({AckOf(id)}))}) : Action{};
+  }
+  robot_ = robot;
+  step_id_ = id;
+  waiting_ = Waiting::kStep;
+  Action action;
+  action.request.emplace();
+  action.request->command = command::kSetMotors;
+  action.request->data.resize(expected);
+  for (std::size_t i = 0; i < expected; ++i) action.request->data[motor_order_[i]] = motors_[i];
+  motors_.clear();
+  return action;
+}
+
+YarsUdpTalk::Action YarsUdpTalk::Answer(const Message& reply) {
+  const Waiting waited = std::exchange(waiting_, Waiting::kNot);
+  if (waited == Waiting::kChannel) {
+    if (reply.error != 0) return GoOn(Refuse(reply.text));
+    channel_ = YarsChannel::Of(reply);
+    knows_channel_ = true;
+    NoteTree();
+    const std::string again = current_;
+    return GoOn(Begin(again));
+  }
+  if (reply.error == static_cast<std::int32_t>(Error::kNotPossible) && waited == Waiting::kStep) {
+    // A reset, of another robot's client, has ended the step: what is so now is the answer.
+    waiting_ = Waiting::kValues;
+    Action action;
+    action.request.emplace();
+    action.request->command = command::kGetValues;
+    return action;
+  }
+  if (reply.error != 0) return GoOn(Refuse(reply.text));
+  constexpr std::int32_t kAbort = 1;
+  const std::int32_t state = reply.text == "aborted" ? kAbort : 0;
+  const std::size_t count = value_order_.size();
+  std::vector<std::string> datagrams;
+  std::size_t sent = 0;
+  do {
+    std::string datagram = Ints({AckOf(step_id_), robot_, state, static_cast<std::int32_t>(count - sent)});
+    for (std::size_t i = 0; i < kValuesEach && sent < count; ++i, ++sent) {
+      const std::size_t index = value_order_[sent];
+      PutFloat(index < reply.data.size() ? static_cast<float>(reply.data[index]) : 0, datagram);
+    }
+    datagrams.push_back(Finish(std::move(datagram)));
+  } while (sent < count);
+  left_.clear();
+  if (datagrams.size() > kUnacknowledged) {
+    left_.assign(datagrams.begin() + kUnacknowledged, datagrams.end());
+    datagrams.resize(kUnacknowledged);
+  }
+  return GoOn(Send(std::move(datagrams)));
+}
+
+// --- the world
+
+YarsUdpTalk::Action YarsUdpTalk::Order(YarsOrder order, std::int32_t ack,
+                                       std::optional<std::int32_t> failed) {
+  ack_ = ack;
+  failed_ = failed;
+  waiting_ = Waiting::kWorld;
+  Action action;
+  action.order = std::move(order);
+  return action;
+}
+
+YarsUdpTalk::Action YarsUdpTalk::Done(const Message& reply) {
+  waiting_ = Waiting::kNot;
+  knows_channel_ = false;  // the robot may be another one
+  in_handshake_ = false;
+  left_.clear();
+  if (reply.error != 0 && !failed_) return GoOn(Refuse(reply.text));
+  const bool has_failed = reply.error != 0;
+  std::string datagram = Ints({has_failed ? *failed_ : ack_});
+  if (!failed_) PutInt(robot_, datagram);
+  Action action = Send({Finish(std::move(datagram))});
+  if (has_failed) action.trouble = reply.text;
+  return GoOn(std::move(action));
+}
+
+YarsUdpTalk::Action YarsUdpTalk::NewSimulation(YarsReader& fields) {
+  const std::int32_t id = fields.Int().value_or(0), size = fields.Int().value_or(0);
+  // The same words begin a datagram of its bytes: an id, which of them it is.
+  if (upload_ && upload_->id == id && size >= 0 && static_cast<std::size_t>(size) < upload_->has.size())
+    return NewSimulationData(fields, size);
+  const std::int32_t each = fields.Int().value_or(0), source = fields.Int().value_or(0);
+  constexpr std::int32_t kMostEach = 1004;
+  if (size <= 0 || static_cast<std::size_t>(size) > kMaxText || each <= 0 || each > kMostEach || source < 0 ||
+      source > 1) {
+    return Refuse(
+        "a new simulation is 90, an id, 1 to 4194304 bytes, 1 to 1004 bytes a datagram, 0 (the name of "
+        "a file) or 1 (XML), mask, try, individual, -1");
+  }
+  Upload upload;
+  upload.id = id;
+  upload.source = source;
+  upload.each = static_cast<std::size_t>(each);
+  upload.text.resize(static_cast<std::size_t>(size));
+  upload.missing = (upload.text.size() + upload.each - 1) / upload.each;
+  upload.has.resize(upload.missing);
+  upload_ = std::move(upload);
+  return Send({Finish(Ints({kNewSimulationAck}))});
+}
+
+YarsUdpTalk::Action YarsUdpTalk::NewSimulationData(YarsReader& fields, std::int32_t index) {
+  Upload& upload = *upload_;
+  if (index < 0 || static_cast<std::size_t>(index) >= upload.has.size())
+    return Refuse("the new simulation has " + std::to_string(upload.has.size()) +
+                  " datagrams: " + std::to_string(index) + " is none of them");
+  const auto place = static_cast<std::size_t>(index);
+  const std::size_t from = place * upload.each, count = std::min(upload.each, upload.text.size() - from);
+  const std::optional<std::string_view> bytes = fields.Bytes(count);
+  if (!bytes || fields.Int() != kEnd)
+    return Refuse("datagram " + std::to_string(index) + " of the new simulation has " +
+                  std::to_string(count) + " bytes and -1");
+  if (!upload.has[place]) {
+    upload.has[place] = true;
+    --upload.missing;
+    std::copy(bytes->begin(), bytes->end(), upload.text.begin() + static_cast<std::ptrdiff_t>(from));
+  }
+  if (upload.missing > 0) {
+    const bool wants_ack = place > 0 && place % kUnacknowledged == 0;
+    return wants_ack ? Send({Finish(Ints({kNewSimulationAck}))}) : Action{};
+  }
+  using Kind = YarsOrder::Kind;
+  YarsOrder order{.kind = upload.source == 0 ? Kind::kLoadFile : Kind::kLoadText,
+                  .text = std::move(upload.text)};
+  upload_.reset();
+  return Order(std::move(order), kNewSimulationAck, kNewSimulationFailed);
+}
+
+}  // namespace coopdyn

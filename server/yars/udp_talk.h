@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+// The UDP protocol of YARS as its paper has it, of 2008, from the robot's side: datagrams in, datagrams,
+// requests to the module `channel` and orders for the world out. Pure: no sockets, no clock. One thread.
+//
+// A datagram is little-endian int32 and float32: an id, its fields, −1. A client may add a number after the
+// −1: the answer then carries it, too, and a repeated number gets the same answer again without another step.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "protocol/message.h"
+#include "server/yars/wire.h"
+#include "server/yars/world.h"
+
+namespace coopdyn {
+
+class YarsUdpTalk {
+ public:
+  static constexpr std::size_t kMaxDatagram = 1024, kUsable = 1020;
+  static constexpr std::size_t kValuesEach = 250;     // in one datagram
+  static constexpr std::size_t kUnacknowledged = 80;  // datagrams
+  static constexpr std::size_t kMaxText = std::size_t{4} << 20;
+
+  /// What is to be done now.
+  struct Action {
+    std::vector<std::string> datagrams = {};  // to be sent
+    std::optional<Message> request = {};      // for the module; Answer() takes its reply
+    std::optional<YarsOrder> order = {};      // for the world; Done() takes its reply
+    bool leaves = false;                      // the client does not come back
+    std::string trouble = {};                 // what was wrong with the datagram
+  };
+
+  /// A datagram that is nonsense is answered with what is wrong: kRefused, the length of a text, the text,
+  /// −1.
+  static constexpr std::int32_t kRefused = 99;
+
+  /// While it waits for the module or the world, a copy of what it works on is ignored; of other datagrams
+  /// the last is taken up afterwards.
+  Action Take(std::string_view datagram);
+  /// @pre a request is under way
+  Action Answer(const Message& reply);
+  /// @pre an order is under way
+  Action Done(const Message& reply);
+  bool waits() const { return waiting_ != Waiting::kNot; }
+
+  /// The answer to who is not the robot's client.
+  static std::string Refusal(const std::string& why);
+
+ private:
+  enum class Waiting { kNot, kChannel, kStep, kValues, kWorld };
+
+  Action Begin(std::string_view datagram);
+  Action Handle(std::int32_t id, YarsReader& fields);
+  Action Handshake(YarsReader& fields);
+  Action BasicHandshake();
+  Action NextOfHandshake();
+  Action Step(std::int32_t id, YarsReader& fields);
+  Action NewSimulation(YarsReader& fields);
+  Action NewSimulationData(YarsReader& fields, std::int32_t index);
+  Action Order(YarsOrder order, std::int32_t ack, std::optional<std::int32_t> failed);
+  Action Refuse(const std::string& why);
+  Action Send(std::vector<std::string> datagrams);
+  Action SendValues();
+  /// `numbers`, then −1 and the number of the request.
+  std::string Finish(std::string datagram) const;
+  static std::string Ints(std::initializer_list<std::int32_t> numbers);
+  void NoteTree();
+  /// Of a later step of the module's answer.
+  Action GoOn(Action action);
+
+  YarsChannel channel_;
+  bool knows_channel_ = false;
+  Waiting waiting_ = Waiting::kNot;
+  std::string current_, later_;           // datagrams: being worked on, and to be taken up then
+  std::vector<std::string> last_answer_;  // to current_
+  std::optional<std::int32_t> number_;    // of the request
+  std::optional<std::int32_t> last_number_;
+
+  struct Tag {
+    std::int32_t tag = 0;
+    bool is_entry = false;
+    YarsEntry entry = {};
+  };
+  std::vector<Tag> tree_;
+  std::vector<std::size_t> motor_order_, value_order_;  // as told: index into the channel's
+  std::size_t told_ = 0;                                // of tree_
+  bool names_next_ = false;                             // the name of tree_[told_ − 1]
+  bool in_handshake_ = false;
+  std::string current_head_;  // of the next datagram
+
+  std::vector<double> motors_;  // of a step whose datagrams come
+  std::size_t motor_datagrams_ = 0;
+  std::int32_t robot_ = 0, step_id_ = 0, ack_ = 0;
+  std::optional<std::int32_t> failed_;
+  std::vector<std::string> left_;  // of the values: sent when the client asks for more
+
+  struct Upload {
+    std::int32_t id = 0, source = 0;
+    std::size_t each = 0, missing = 0;
+    std::string text;
+    std::vector<bool> has;
+  };
+  std::optional<Upload> upload_;
+};
+
+}  // namespace coopdyn

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// What clients of YARS ask of the whole world: resets, other experiments, the end. Any thread.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "protocol/message.h"
+
+namespace coopdyn {
+
+/// Such a request.
+struct YarsOrder {
+  enum class Kind {
+    kReset,  // back to the start; an experiment whose file has been edited is read anew
+    kLoadText,
+    kLoadFile,
+    kLog,  // a line for whoever watches
+    kQuit,
+  };
+  Kind kind = Kind::kReset;
+  std::optional<std::uint64_t> seed = {};  // of a reset; empty: the same one
+  std::string text = {};                   // of the experiment, its name, or the line
+};
+
+class YarsWorld {
+ public:
+  virtual ~YarsWorld() = default;
+  /// `done` gets the reply of /simulation, on any thread, once.
+  virtual void Ask(YarsOrder order, std::function<void(const Message&)> done) = 0;
+};
+
+}  // namespace coopdyn
