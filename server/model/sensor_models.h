@@ -20,8 +20,11 @@ struct ValueNoise {
   double bias_mean = 0;  // of a Gaussian that is drawn once a run
   double bias_stddev = 0;
   double resolution = 0;  // the value is rounded to a multiple of it; 0: exact
+  double uniform = 0;     // even between minus and plus this, anew in each sample
 
-  bool exact() const { return stddev <= 0 && bias_mean == 0 && bias_stddev <= 0 && resolution <= 0; }
+  bool exact() const {
+    return stddev <= 0 && uniform <= 0 && bias_mean == 0 && bias_stddev <= 0 && resolution <= 0;
+  }
   bool operator==(const ValueNoise&) const = default;
 };
 

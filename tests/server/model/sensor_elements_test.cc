@@ -92,10 +92,11 @@ TEST(SensorElementsTest, NoiseIsInSiUnits) {
   const auto imu = Described<ImuModel>(
       "<coopdyn:imu turn_noise_stddev=\"0.1\" turn_bias_mean=\"-0.2\" turn_bias_stddev=\"0.3\" "
       "turn_resolution=\"0.4\" "
-      "acceleration_noise_stddev=\"0.5\" orientation_noise_stddev_deg=\"2\"/>");
+      "acceleration_noise_stddev=\"0.5\" acceleration_noise_uniform=\"0.6\" "
+      "orientation_noise_stddev_deg=\"2\"/>");
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_EQ(imu.turn_noise.at(static_cast<std::size_t>(axis)), (ValueNoise{0.1, -0.2, 0.3, 0.4}));
-    EXPECT_EQ(imu.acceleration_noise.at(static_cast<std::size_t>(axis)), (ValueNoise{0.5, 0, 0, 0}));
+    EXPECT_EQ(imu.acceleration_noise.at(static_cast<std::size_t>(axis)), (ValueNoise{0.5, 0, 0, 0, 0.6}));
   }
   EXPECT_DOUBLE_EQ(imu.orientation_noise_stddev_rad, 2 * kPerDegree);
 }
