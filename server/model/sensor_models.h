@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -162,16 +163,22 @@ struct ContactModel {
   double threshold_n = 0;   // a zone is pressed by more force than this
 };
 
-/// Ultrasound: the range of the nearest thing in a cone.
+/// Ultrasound: the range of the nearest thing in a cone, or on a few rays in it.
 struct SonarModel {
   static constexpr const char* kType = "sonar";
   struct Beam {
     Mount mount;             // along x
     double opening_rad = 0;  // full angle of the cone
     double min_range_m = 0, max_range_m = 0;
+    /// 0: the whole cone. Else the middle ray and rays - 1 round its rim, from the left upwards.
+    int rays = 0;
+    double opening_up_rad = 0;  // of rays: full angle up and down; `opening_rad` is that across
+    ValueNoise noise = {};
+
+    /// The direction of ray `index` in S.
+    Vector3 Direction(int index) const;
   };
   std::vector<Beam> beams;
-  ValueNoise noise;
 };
 
 /// Infrared range finders: what they put out over the distance, by a table.
@@ -195,6 +202,10 @@ struct LightModel {
   struct Eye {
     Mount mount;             // along x
     double opening_rad = 0;  // full angle of its cone; 0: it sees all round
+    bool sees_lamps = true;  // false: the ambient light alone
+    /// Of red, green and blue it sees up to so much, and all of that reads 1. With it the eye sees lamps
+    /// alone, all alike within its cone. Not black.
+    std::optional<Vector3> color;
   };
   std::vector<Eye> eyes;
   ValueNoise noise;

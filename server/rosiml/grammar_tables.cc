@@ -58,14 +58,19 @@ constexpr Rule kPublic[] = {
     {"sensors", "",
      "proximity position=coordinate_sensor orientation=coordinate_sensor ov=coordinate_sensor "
      "oav=coordinate_sensor "
-     "velocity=joint_sensor deflection=joint_sensor ldr binaryContact ~generic ~muscle ~camera ~ambientLight "
-     "~internalEnergy ~sharpDM2Y3A003K0F ~sharpGP2D12_37 ~feedback ~signal"},
+     "velocity=joint_sensor deflection=joint_sensor ldr binaryContact camera=camera_sensor "
+     "ambientLight=ambient_sensor sharpDM2Y3A003K0F=sharp sharpGP2D12_37=sharp ~generic ~muscle "
+     "~internalEnergy ~feedback ~signal"},
     {"proximity", "name!:s", "pose! distance! openingAngles! &sensed"},
     {"distance", "meter!:+", ""},
     {"openingAngles", "x!:0 y!:0", ""},
     {"coordinate_sensor", "name!:s -global:b", "-coordinates ~domain &sensed"},
     {"joint_sensor", "name!:s", "-domain &sensed"},
-    {"ldr", "name!:s opening!:0", "pose! ~colour &sensed"},
+    {"ldr", "name!:s opening!:0", "pose! colour=seen_colour? &sensed"},
+    {"seen_colour", "value!:c", ""},
+    {"camera_sensor", "name!:s", "pose! openingAngles! &sensed"},
+    {"ambient_sensor", "name!:s", "~mapping ~noise ~filter"},
+    {"sharp", "name!:s", "pose! &sensed"},
     {"binaryContact", "name!:s", "-domain &sensed"},
 };
 
@@ -102,10 +107,11 @@ constexpr Rule kPaper[] = {
     {"body", "", "compound object connector"},
     {"compound", "name!:s", "pose? compound object connector"},
     {"object", "name!:s mass!:0 friction:0 bounce:0 colour:c",
-     "pose? &shapes proximity ldr compass contact imu sharp camera=camera_sensor ~energy ~ambientLight "
+     "pose? &shapes proximity ldr compass contact imu sharp camera=camera_sensor ~energy ambientLight "
      "-position -orientation"},
-    {"proximity", "name!:s range!:+ opening:0 rays:i noise:0", "pose?"},
-    {"ldr", "name!:s opening:0", "pose?"},
+    {"proximity", "name!:s range!:+ opening:0 openingUp:0 pattern:cross|fan|cone rays:i noise:0", "pose?"},
+    {"ldr", "name!:s opening:0 colour:c", "pose?"},
+    {"ambientLight", "name!:s", ""},
     {"compass", "name!:s noise:0", ""},
     {"contact", "name!:s", ""},
     {"imu", "name!:s", "pose?"},
@@ -145,7 +151,6 @@ constexpr NotYet kNotYet[] = {
     {"filter", "values are not filtered"},
     {"pid", "the motor reaches its velocity within its force"},
     {"scaling", "the force is the same everywhere"},
-    {"colour", "light counts whatever its colour"},
     {"controller",
      "classes of YARS and its channels are not loaded: a client drives the robot, or one of coopdyn's "
      "controllers "

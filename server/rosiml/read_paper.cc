@@ -197,19 +197,17 @@ class PaperReader : Reader {
   /// Of the last body.
   void ReadSensor(const Element& element, Movable& movable) {
     using Kind = Sensor::Kind;
-    constexpr std::pair<std::string_view, Kind> kKinds[] = {
-        {"proximity", Kind::kProximity}, {"ldr", Kind::kLight}, {"compass", Kind::kCompass},
-        {"contact", Kind::kContact},     {"imu", Kind::kImu},   {"sharp", Kind::kSharp},
-        {"camera", Kind::kCamera}};
+    constexpr std::pair<std::string_view, Kind> kKinds[] = {{"proximity", Kind::kProximity},
+                                                            {"ldr", Kind::kLight},
+                                                            {"compass", Kind::kCompass},
+                                                            {"contact", Kind::kContact},
+                                                            {"imu", Kind::kImu},
+                                                            {"sharp", Kind::kSharp},
+                                                            {"camera", Kind::kCamera},
+                                                            {"ambientLight", Kind::kAmbient}};
     const auto* const known = std::find_if(std::begin(kKinds), std::end(kKinds),
                                            [&](const auto& one) { return one.first == element.Name(); });
     if (known == std::end(kKinds)) return;
-    if (known->second == Kind::kSharp && Text(element, "model") == "dm2y3a003k0f") {
-      Warn(element,
-           "the Sharp DM2Y3A003K0F is not simulated yet: its curve is not known; write model=\"gp2d12\", or "
-           "a <proximity>");
-      return;
-    }
     Sensor sensor;
     sensor.name = Text(element, "name");
     sensor.kind = known->second;
@@ -217,8 +215,17 @@ class PaperReader : Reader {
     sensor.X_WS = movable.bodies.back().X_WB * PoseIn(element);
     sensor.range_m = Number(element, "range", 1);
     sensor.opening_deg = Number(element, "opening", sensor.kind == Kind::kCamera ? 60 : 0);
+    sensor.opening_up_deg = Number(element, "openingUp", sensor.opening_deg);
+    const std::string pattern = Text(element, "pattern");
+    sensor.pattern = pattern == "fan"    ? Sensor::Pattern::kFan
+                     : pattern == "cone" ? Sensor::Pattern::kCone
+                                         : Sensor::Pattern::kCross;
     constexpr int kUsualRays = 5;
-    sensor.rays = sensor.opening_deg > 0 ? static_cast<int>(Number(element, "rays", kUsualRays)) : 1;
+    const bool is_open =
+        sensor.opening_deg > 0 || (sensor.pattern == Sensor::Pattern::kCross && sensor.opening_up_deg > 0);
+    sensor.rays = is_open ? static_cast<int>(Number(element, "rays", kUsualRays)) : 1;
+    sensor.colour = Colour(element, "colour");
+    sensor.model = Text(element, "model");
     sensor.noise = Number(element, "noise", 0);
     sensor.width = static_cast<int>(Number(element, "width", 320));
     sensor.height = static_cast<int>(Number(element, "height", 240));
