@@ -77,7 +77,10 @@ void ReadSightNoise(Kind& sensor, XmlAttributes& attributes) {
 
 /// What `<coopdyn:sonar>` says for all its beams, or one beam for itself.
 void ReadBeamAttributes(XmlAttributes& attributes, SonarModel::Beam& beam) {
-  if (auto v = attributes.Number("opening_deg", 0, 170)) beam.opening_rad = *v * kRadPerDeg;
+  if (auto v = attributes.Number("opening_deg", 0, 360)) beam.opening_rad = *v * kRadPerDeg;
+  ReadNoise(attributes, "", beam.noise);
+  if (auto v = attributes.Number("opening_up_deg", 0, 360)) beam.opening_up_rad = *v * kRadPerDeg;
+  if (auto v = attributes.Integer("rays", 0, 1000)) beam.rays = *v;
   if (auto v = attributes.Number("min_range", 0, kMaxSensorLength_m)) beam.min_range_m = *v;
   if (auto v = attributes.Number("max_range", 1e-3, kMaxSensorLength_m)) beam.max_range_m = *v;
 }
@@ -158,13 +161,19 @@ std::string WrongIn(const LidarModel& sensor) {
 void ReadInto(SonarModel& sensor, const SensorSource& source) {
   SonarModel::Beam common;
   constexpr double kUsualOpening_deg = 30;
+  constexpr double kWidestCone_rad = 170 * kRadPerDeg;
   common.opening_rad = kUsualOpening_deg * kRadPerDeg;
+  common.opening_up_rad = -1;  // as across
   ReadBeamAttributes(source.attributes, common);
-  ReadNoise(source.attributes, "", sensor.noise);
   source.ForEachChild({"coopdyn:beam"}, [&](XmlAttributes& child, std::string_view) {
     SonarModel::Beam beam = common;
     beam.mount = source.ReadMount(child);
     ReadBeamAttributes(child, beam);
+    if (beam.rays == 0 && beam.opening_up_rad >= 0)
+      child.Error("opening_up_deg is that of rays: write rays=\"5\" too, or leave it out");
+    if (beam.rays == 0 && beam.opening_rad > kWidestCone_rad)
+      child.Error("a cone opens 170 degrees at most: write a smaller opening_deg, or rays=\"5\"");
+    if (beam.opening_up_rad < 0) beam.opening_up_rad = beam.opening_rad;
     if (beam.max_range_m <= 0) child.Error("needs 'max_range' in m, here or in <coopdyn:sonar>");
     if (beam.max_range_m > 0 && beam.min_range_m >= beam.max_range_m)
       child.Error("the least range must lie below the largest");

@@ -119,6 +119,7 @@ void SensorSource::ForEachChild(
 void ReadNoise(XmlAttributes& attributes, const std::string& prefix, ValueNoise& noise) {
   constexpr double kMost = 1e9;
   if (auto v = attributes.Number(prefix + "noise_stddev", 0, kMost)) noise.stddev = *v;
+  if (auto v = attributes.Number(prefix + "noise_uniform", 0, kMost)) noise.uniform = *v;
   if (auto v = attributes.Number(prefix + "bias_mean", -kMost, kMost)) noise.bias_mean = *v;
   if (auto v = attributes.Number(prefix + "bias_stddev", 0, kMost)) noise.bias_stddev = *v;
   if (auto v = attributes.Number(prefix + "resolution", 0, kMost)) noise.resolution = *v;

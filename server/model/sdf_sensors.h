@@ -40,8 +40,8 @@ struct SensorSource {
                     const std::function<void(XmlAttributes& child, std::string_view name)>& read) const;
 };
 
-/// The noise of a value by the attributes `prefix`noise_stddev, bias_mean, bias_stddev and resolution; what
-/// is not said stays.
+/// The noise of a value by the attributes `prefix`noise_stddev, noise_uniform, bias_mean, bias_stddev and
+/// resolution; what is not said stays.
 void ReadNoise(XmlAttributes& attributes, const std::string& prefix, ValueNoise& noise);
 
 // What an element says of a sensor: one for each kind.

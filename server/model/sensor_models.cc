@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace coopdyn {
 
@@ -85,6 +86,17 @@ std::size_t FixedCount(const SensorKind& kind) {
 
 std::size_t MeasuredCount(const SensorKind& kind) {
   return std::visit([](const auto& one) { return Count(one); }, kind);
+}
+
+Vector3 SonarModel::Beam::Direction(int index) const {
+  if (index == 0 || rays < 2) return Vector3::UnitX();
+  const double round_rad = 2 * std::numbers::pi * (index - 1) / (rays - 1);
+  const double left_rad = opening_rad / 2 * std::cos(round_rad),
+               up_rad = opening_up_rad / 2 * std::sin(round_rad);
+  const double angle_rad = std::hypot(left_rad, up_rad);
+  if (angle_rad <= 0) return Vector3::UnitX();
+  const double part = std::sin(angle_rad) / angle_rad;
+  return {std::cos(angle_rad), part * left_rad, part * up_rad};
 }
 
 double CameraModel::focal_px() const {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -21,8 +22,11 @@ struct ValueNoise {
   double bias_mean = 0;  // of a Gaussian that is drawn once a run
   double bias_stddev = 0;
   double resolution = 0;  // the value is rounded to a multiple of it; 0: exact
+  double uniform = 0;     // even between minus and plus this, anew in each sample
 
-  bool exact() const { return stddev <= 0 && bias_mean == 0 && bias_stddev <= 0 && resolution <= 0; }
+  bool exact() const {
+    return stddev <= 0 && uniform <= 0 && bias_mean == 0 && bias_stddev <= 0 && resolution <= 0;
+  }
   bool operator==(const ValueNoise&) const = default;
 };
 
@@ -154,16 +158,22 @@ struct ContactModel {
   double threshold_n = 0;   // a zone is pressed by more force than this
 };
 
-/// Ultrasound: the range of the nearest thing in a cone.
+/// Ultrasound: the range of the nearest thing in a cone, or on a few rays in it.
 struct SonarModel {
   static constexpr const char* kType = "sonar";
   struct Beam {
     Mount mount;             // along x
     double opening_rad = 0;  // full angle of the cone
     double min_range_m = 0, max_range_m = 0;
+    /// 0: the whole cone. Else the middle ray and rays - 1 round its rim, from the left upwards.
+    int rays = 0;
+    double opening_up_rad = 0;  // of rays: full angle up and down; `opening_rad` is that across
+    ValueNoise noise = {};
+
+    /// The direction of ray `index` in S.
+    Vector3 Direction(int index) const;
   };
   std::vector<Beam> beams;
-  ValueNoise noise;
 };
 
 /// Infrared range finders: what they put out over the distance, by a table.
@@ -187,6 +197,10 @@ struct LightModel {
   struct Eye {
     Mount mount;             // along x
     double opening_rad = 0;  // full angle of its cone; 0: it sees all round
+    bool sees_lamps = true;  // false: the ambient light alone
+    /// Of red, green and blue it sees up to so much, and all of that reads 1. With it the eye sees lamps
+    /// alone, all alike within its cone. Not black.
+    std::optional<Vector3> color;
   };
   std::vector<Eye> eyes;
   ValueNoise noise;

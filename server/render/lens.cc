@@ -48,6 +48,12 @@ std::uint64_t PixelBits(std::uint64_t base, std::uint64_t index) {
   return x ^ (x >> 31);
 }
 
+/// Part `k` (0, 1 or 2) of `bits` as an even sample from -1 to 1.
+float Centred(std::uint64_t bits, std::size_t k) {
+  constexpr std::uint64_t kParts = 1u << 20;
+  return static_cast<float>((bits >> (20 * k)) & (kParts - 1)) * (2.0f / (kParts - 1)) - 1;
+}
+
 /// The constant part of the noise.
 double BiasOf(const ValueNoise& noise, NoiseKey key) {
   if (noise.bias_stddev <= 0) return noise.bias_mean;
@@ -63,13 +69,15 @@ void AddNoise(const ValueNoise& noise, const NoiseKey& key, Picture& picture) {
   const std::uint64_t base = NoiseBits(key);
   const auto bias = static_cast<float>(255 * BiasOf(noise, key) + 0.5);
   const auto stddev = static_cast<float>(255 * noise.stddev),
+             uniform = static_cast<float>(255 * noise.uniform),
              unit = static_cast<float>(255 * noise.resolution);
   const std::size_t pixels = picture.rgb.size() / 3;
   for (std::size_t i = 0; i < pixels; ++i) {
-    const std::uint64_t bits = PixelBits(base, i);
+    const std::uint64_t bits = PixelBits(base, i), more = uniform > 0 ? PixelBits(~base, i) : 0;
     for (std::size_t k = 0; k < 3; ++k) {
       std::uint8_t& value = picture.rgb[3 * i + k];
       float noisy = static_cast<float>(value) + bias + stddev * normal[(bits >> (20 * k)) & (kQuantiles - 1)];
+      if (uniform > 0) noisy += uniform * Centred(more, k);
       if (unit > 0) noisy = std::round((noisy - 0.5f) / unit) * unit + 0.5f;
       value = static_cast<std::uint8_t>(std::clamp(noisy, 0.0f, 255.0f));
     }
@@ -85,6 +93,7 @@ void AddNoise(const ValueNoise& noise, const NoiseKey& key, std::span<float> dep
     if (!std::isfinite(depth_m[i]) || !(depth_m[i] > 0)) continue;
     double noisy = static_cast<double>(depth_m[i]) + bias +
                    noise.stddev * static_cast<double>(normal[PixelBits(base, i) & (kQuantiles - 1)]);
+    if (noise.uniform > 0) noisy += noise.uniform * static_cast<double>(Centred(PixelBits(~base, i), 0));
     if (noise.resolution > 0) noisy = std::round(noisy / noise.resolution) * noise.resolution;
     depth_m[i] = static_cast<float>(std::max(noisy, 0.0));
   }

@@ -88,6 +88,7 @@ class Marker {
   }
 
   void Add(const SonarModel& /*model*/, const Sensor& sensor) {
+    AddRays(SonarRays(sensor.frame, sensor.robot, sensor.number));
     for (const RangeCone& cone : SonarCones(sensor.frame, sensor.robot, sensor.number)) {
       if (cone.length_m > 0 && frustum_.Sees(cone.X_WS.p, cone.length_m)) AddCone(cone);
     }

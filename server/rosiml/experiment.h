@@ -60,16 +60,21 @@ struct Joint {
 };
 
 struct Sensor {
-  enum class Kind { kProximity, kLight, kCompass, kContact, kImu, kSharp, kCamera };
+  enum class Kind { kProximity, kLight, kAmbient, kCompass, kContact, kImu, kSharp, kCamera };
+  enum class Pattern { kCross, kFan, kCone };
 
   std::string name;
   Kind kind = Kind::kProximity;
   int body = 0;
   Pose X_WS;  // it looks along x
   double range_m = 0;
-  double opening_deg = 0;  // of the whole cone or fan
+  double opening_deg = 0;  // of the whole cone or fan; across
+  double opening_up_deg = 0;
+  Pattern pattern = Pattern::kCross;  // of a proximity sensor: the middle and the rim, side by side, all
   int rays = 1;
   double noise = 0;
+  std::string colour;  // "r g b", of a light sensor; empty: it sees all and has no limit
+  std::string model;   // of a Sharp, as coopdyn calls it
   int width = 320, height = 240;
   int line = 0;
 };

@@ -63,14 +63,19 @@ constexpr Rule kPublic[] = {
     {"sensors", "",
      "proximity position=coordinate_sensor orientation=coordinate_sensor ov=coordinate_sensor "
      "oav=coordinate_sensor "
-     "velocity=joint_sensor deflection=joint_sensor ldr binaryContact ~generic ~muscle ~camera ~ambientLight "
-     "~internalEnergy ~sharpDM2Y3A003K0F ~sharpGP2D12_37 ~feedback ~signal"},
+     "velocity=joint_sensor deflection=joint_sensor ldr binaryContact camera=camera_sensor "
+     "ambientLight=ambient_sensor sharpDM2Y3A003K0F=sharp sharpGP2D12_37=sharp ~generic ~muscle "
+     "~internalEnergy ~feedback ~signal"},
     {"proximity", "name!:s", "pose! distance! openingAngles! &sensed"},
     {"distance", "meter!:+", ""},
     {"openingAngles", "x!:0 y!:0", ""},
     {"coordinate_sensor", "name!:s global:b", "coordinates? domain=ends? &sensed"},
     {"joint_sensor", "name!:s", "domain=ends? &sensed"},
-    {"ldr", "name!:s opening!:0", "pose! ~colour &sensed"},
+    {"ldr", "name!:s opening!:0", "pose! colour=seen_colour? &sensed"},
+    {"seen_colour", "value!:c", ""},
+    {"camera_sensor", "name!:s", "pose! openingAngles! &sensed"},
+    {"ambient_sensor", "name!:s", "mapping=ends? domain=ends? noise? ~filter"},
+    {"sharp", "name!:s", "pose! &sensed"},
     {"binaryContact", "name!:s", "domain=ends? &sensed"},
 };
 
@@ -110,13 +115,14 @@ constexpr Rule kPaper[] = {
     {"body", "", "compound object connector"},
     {"compound", "name!:s", "pose? compound object connector"},
     {"object", "name!:s mass!:0 friction:0 bounce:0 colour:c",
-     "pose? &shapes proximity ldr compass contact imu sharp camera=camera_sensor ~energy "
-     "ambientLight=of_world position=of_place orientation=of_place velocity=of_place "
-     "angularVelocity=of_place"},
-    {"of_world", "name!:s &exchanged", "domain=ends? &exchanged"},
+     "pose? &shapes proximity ldr compass contact imu sharp camera=camera_sensor ~energy ambientLight "
+     "position=of_place orientation=of_place velocity=of_place angularVelocity=of_place"},
     {"of_place", "name!:s x:b y:b z:b frame:world|body &exchanged", "domain=ends? &exchanged"},
-    {"proximity", "name!:s range!:+ opening:0 rays:i noise:0 &exchanged", "pose? &exchanged"},
-    {"ldr", "name!:s opening:0 &exchanged", "pose? domain=ends? &exchanged"},
+    {"proximity",
+     "name!:s range!:+ opening:0 openingUp:0 pattern:cross|fan|cone rays:i noise:0 &exchanged",
+     "pose? &exchanged"},
+    {"ldr", "name!:s opening:0 colour:c &exchanged", "pose? domain=ends? &exchanged"},
+    {"ambientLight", "name!:s &exchanged", "domain=ends? &exchanged"},
     {"compass", "name!:s noise:0 &exchanged", "&exchanged"},
     {"contact", "name!:s abort:b &exchanged", "&exchanged"},
     {"imu", "name!:s", "pose?"},
@@ -154,7 +160,6 @@ constexpr NotYet kNotYet[] = {
     {"filter", "values are not filtered"},
     {"pid", "the motor reaches its velocity within its force"},
     {"scaling", "the force is the same everywhere"},
-    {"colour", "light counts whatever its colour"},
     {"backlash", "it is left out"},
     {"rotor", "it is left out"},
     {"coupling", "it is left out"},

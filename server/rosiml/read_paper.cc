@@ -208,19 +208,17 @@ class PaperReader : Reader {
   /// Of the last body.
   void ReadSensor(const Element& element, Movable& movable) {
     using Kind = Sensor::Kind;
-    constexpr std::pair<std::string_view, Kind> kKinds[] = {
-        {"proximity", Kind::kProximity}, {"ldr", Kind::kLight}, {"compass", Kind::kCompass},
-        {"contact", Kind::kContact},     {"imu", Kind::kImu},   {"sharp", Kind::kSharp},
-        {"camera", Kind::kCamera}};
+    constexpr std::pair<std::string_view, Kind> kKinds[] = {{"proximity", Kind::kProximity},
+                                                            {"ldr", Kind::kLight},
+                                                            {"compass", Kind::kCompass},
+                                                            {"contact", Kind::kContact},
+                                                            {"imu", Kind::kImu},
+                                                            {"sharp", Kind::kSharp},
+                                                            {"camera", Kind::kCamera},
+                                                            {"ambientLight", Kind::kAmbient}};
     const auto* const known = std::find_if(std::begin(kKinds), std::end(kKinds),
                                            [&](const auto& one) { return one.first == element.Name(); });
     if (known == std::end(kKinds)) return ReadPlace(element, movable);
-    if (known->second == Kind::kSharp && Text(element, "model") == "dm2y3a003k0f") {
-      Warn(element,
-           "the Sharp DM2Y3A003K0F is not simulated yet: its curve is not known; write model=\"gp2d12\", or "
-           "a <proximity>");
-      return;
-    }
     Sensor sensor;
     sensor.name = Text(element, "name");
     sensor.kind = known->second;
@@ -228,8 +226,17 @@ class PaperReader : Reader {
     sensor.X_WS = movable.bodies.back().X_WB * PoseIn(element);
     sensor.range_m = Number(element, "range", 1);
     sensor.opening_deg = Number(element, "opening", sensor.kind == Kind::kCamera ? 60 : 0);
+    sensor.opening_up_deg = Number(element, "openingUp", sensor.opening_deg);
+    const std::string pattern = Text(element, "pattern");
+    sensor.pattern = pattern == "fan"    ? Sensor::Pattern::kFan
+                     : pattern == "cone" ? Sensor::Pattern::kCone
+                                         : Sensor::Pattern::kCross;
     constexpr int kUsualRays = 5;
-    sensor.rays = sensor.opening_deg > 0 ? static_cast<int>(Number(element, "rays", kUsualRays)) : 1;
+    const bool is_open =
+        sensor.opening_deg > 0 || (sensor.pattern == Sensor::Pattern::kCross && sensor.opening_up_deg > 0);
+    sensor.rays = is_open ? static_cast<int>(Number(element, "rays", kUsualRays)) : 1;
+    sensor.colour = Colour(element, "colour");
+    sensor.model = Text(element, "model");
     sensor.noise = Number(element, "noise", 0);
     sensor.width = static_cast<int>(Number(element, "width", 320));
     sensor.height = static_cast<int>(Number(element, "height", 240));
@@ -250,18 +257,17 @@ class PaperReader : Reader {
     if (sensor.kind == Kind::kCompass) internal = {-std::numbers::pi, std::numbers::pi};
     movable.values.push_back({.name = sensor.name,
                               .sensor = index,
-                              .auxiliary = Flag(element, "auxiliary", false),
+                              .auxiliary = Flag(element, "auxiliary", sensor.kind == Kind::kAmbient),
                               .mapped = MappedOf(element, internal),
                               .line = sensor.line});
   }
 
-  /// Where the last body is, how it moves, or the light of the world.
+  /// Where the last body is, or how it moves.
   void ReadPlace(const Element& element, Movable& movable) {
     static constexpr std::pair<std::string_view, const char*> kPlaces[] = {{"position", "x y z"},
                                                                            {"orientation", "roll pitch yaw"},
                                                                            {"velocity", "vx vy vz"},
-                                                                           {"angularVelocity", "wx wy wz"},
-                                                                           {"ambientLight", "ambient_light"}};
+                                                                           {"angularVelocity", "wx wy wz"}};
     const auto* const known = std::find_if(std::begin(kPlaces), std::end(kPlaces),
                                            [&](const auto& one) { return one.first == element.Name(); });
     if (known == std::end(kPlaces)) return;
@@ -270,12 +276,10 @@ class PaperReader : Reader {
     value.in_body = Text(element, "frame") == "body";
     value.mapped = MappedOf(element, std::nullopt);
     value.of = SplitWords(known->second);
-    if (value.of.size() > 1) {
-      value.body = static_cast<int>(movable.bodies.size()) - 1;
-      value.X_WN = movable.bodies.back().X_WB;
-      for (const auto& [axis, number] : {std::pair("z", 2), std::pair("y", 1), std::pair("x", 0)}) {
-        if (!Flag(element, axis, true)) value.of.erase(value.of.begin() + number);
-      }
+    value.body = static_cast<int>(movable.bodies.size()) - 1;
+    value.X_WN = movable.bodies.back().X_WB;
+    for (const auto& [axis, number] : {std::pair("z", 2), std::pair("y", 1), std::pair("x", 0)}) {
+      if (!Flag(element, axis, true)) value.of.erase(value.of.begin() + number);
     }
     movable.values.push_back(std::move(value));
   }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The grammar 0.8 of the public YARS.
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <utility>
 
 #include "server/base/printable.h"
@@ -305,33 +307,50 @@ class PublicReader : Reader {
     const std::string_view kind = element.Name();
     const std::string object = TextIn(element, "object", "name");
     if (kind == "velocity" || kind == "deflection") return ReadJointSensor(element, object, robot);
-    if (kind == "ambientLight") {
-      robot.values.push_back({.name = Text(element, "name"),
-                              .of = {"ambient_light"},
-                              .auxiliary = true,
-                              .mapped = MappedOf(element, std::nullopt),
-                              .line = element.GetLineNum()});
-      return;
-    }
-    const bool is_known = kind == "proximity" || kind == "ldr" || kind == "binaryContact" ||
-                          kind == "position" || kind == "orientation" || kind == "ov" || kind == "oav";
-    const Named* const at = is_known ? Find(robot, object, element) : nullptr;
-    if (at == nullptr) return;
+    const bool is_sharp = kind == "sharpGP2D12_37" || kind == "sharpDM2Y3A003K0F";
+    const bool is_known = is_sharp || kind == "proximity" || kind == "ldr" || kind == "binaryContact" ||
+                          kind == "camera" || kind == "position" || kind == "orientation" || kind == "ov" ||
+                          kind == "oav";
     Sensor sensor;
     sensor.name = Text(element, "name");
-    sensor.body = at->body;
     sensor.line = element.GetLineNum();
+    if (kind == "ambientLight") {
+      sensor.kind = Sensor::Kind::kAmbient;  // it is the same everywhere
+      robot.values.push_back({.name = sensor.name,
+                              .sensor = static_cast<int>(robot.sensors.size()),
+                              .auxiliary = true,
+                              .mapped = MappedOf(element, std::nullopt),
+                              .line = sensor.line});
+      robot.sensors.push_back(std::move(sensor));
+      return;
+    }
+    const Named* const at = is_known ? Find(robot, object, element) : nullptr;
+    if (at == nullptr) return;
+    sensor.body = at->body;
     const Pose X_WS = at->X_WN * PoseIn(element);
     sensor.X_WS = {X_WS.p, LookAlong(X_WS.q * Vector3::UnitZ())};
+    const double opening_x_deg = NumberIn(element, "openingAngles", "x", 0),
+                 opening_y_deg = NumberIn(element, "openingAngles", "y", 0);
+    if (kind == "proximity" || kind == "camera") {
+      // What they look along is z there and x here. They open across by a turn about x there, z here.
+      sensor.X_WS.q = X_WS.q * FromRollPitchYaw(0, -std::numbers::pi / 2, 0);
+    }
     if (kind == "proximity") {
       sensor.kind = Sensor::Kind::kProximity;
       sensor.range_m = NumberIn(element, "distance", "meter", 1);
-      sensor.opening_deg = 2 * NumberIn(element, "openingAngles", "x", 0);
+      sensor.opening_deg = 2 * opening_x_deg;
+      sensor.opening_up_deg = 2 * opening_y_deg;
       constexpr int kRays = 5;
-      sensor.rays = sensor.opening_deg > 0 ? kRays : 1;
+      sensor.rays = opening_x_deg > 0 || opening_y_deg > 0 ? kRays : 1;
+    } else if (kind == "camera") {
+      ReadCamera(opening_x_deg, opening_y_deg, sensor);
+    } else if (is_sharp) {
+      sensor.kind = Sensor::Kind::kSharp;
+      sensor.model = kind == "sharpGP2D12_37" ? "gp2d12" : "dm2y3a003k0f";
     } else if (kind == "ldr") {
       sensor.kind = Sensor::Kind::kLight;
       sensor.opening_deg = 2 * Number(element, "opening", 0);
+      if (const Element* colour = Child(element, "colour")) sensor.colour = Colour(*colour, "value");
     } else if (kind == "binaryContact") {
       sensor.kind = Sensor::Kind::kContact;
     } else if (kind == "oav") {
@@ -345,11 +364,12 @@ class PublicReader : Reader {
       if (kind == "ov") AddPlace(element, *at, {"vx", "vy", "vz"}, robot);
       return;
     }
-    if (kind != "oav") {
+    if (kind != "oav" && kind != "camera") {
       SensorValue value{
           .name = sensor.name, .sensor = static_cast<int>(robot.sensors.size()), .line = sensor.line};
-      const double most = kind == "proximity" ? sensor.range_m : 1;
-      value.mapped = MappedOf(element, std::pair(0.0, most));
+      std::optional<std::pair<double, double>> internal{{0, kind == "proximity" ? sensor.range_m : 1}};
+      if (is_sharp) internal.reset();  // volts, or a number: by a <domain>
+      value.mapped = MappedOf(element, internal);
       if (kind == "binaryContact") {
         // Its <domain> is what is exchanged.
         value.mapped.external = Child(element, "domain") == nullptr ? std::nullopt : value.mapped.internal;
@@ -375,6 +395,18 @@ class PublicReader : Reader {
     }
     value.mapped = MappedOf(element, std::nullopt);
     robot.values.push_back(std::move(value));
+  }
+
+  /// There is no size of the picture there: it is as wide as usual, and its points are square.
+  static void ReadCamera(double x_deg, double y_deg, Sensor& sensor) {
+    constexpr double kLeast_deg = 1, kMost_deg = 87;
+    x_deg = std::clamp(x_deg, kLeast_deg, kMost_deg);
+    y_deg = std::clamp(y_deg, kLeast_deg, kMost_deg);
+    sensor.kind = Sensor::Kind::kCamera;
+    sensor.opening_deg = 2 * x_deg;
+    const double ratio = std::tan(y_deg * kRadPerDeg) / std::tan(x_deg * kRadPerDeg);
+    constexpr double kHighest = 4096;
+    sensor.height = static_cast<int>(std::clamp(std::round(sensor.width * ratio), 1.0, kHighest));
   }
 
   void ReadJointSensor(const Element& element, const std::string& name, Movable& robot) {

@@ -193,25 +193,44 @@ class SdfWriter {
     return " link=\"" + links_[sensor.body] + "\" pose=\"" + Places(X_BS) + "\"";
   }
 
+  /// The module `distance` is that of rays side by side on the base; all others are the module `sonar`.
+  bool IsFan(const Sensor& sensor) const {
+    return sensor.kind == Sensor::Kind::kProximity && sensor.pattern == Sensor::Pattern::kFan &&
+           model_.is_base[Index(sensor.body)];
+  }
+  static std::string NoiseOf(const Sensor& sensor) {
+    return sensor.noise > 0 ? " noise_stddev=\"" + Exact(sensor.noise) + "\"" : "";
+  }
+
   void WriteSensors() {
     using Kind = Sensor::Kind;
-    // A distance sensor sits on the base; elsewhere a cone measures.
     WriteAll("distance_sensors", "distance", [this](const Sensor& one) {
-      if (one.kind != Kind::kProximity || !model_.is_base[Index(one.body)]) return std::string();
+      if (!IsFan(one)) return std::string();
       return "<coopdyn:sector pose=\"" + Places(model_.X_WR.Inverse() * one.X_WS) + "\" max_range=\"" +
              Exact(one.range_m) + "\" opening_deg=\"" + Exact(std::min(one.opening_deg, 360.0)) +
              "\" rays=\"" + std::to_string(std::clamp(one.rays, one.opening_deg > 0 ? 2 : 1, 1000)) + "\"" +
-             (one.noise > 0 ? " noise_stddev=\"" + Exact(one.noise) + "\"" : "") + "/>";
+             NoiseOf(one) + "/>";
     });
+    SortDistances();
     WriteAll("sonar", "sonar", [this](const Sensor& one) {
-      if (one.kind != Kind::kProximity || model_.is_base[Index(one.body)]) return std::string();
+      if (one.kind != Kind::kProximity || IsFan(one)) return std::string();
+      if (one.pattern == Sensor::Pattern::kFan)
+        Warn(one.line, "only the robot's base has a fan: '" + Printable(one.name) + "' is a cone");
+      const bool is_cone = one.pattern != Sensor::Pattern::kCross;
       return "<coopdyn:beam" + PlaceOf(one) + " max_range=\"" + Exact(one.range_m) + "\" opening_deg=\"" +
-             Exact(std::min(one.opening_deg, 170.0)) + "\"/>";
+             Exact(std::min(one.opening_deg, is_cone ? 170.0 : 360.0)) + "\"" +
+             (is_cone ? ""
+                      : " opening_up_deg=\"" + Exact(std::min(one.opening_up_deg, 360.0)) + "\" rays=\"" +
+                            std::to_string(std::clamp(one.rays, 1, 1000)) + "\"") +
+             NoiseOf(one) + "/>";
     });
     WriteAll("light", "light", [this](const Sensor& one) {
       if (one.kind != Kind::kLight) return std::string();
+      const bool has_colour =
+          !one.colour.empty() && one.colour.find_first_of("123456789") != std::string::npos;
       return "<coopdyn:eye" + PlaceOf(one) + " opening_deg=\"" +
-             Exact(one.opening_deg < 360 ? one.opening_deg : 0) + "\"/>";
+             Exact(one.opening_deg < 360 ? one.opening_deg : 0) + "\"" +
+             (has_colour ? " color=\"" + one.colour + "\"" : "") + "/>";
     });
     for (const Sensor& one : movable_.sensors) {
       if (IsHere(one)) WriteOne(one);
@@ -235,6 +254,18 @@ class SdfWriter {
     written_.sdf.lines.insert(written_.sdf.lines.end(), all.lines.begin(), all.lines.end());
     Add(line, "</coopdyn:" + element + ">");
     Module(line, type, type);
+  }
+
+  /// The ranges of the module `distance` go from right to left.
+  void SortDistances() {
+    std::vector<std::pair<double, const Sensor*>> order;
+    for (const Sensor& one : movable_.sensors) {
+      if (const auto found = readings_.find(&one); found != readings_.end() && found->second.first == "distance")
+        order.emplace_back(Heading((model_.X_WR.Inverse() * one.X_WS).q), &one);
+    }
+    std::ranges::stable_sort(order, {}, &std::pair<double, const Sensor*>::first);
+    for (std::size_t i = 0; i < order.size(); ++i)
+      readings_[order[i].second].second = static_cast<int>(i) + 1;
   }
 
   /// What clients of YARS exchange.
@@ -291,7 +322,9 @@ class SdfWriter {
       case Kind::kImu:
         return write("imu", PlaceOf(sensor));
       case Kind::kSharp:
-        return write("infrared", " preset=\"gp2d12\"", "<coopdyn:eye" + PlaceOf(sensor) + "/>");
+        return write("infrared", " preset=\"" + sensor.model + "\"", "<coopdyn:eye" + PlaceOf(sensor) + "/>");
+      case Kind::kAmbient:
+        return write("light", "", "<coopdyn:eye lamps=\"false\"/>");
       default:
         return write("camera", PlaceOf(sensor) + " width=\"" + std::to_string(sensor.width) + "\" height=\"" +
                                    std::to_string(sensor.height) + "\" fov_deg=\"" +

@@ -66,13 +66,8 @@ std::vector<RaySegment> InfraredRays(const Frame& frame, int robot, std::size_t 
   for (const Mount& eye : model->eyes) {
     const Pose X_WS = MountPose(frame, robot, eye);
     const RayCaster caster(SensingCache::Of(frame), robot, eye.link);
-    for (int i = 0; i < model->rays; ++i) {
-      const Ray ray_W = RayOf(*model, X_WS, i);
-      const double range_m = caster.Cast(ray_W, model->max_range_m);
-      const bool hit = range_m < kNoHit;
-      segments.push_back(
-          {ray_W.origin, ray_W.origin + (hit ? range_m : model->max_range_m) * ray_W.direction, hit});
-    }
+    for (int i = 0; i < model->rays; ++i)
+      segments.push_back(caster.Segment(RayOf(*model, X_WS, i), model->max_range_m));
   }
   return segments;
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "server/model/sensor_models.h"
+#include "server/sensing/readings.h"
 #include "server/sensing/sensing_cache.h"
 
 namespace coopdyn {
@@ -17,6 +18,12 @@ class RayCaster {
   /// The distance of the nearest thing at `max_range_m` (finite) or nearer, 0 if the ray starts inside it;
   /// kNoHit if there is none.
   double Cast(const Ray& ray_W, double max_range_m) const;
+  /// The ray up to there, for drawing.
+  RaySegment Segment(const Ray& ray_W, double max_range_m) const {
+    const double range_m = Cast(ray_W, max_range_m);
+    const bool hit = range_m < kNoHit;
+    return {ray_W.origin, ray_W.origin + (hit ? range_m : max_range_m) * ray_W.direction, hit};
+  }
 
  private:
   const SensingCache& cache_;

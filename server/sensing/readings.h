@@ -120,8 +120,8 @@ OdometryReading Odometry(const Frame& frame, int robot, std::size_t number = 0);
 /// inf = nothing in range. It sees collision shapes: the floor, objects, other robots, and of its own the
 /// links but the one that carries it. Valid as long as the frame lives.
 std::span<const double> Scan(const Frame& frame, int robot, std::size_t number = 0);
-/// The same of each beam of a sonar: of the nearest point in its cone. It sees the floor only where that is
-/// perpendicular to a ray in the cone, since it throws all others away from the sensor.
+/// The same of each beam of a sonar: of the nearest point in its cone, or on its rays. A cone sees the floor
+/// only where that is perpendicular to a ray in the cone, since it throws all others away from the sensor.
 std::span<const double> SonarRanges(const Frame& frame, int robot, std::size_t number = 0);
 /// What each eye of an infrared range finder puts out. Valid as long as the frame lives.
 std::span<const double> InfraredValues(const Frame& frame, int robot, std::size_t number = 0);
@@ -182,6 +182,10 @@ struct RangeCone {
   double half_angle_rad = 0, length_m = 0;  // along each ray
   bool hit = false;
 };
+/// Of its beams without rays.
 std::vector<RangeCone> SonarCones(const Frame& frame, int robot, std::size_t number = 0);
+
+/// Of those with rays, without noise, beam by beam.
+std::vector<RaySegment> SonarRays(const Frame& frame, int robot, std::size_t number = 0);
 
 }  // namespace coopdyn

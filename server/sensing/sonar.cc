@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Sonars: the nearest point in a cone.
+// Sonars: the nearest point in a cone, or on rays in it.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -7,6 +7,7 @@
 
 #include "server/geometry/cone.h"
 #include "server/sensing/range_noise.h"
+#include "server/sensing/ray_caster.h"
 #include "server/sensing/readings.h"
 #include "server/sensing/sensing_cache.h"
 
@@ -76,6 +77,17 @@ class ConeSearch {
   bool found_ = false;
 };
 
+double NearestOnRays(const SensingCache& cache, int robot, const SonarModel::Beam& beam) {
+  const Pose X_WS = MountPose(cache.frame(), robot, beam.mount);
+  const RayCaster caster(cache, robot, beam.mount.link);
+  double nearest_m = kNoHit;
+  for (int i = 0; i < beam.rays; ++i) {
+    const Ray ray_W{X_WS.p, X_WS.q * beam.Direction(i)};
+    nearest_m = std::min(nearest_m, caster.Cast(ray_W, std::min(nearest_m, beam.max_range_m)));
+  }
+  return nearest_m;
+}
+
 }  // namespace
 
 void Compute(const SonarModel& model, const KeptSensor& sensor, const SensingCache& cache, int robot,
@@ -84,8 +96,9 @@ void Compute(const SonarModel& model, const KeptSensor& sensor, const SensingCac
   for (std::size_t k = 0; k < ranges_m.size(); ++k) {
     const SonarModel::Beam& beam = model.beams[k];
     key.sample = static_cast<std::uint32_t>(k);
-    ranges_m[k] = NoisyRange(ConeSearch(cache, robot, beam).range_m(), beam.min_range_m, beam.max_range_m,
-                             model.noise, key);
+    const double range_m =
+        beam.rays > 0 ? NearestOnRays(cache, robot, beam) : ConeSearch(cache, robot, beam).range_m();
+    ranges_m[k] = NoisyRange(range_m, beam.min_range_m, beam.max_range_m, beam.noise, key);
   }
 }
 
@@ -100,11 +113,25 @@ std::vector<RangeCone> SonarCones(const Frame& frame, int robot, std::size_t num
   std::vector<RangeCone> cones;
   for (std::size_t k = 0; k < ranges_m.size(); ++k) {
     const SonarModel::Beam& beam = model->beams[k];
+    if (beam.rays > 0) continue;
     const bool far = ranges_m[k] == kNoHit;
     cones.push_back({MountPose(frame, robot, beam.mount), beam.opening_rad / 2,
                      far ? beam.max_range_m : ranges_m[k], !far});
   }
   return cones;
+}
+
+std::vector<RaySegment> SonarRays(const Frame& frame, int robot, std::size_t number) {
+  const auto* const model = ModelOf(frame, robot).Find<SonarModel>(number);
+  if (model == nullptr) return {};
+  std::vector<RaySegment> segments;
+  for (const SonarModel::Beam& beam : model->beams) {
+    const Pose X_WS = MountPose(frame, robot, beam.mount);
+    const RayCaster caster(SensingCache::Of(frame), robot, beam.mount.link);
+    for (int i = 0; i < beam.rays; ++i)
+      segments.push_back(caster.Segment({X_WS.p, X_WS.q * beam.Direction(i)}, beam.max_range_m));
+  }
+  return segments;
 }
 
 }  // namespace coopdyn

@@ -44,6 +44,10 @@ double GaussianNoise(const NoiseKey& key) {
   return std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);  // Box–Muller
 }
 
+double CentredNoise(const NoiseKey& key) {
+  return 2 * ToUnit(Mix(NoiseBits(key) + 2 * 0x9e3779b97f4a7c15)) - 1;
+}
+
 double Noisy(double value, const ValueNoise& noise, const NoiseKey& key) {
   value += noise.bias_mean;
   if (noise.bias_stddev > 0) {
@@ -52,6 +56,7 @@ double Noisy(double value, const ValueNoise& noise, const NoiseKey& key) {
     value += noise.bias_stddev * GaussianNoise(bias);
   }
   if (noise.stddev > 0) value += noise.stddev * GaussianNoise(key);
+  if (noise.uniform > 0) value += noise.uniform * CentredNoise(key);
   if (noise.resolution > 0) value = std::round(value / noise.resolution) * noise.resolution;
   return value;
 }

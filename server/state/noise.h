@@ -53,6 +53,9 @@ double UniformNoise(const NoiseKey& key);
 /// A sample of the normal distribution with mean 0 and standard deviation 1; |value| < 9.
 double GaussianNoise(const NoiseKey& key);
 
+/// A sample of the even distribution over (-1, 1). Independent of the other two of this key.
+double CentredNoise(const NoiseKey& key);
+
 /// `value` as a sensor with this noise reads it. The bias is that of the key with step kBiasStep.
 double Noisy(double value, const ValueNoise& noise, const NoiseKey& key);
 inline constexpr std::uint64_t kBiasStep = ~std::uint64_t{0};

@@ -7,69 +7,13 @@
 #include <string>
 
 #include "tests/server/model/read_text.h"
+#include "tests/server/model/sensor_rig.h"
 
-namespace coopdyn {
+namespace coopdyn::sensor_rig {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-constexpr double kPerDegree = std::numbers::pi / 180;
-
-struct ElementAnswer {
-  std::shared_ptr<const RobotModel> robot;
-  std::string messages;
-};
-
-std::string RigLink(const std::string& name, const std::string& pose, double mass_kg,
-                    const std::string& more = "") {
-  const std::string moment = std::to_string(0.01 * mass_kg);
-  return "<link name=\"" + name + "\"><pose>" + pose + "</pose><inertial><mass>" + std::to_string(mass_kg) +
-         "</mass><inertia><ixx>" + moment + "</ixx><iyy>" + moment + "</iyy><izz>" + moment +
-         "</izz></inertia></inertial><collision name=\"body\"><geometry><box><size>0.1 0.1 "
-         "0.1</size></box></geometry>"
-         "</collision>" +
-         more + "</link>\n";
-}
-std::string RigJoint(const std::string& name, const std::string& type, const std::string& parent,
-                     const std::string& child) {
-  return "<joint name=\"" + name + "\" type=\"" + type + "\"><parent>" + parent + "</parent><child>" + child +
-         "</child>" +
-         (type == "fixed"
-              ? ""
-              : "<axis><xyz>0 0 1</xyz><limit><effort>1</effort><velocity>1</velocity></limit></axis>") +
-         "</joint>\n";
-}
-
-/// A base, an arm that turns on it, a hand fixed to the arm and a finger that turns on the hand. `elements`
-/// start at line 9.
-ElementAnswer ReadRig(const std::string& elements) {
-  const std::string text =
-      "<sdf version=\"1.9\" xmlns:coopdyn=\"https://coopdyn.dev/sdf\"><model name=\"rig\">\n" +
-      RigLink("base", "0 0 0.05 0 0 0", 4) + RigLink("arm", "0.2 0 0.5 0 0 0", 2) +
-      RigLink("hand", "0.5 0 0.5 0 0 1.5707963267948966", 1) + RigLink("finger", "0.7 0 0.5 0 0 0", 0.5) +
-      RigJoint("shoulder", "revolute", "base", "arm") + RigJoint("weld", "fixed", "arm", "hand") +
-      RigJoint("knuckle", "revolute", "hand", "finger") + elements + "</model></sdf>";
-  Diagnostics diagnostics;
-  ElementAnswer answer;
-  answer.robot = ReadRobotModelText(text, "rig.sdf", "rig", diagnostics);
-  answer.messages = diagnostics.ToString();
-  return answer;
-}
-std::string ModuleOf(const std::string& type) {
-  return "<coopdyn:module type=\"" + type + "\"/>\n";
-}
-
-template <typename Kind>
-Kind Described(const std::string& element) {
-  const ElementAnswer answer = ReadRig(element + "\n" + ModuleOf(Kind::kType));
-  EXPECT_EQ(answer.messages, "");
-  if (answer.robot == nullptr || answer.robot->Find<Kind>() == nullptr) return {};
-  return *answer.robot->Find<Kind>();
-}
-std::string WrongElement(const std::string& type, const std::string& element) {
-  return ReadRig(element + "\n" + ModuleOf(type)).messages;
-}
 
 TEST(SensorElementsTest, APlaceIsThatOfItsLinkAlsoThroughAFixedJoint) {
   const auto imu = Described<ImuModel>("<coopdyn:imu link=\"hand\" pose=\"0.1 0 0 0 0 0\"/>");
@@ -92,10 +36,11 @@ TEST(SensorElementsTest, NoiseIsInSiUnits) {
   const auto imu = Described<ImuModel>(
       "<coopdyn:imu turn_noise_stddev=\"0.1\" turn_bias_mean=\"-0.2\" turn_bias_stddev=\"0.3\" "
       "turn_resolution=\"0.4\" "
-      "acceleration_noise_stddev=\"0.5\" orientation_noise_stddev_deg=\"2\"/>");
+      "acceleration_noise_stddev=\"0.5\" acceleration_noise_uniform=\"0.6\" "
+      "orientation_noise_stddev_deg=\"2\"/>");
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_EQ(imu.turn_noise.at(static_cast<std::size_t>(axis)), (ValueNoise{0.1, -0.2, 0.3, 0.4}));
-    EXPECT_EQ(imu.acceleration_noise.at(static_cast<std::size_t>(axis)), (ValueNoise{0.5, 0, 0, 0}));
+    EXPECT_EQ(imu.acceleration_noise.at(static_cast<std::size_t>(axis)), (ValueNoise{0.5, 0, 0, 0, 0.6}));
   }
   EXPECT_DOUBLE_EQ(imu.orientation_noise_stddev_rad, 2 * kPerDegree);
 }
@@ -262,90 +207,6 @@ TEST(SensorElementsTest, WrongContacts) {
               HasSubstr("unknown element <coopdyn:zon>; did you mean 'coopdyn:zone'?"));
 }
 
-TEST(SensorElementsTest, BeamsOfASonarHaveTheCommonValuesOrTheirOwn) {
-  const auto sonar = Described<SonarModel>(
-      "<coopdyn:sonar max_range=\"3\" opening_deg=\"20\"><coopdyn:beam pose=\"0 0 0 0 0 0.5\"/><coopdyn:beam "
-      "opening_deg=\"40\" min_range=\"0.1\" max_range=\"2\"/></coopdyn:sonar>");
-  ASSERT_EQ(sonar.beams.size(), 2u);
-  EXPECT_NEAR(sonar.beams[0].opening_rad, 20 * kPerDegree, 1e-12);
-  EXPECT_NEAR(Heading(sonar.beams[0].mount.X_LS.q), 0.5, 1e-12);
-  EXPECT_EQ(sonar.beams[1].max_range_m, 2);
-  EXPECT_THAT(WrongElement("sonar", "<coopdyn:sonar><coopdyn:beam/></coopdyn:sonar>"),
-              HasSubstr("needs 'max_range' in m, here or in <coopdyn:sonar>"));
-  EXPECT_THAT(WrongElement("sonar", "<coopdyn:sonar/>"), HasSubstr("write at least one <coopdyn:beam"));
-}
-
-TEST(SensorElementsTest, ThePresetGp2d12MeetsItsDataSheet) {
-  const auto answer =
-      ReadRig("<coopdyn:infrared preset=\"gp2d12\"><coopdyn:eye/></coopdyn:infrared>" + ModuleOf("infrared"));
-  ASSERT_NE(answer.robot, nullptr) << answer.messages;
-  const InfraredModel& infrared = *answer.robot->Find<InfraredModel>();
-  const auto at = [&infrared](double distance_m) {
-    for (const InfraredModel::Row& row : infrared.curve) {
-      if (std::abs(row.distance_m - distance_m) < 1e-9) return row.value;
-    }
-    return -1.0;
-  };
-  EXPECT_NEAR(at(0.8), 0.4, 1e-9);
-  EXPECT_NEAR(at(0.1), 2.4, 1e-9);
-  EXPECT_NEAR(at(0.2), 1.4, 1e-9);
-  EXPECT_LT(at(0.04), at(0.1));  // it folds
-  EXPECT_NEAR(1 / answer.robot->sensors.at(0).timing.rate_hz, 0.0383, 1e-9);
-  EXPECT_EQ(infrared.max_range_m, 0.8);
-}
-
-TEST(SensorElementsTest, ACurveOfItsOwn) {
-  const auto infrared = Described<InfraredModel>(
-      "<coopdyn:infrared opening_deg=\"5\" rays=\"3\"><coopdyn:eye link=\"arm\"/><coopdyn:row "
-      "distance=\"0.1\" value=\"3\" "
-      "noise_stddev=\"0.1\"/><coopdyn:row distance=\"1\" value=\"1\"/></coopdyn:infrared>");
-  ASSERT_EQ(infrared.curve.size(), 2u);
-  EXPECT_EQ(infrared.curve[0].noise_stddev, 0.1);
-  EXPECT_EQ(infrared.max_range_m, 1);
-  EXPECT_EQ(infrared.dark, 1);
-}
-
-TEST(SensorElementsTest, WrongInfrareds) {
-  const std::string eye = "<coopdyn:eye/>", row = "<coopdyn:row distance=\"0.1\" value=\"3\"/>";
-  const auto wrong = [](const std::string& attributes, const std::string& inside) {
-    return WrongElement("infrared", "<coopdyn:infrared " + attributes + ">" + inside + "</coopdyn:infrared>");
-  };
-  EXPECT_THAT(wrong("preset=\"gp2y\"", eye), HasSubstr("there is no preset 'gp2y': write gp2d12"));
-  EXPECT_THAT(wrong("", eye + row), HasSubstr("at least two <coopdyn:row"));
-  EXPECT_THAT(wrong("", eye + row + row), HasSubstr("rows go by increasing 'distance'"));
-  EXPECT_THAT(wrong("preset=\"gp2d12\"", eye + row), HasSubstr("keep one of them"));
-  EXPECT_THAT(wrong("preset=\"gp2d12\"", ""), HasSubstr("write at least one <coopdyn:eye"));
-  EXPECT_THAT(wrong("preset=\"gp2d12\" opening_deg=\"4\"", eye),
-              HasSubstr("one ray cannot sample an opening"));
-}
-
-TEST(SensorElementsTest, EyesForLightSeeAConeOrAllRound) {
-  const auto light = Described<LightModel>(
-      "<coopdyn:light opening_deg=\"60\"><coopdyn:eye/><coopdyn:eye opening_deg=\"0\"/></coopdyn:light>");
-  ASSERT_EQ(light.eyes.size(), 2u);
-  EXPECT_NEAR(light.eyes[0].opening_rad, 60 * kPerDegree, 1e-12);
-  EXPECT_EQ(light.eyes[1].opening_rad, 0);
-  EXPECT_THAT(WrongElement("light", "<coopdyn:light/>"), HasSubstr("write at least one <coopdyn:eye"));
-}
-
-TEST(SensorElementsTest, ACamera) {
-  const auto camera = Described<CameraModel>(
-      "<coopdyn:camera width=\"64\" height=\"48\" fov_deg=\"90\" near=\"0.1\" far=\"20\" "
-      "noise_stddev=\"0.02\" "
-      "depth_noise_stddev=\"0.03\"/>");
-  EXPECT_EQ(camera.width, 64);
-  EXPECT_EQ(camera.height, 48);
-  EXPECT_NEAR(camera.focal_px(), 32, 1e-9);
-  EXPECT_EQ(camera.noise.stddev, 0.02);
-  EXPECT_EQ(camera.depth_noise.stddev, 0.03);
-  EXPECT_THAT(WrongElement("camera", "<coopdyn:camera near=\"2\" far=\"1\"/>"),
-              HasSubstr("needs 0 < near < far"));
-  EXPECT_THAT(WrongElement("camera", "<coopdyn:camera width=\"5000\"/>"),
-              HasSubstr("'width' must be a number from 1 to 4096"));
-  EXPECT_THAT(WrongElement("camera", "<coopdyn:camera fov_deg=\"180\"/>"),
-              HasSubstr("'fov_deg' must be a number from 1 to 175"));
-}
-
 TEST(SensorElementsTest, ABattery) {
   const auto battery = Described<BatteryModel>(
       "<coopdyn:battery capacity=\"1000\" start=\"0.5\" idle=\"3\" efficiency=\"0.8\"/>");
@@ -423,4 +284,4 @@ TEST(SensorRobotsTest, TheArmWeighsWhatItsFlangeHolds) {
 }
 
 }  // namespace
-}  // namespace coopdyn
+}  // namespace coopdyn::sensor_rig

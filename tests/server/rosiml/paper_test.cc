@@ -132,19 +132,41 @@ TEST(PaperTest, SensorsAreChildrenOfAnObject) {
                 "<camera name=\"eye\" width=\"64\" height=\"48\" opening=\"70\"/></object></body></movable>"))
           .models.at(0)
           .sdf.text;
-  EXPECT_HAS(sdf, "max_range=\"2\" opening_deg=\"30\" rays=\"7\" noise_stddev=\"0.01\"/>");
+  EXPECT_HAS(sdf, "opening_deg=\"30\" opening_up_deg=\"30\" rays=\"7\" noise_stddev=\"0.01\"/>");
   for (const char* module : {"\"compass\" name=\"north\"", "\"imu\" name=\"imu\"", "\"infrared\" name=\"ir\"",
                              "\"camera\" name=\"eye\""})
     EXPECT_HAS(sdf, std::string("<coopdyn:module type=") + module);
 }
 
-TEST(PaperTest, TheSharpOfUnknownCurveIsNotSimulatedYet) {
-  EXPECT_HAS(
-      Said(Paper(
-          "",
-          "<movable name=\"m\" type=\"active\"><body><object name=\"a\" mass=\"1\"><pose z=\"1\"/>"
-          "<sphere radius=\"0.1\"/><sharp name=\"ir\" model=\"dm2y3a003k0f\"/></object></body></movable>")),
-      "DM2Y3A003K0F is not simulated yet");
+TEST(PaperTest, APatternSaysHowAProximitySensorLooks) {
+  const auto made = [](const std::string& sensor) {
+    return Made(Paper("",
+                      "<movable name=\"m\" type=\"active\"><body><object name=\"a\" mass=\"1\"><pose "
+                      "z=\"1\"/><sphere radius=\"0.1\"/>" +
+                          sensor + "</object></body></movable>"))
+        .models.at(0)
+        .sdf.text;
+  };
+  const std::string common = "<proximity name=\"p\" range=\"2\" opening=\"30\" ";
+  EXPECT_HAS(made(common + "rays=\"3\"/>"),
+             "max_range=\"2\" opening_deg=\"30\" opening_up_deg=\"30\" rays=\"3\"/>");
+  EXPECT_HAS(made(common + "pattern=\"cross\" openingUp=\"10\"/>"), "opening_up_deg=\"10\" rays=\"5\"/>");
+  EXPECT_HAS(made(common + "pattern=\"cone\"/>"), "max_range=\"2\" opening_deg=\"30\"/>");
+  EXPECT_HAS(made(common + "pattern=\"fan\"/>"), "<coopdyn:sector pose=\"0 0 0.1 0 0 0\" max_range=\"2\"");
+}
+
+TEST(PaperTest, LightSensorsHaveColoursAndThatOfTheAmbientLightIsAModule) {
+  const std::string sdf =
+      Made(Paper("",
+                 "<movable name=\"m\" type=\"active\"><body><object name=\"a\" mass=\"1\"><pose z=\"1\"/>"
+                 "<sphere radius=\"0.1\"/><ldr name=\"red\" opening=\"60\" colour=\"FF0000\"/>"
+                 "<ambientLight name=\"day\"/><sharp name=\"ir\" model=\"dm2y3a003k0f\"/></object></body>"
+                 "</movable>"))
+          .models.at(0)
+          .sdf.text;
+  EXPECT_HAS(sdf, "opening_deg=\"60\" color=\"1.0000 0.0000 0.0000\"/>");
+  EXPECT_HAS(sdf, "<coopdyn:light name=\"day\"><coopdyn:eye lamps=\"false\"/></coopdyn:light>");
+  EXPECT_HAS(sdf, "<coopdyn:infrared name=\"ir\" preset=\"dm2y3a003k0f\">");
 }
 
 }  // namespace

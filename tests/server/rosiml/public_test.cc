@@ -187,10 +187,21 @@ TEST(PublicTest, AProximitySensorLooksAlongItsZ) {
       "<proximity name=\"p\"><object name=\"a\"/><pose x=\"0.1\" beta=\"90\"/><distance meter=\"0.5\"/>"
       "<openingAngles x=\"20\" y=\"5\"/></proximity>";
   EXPECT_HAS(Made(Public("", Robot(Ball("a"), "", sensor))).models.at(0).sdf.text,
-             "<coopdyn:sector pose=\"0.1 0 0.1 0 0 0\" max_range=\"0.5\" opening_deg=\"40\" rays=\"5\"/>");
+             "<coopdyn:beam link=\"a\" pose=\"0.1 0 0 0 0 0\" max_range=\"0.5\" opening_deg=\"40\" "
+             "opening_up_deg=\"10\" rays=\"5\"/>");
 }
 
-TEST(PublicTest, AProximitySensorOfALimbIsASonar) {
+TEST(PublicTest, AProximitySensorIsTurnedAboutItsAxisToo) {
+  const std::string sensor =
+      "<proximity name=\"p\"><object name=\"a\"/><pose/><distance meter=\"0.5\"/>"
+      "<openingAngles x=\"0\" y=\"0\"/></proximity>";
+  // Upwards, its left is y: up is then -x.
+  EXPECT_HAS(Made(Public("", Robot(Ball("a"), "", sensor))).models.at(0).sdf.text,
+             "pose=\"0 0 0 0 -1.570796326795 0\" max_range=\"0.5\" opening_deg=\"0\" opening_up_deg=\"0\" "
+             "rays=\"1\"/>");
+}
+
+TEST(PublicTest, AProximitySensorOfALimbIsTheSame) {
   const std::string two = Ball("a") + Ball("b", "<pose z=\"2\"/>");
   const std::string sensor =
       "<proximity name=\"p\"><object name=\"b\"/><pose beta=\"90\"/><distance meter=\"0.5\"/>"
@@ -198,16 +209,48 @@ TEST(PublicTest, AProximitySensorOfALimbIsASonar) {
   EXPECT_HAS(Made(Public("", Robot(two, Motor("type=\"angular\" mode=\"active\"", "a", "b"), sensor)))
                  .models.at(0)
                  .sdf.text,
-             "<coopdyn:beam link=\"b\" pose=\"0 0 0 0 0 0\" max_range=\"0.5\" opening_deg=\"40\"/>");
+             "<coopdyn:beam link=\"b\" pose=\"0 0 0 0 0 0\" max_range=\"0.5\" opening_deg=\"40\" "
+             "opening_up_deg=\"10\" rays=\"5\"/>");
+}
+
+TEST(PublicTest, ProximitySensorsStayInTheirOrder) {
+  const auto sensor = [](const std::string& gamma, const std::string& meter) {
+    return "<proximity name=\"p\"><object name=\"a\"/><pose beta=\"90\" gamma=\"" + gamma +
+           "\"/><distance meter=\"" + meter + "\"/><openingAngles x=\"1\" y=\"1\"/></proximity>";
+  };
+  const std::string sdf =
+      Made(Public("", Robot(Ball("a"), "", sensor("90", "1") + sensor("0", "2") + sensor("-90", "3"))))
+          .models.at(0)
+          .sdf.text;
+  EXPECT_LT(sdf.find("max_range=\"1\""), sdf.find("max_range=\"2\""));
+  EXPECT_LT(sdf.find("max_range=\"2\""), sdf.find("max_range=\"3\""));
+  EXPECT_HAS_NOT(sdf, "type=\"distance\"");
+}
+
+TEST(PublicTest, SharpSensorsCamerasAndAmbientLightAreModules) {
+  const std::string sensors =
+      "<sharpGP2D12_37 name=\"near\"><object name=\"a\"/><pose beta=\"90\"/></sharpGP2D12_37>"
+      "<sharpDM2Y3A003K0F name=\"wide\"><object name=\"a\"/><pose beta=\"90\"/></sharpDM2Y3A003K0F>"
+      "<camera name=\"eye\"><object name=\"a\"/><pose beta=\"90\"/><openingAngles x=\"45\" "
+      "y=\"45\"/></camera>"
+      "<ambientLight name=\"day\"/>";
+  const std::string sdf = Made(Public("", Robot(Ball("a"), "", sensors))).models.at(0).sdf.text;
+  EXPECT_HAS(sdf, "<coopdyn:infrared name=\"near\" preset=\"gp2d12\"><coopdyn:eye link=\"a\"");
+  EXPECT_HAS(sdf, "<coopdyn:infrared name=\"wide\" preset=\"dm2y3a003k0f\">");
+  EXPECT_HAS(sdf,
+             "<coopdyn:camera name=\"eye\" link=\"a\" pose=\"0 0 0 0 0 0\" width=\"320\" "
+             "height=\"320\" fov_deg=\"90\"/>");
+  EXPECT_HAS(sdf, "<coopdyn:light name=\"day\"><coopdyn:eye lamps=\"false\"/></coopdyn:light>");
+  EXPECT_HAS(sdf, "<coopdyn:module type=\"light\" name=\"day\"/>");
 }
 
 TEST(PublicTest, LightAndContactSensorsAreModules) {
   const std::string sensors =
-      "<ldr name=\"eye\" opening=\"45\"><object name=\"a\"/><pose/><colour value=\"FFFFFF\"/></ldr>"
+      "<ldr name=\"eye\" opening=\"45\"><object name=\"a\"/><pose/><colour value=\"FF0000\"/></ldr>"
       "<binaryContact name=\"Foot 1\"><object name=\"a\"/></binaryContact>";
   const std::string sdf = Made(Public("", Robot(Ball("a"), "", sensors))).models.at(0).sdf.text;
   EXPECT_HAS(sdf, "<coopdyn:module type=\"light\" name=\"light\"/>");
-  EXPECT_HAS(sdf, "opening_deg=\"90\"");
+  EXPECT_HAS(sdf, "opening_deg=\"90\" color=\"1.0000 0.0000 0.0000\"/>");
   EXPECT_HAS(sdf, "<coopdyn:contact name=\"foot_1\" links=\"a\"/>");
 }
 

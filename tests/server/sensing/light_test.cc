@@ -17,7 +17,7 @@ using testing::ElementsAre;
 
 LightModel Eyes(std::initializer_list<double> openings_rad) {
   LightModel light;
-  for (const double opening_rad : openings_rad) light.eyes.push_back({OnTop(), opening_rad});
+  for (const double opening_rad : openings_rad) light.eyes.push_back({OnTop(), opening_rad, true, {}});
   return light;
 }
 
@@ -68,6 +68,33 @@ TEST(LightTest, WhatStandsBetweenHidesALampUnlessItCastsNoShadows) {
   const auto behind =
       SampleWorld().Robot(At(0, 0), With(Eyes({0}))).Object(Box{{0.1, 1, 1}}, Stands(3, 0, kEye_m));
   EXPECT_THAT(LightOf(behind, {Lamp({2, 0, kEye_m}, 8)}), ElementsAre(testing::DoubleNear(2, 1e-9)));
+}
+
+TEST(LightTest, AnEyeMaySeeTheAmbientLightAlone) {
+  LightModel light = Eyes({0});
+  light.eyes[0].sees_lamps = false;
+  const auto robot = SampleWorld().Robot(At(0, 0), With(light));
+  EXPECT_THAT(LightOf(robot, {Lamp({2, 0, kEye_m}, 8)}, 0.3), ElementsAre(0.3));
+}
+
+// sum over colours of min(sum over lamps of power · colour / d², the eye's) / the sum of the eye's colours
+TEST(LightTest, AnEyeWithAColourSaturatesInEachColour) {
+  LightModel eye = Eyes({1.0});
+  eye.eyes[0].color = Vector3(1, 0.5, 0);
+  const auto robot = SampleWorld().Robot(At(0, 0), With(eye));
+  PointLight lamp = Lamp({2, 0, kEye_m}, 2);
+  lamp.color = {0.8, 0.2, 1};
+  const double red = 2 * 0.8 / 4, green = 2 * 0.2 / 4;
+  const auto near = [](double value) { return ElementsAre(testing::DoubleNear(value, 1e-9)); };
+  EXPECT_THAT(LightOf(robot, {lamp}, 0.3), near((red + green) / 1.5));  // no ambient light, no blue
+  PointLight beside = lamp;
+  beside.p_WP = Vector3(2 * std::cos(0.4), 2 * std::sin(0.4), kEye_m);
+  EXPECT_THAT(LightOf(robot, {beside}), near((red + green) / 1.5));  // no loss off the axis
+  EXPECT_THAT(LightOf(robot, {lamp, beside}), near((2 * red + 2 * green) / 1.5));
+  EXPECT_THAT(LightOf(robot, {lamp, beside, lamp}), near((1 + 3 * green) / 1.5));  // red is full
+  beside.p_WP = Vector3(2 * std::cos(0.6), 2 * std::sin(0.6), kEye_m);
+  EXPECT_THAT(LightOf(robot, {beside}), ElementsAre(0));
+  EXPECT_THAT(LightOf(robot, {Lamp({2, 0, kEye_m}, 100)}), ElementsAre(1));
 }
 
 }  // namespace

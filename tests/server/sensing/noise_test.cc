@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -54,6 +55,27 @@ TEST(NoiseTest, IsStandardNormal) {
   EXPECT_NEAR(m.mean, 0, 0.03);  // four standard errors
   EXPECT_NEAR(m.stddev, 1, 0.02);
   EXPECT_NEAR(beyond_two / 20000.0, 0.0455, 0.006);
+}
+
+TEST(NoiseTest, UniformNoiseIsEvenBetweenItsBoundsAndIndependentOfTheGaussian) {
+  const ValueNoise noise{.uniform = 0.3};
+  EXPECT_FALSE(noise.exact());
+  std::vector<double> values;
+  double product = 0, sum = 0;
+  for (std::uint64_t step = 0; step < 20000; ++step) {
+    const NoiseKey key{7, NoiseKind::kLight, 1, 1, step, 0};
+    values.push_back(Noisy(2, noise, key));
+    EXPECT_LE(std::abs(values.back() - 2), 0.3);
+    product += CentredNoise(key) * GaussianNoise(key);
+    sum += Noisy(0, {.stddev = 1, .uniform = 0.3}, key) - GaussianNoise(key);
+  }
+  const Moments m = MomentsOf(values);
+  EXPECT_NEAR(m.mean, 2, 4 * 0.3 / std::sqrt(3.0 * 20000));  // four standard errors
+  EXPECT_NEAR(m.stddev, 0.3 / std::sqrt(3.0), 0.003);
+  EXPECT_NEAR(product / 20000, 0, 4 / std::sqrt(3.0 * 20000));
+  EXPECT_NEAR(sum / 20000, 0, 4 * 0.3 / std::sqrt(3.0 * 20000));
+  EXPECT_GT(*std::ranges::max_element(values), 2.29);
+  EXPECT_LT(*std::ranges::min_element(values), 1.71);
 }
 
 TEST(NoiseTest, DiffersInEveryPartOfItsKey) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Lidars, sonars and infrared sensors against what geometry says.
+// Lidars and infrared sensors against what geometry says.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -280,73 +280,6 @@ TEST(RangeNoiseTest, ItDoesNotDependOnWhoReadsAndHowMany) {
     }
   }
   EXPECT_THAT(read, Each(expected));
-}
-
-// --- sonar
-
-SonarModel Sonar(double opening_rad, double max_range_m = 5) {
-  SonarModel sonar;
-  sonar.beams.push_back({OnTop(), opening_rad, 0.1, max_range_m});
-  return sonar;
-}
-
-TEST(SonarTest, AWallAtASlantIsHeardAtItsNearestPointInTheCone) {
-  // The face x = 3 of a wall, seen 0.4 rad to the left with an opening of 0.3: nearest at 0.25 rad.
-  SonarModel sonar = Sonar(0.3);
-  sonar.beams[0].mount = OnTop(FromRollPitchYaw(0, 0, 0.4));
-  const auto frame =
-      SampleWorld().Robot(At(0, 0), With(sonar)).Object(Box{{1, 40, 2}}, Stands(3.5, 0, 1)).MakeFrame();
-  EXPECT_NEAR(SonarRanges(*frame, 0)[0], 3 / std::cos(0.25), 1e-3);
-}
-
-TEST(SonarTest, AThingBesideTheAxisIsHeardInAWideConeOnly) {
-  const auto at = [](double opening_rad) {
-    const auto frame = SampleWorld()
-                           .Robot(At(0, 0), With(Sonar(opening_rad)))
-                           .Object(Sphere{0.1}, Stands(2 * std::cos(0.3), 2 * std::sin(0.3), kEye_m))
-                           .MakeFrame();
-    return SonarRanges(*frame, 0)[0];
-  };
-  EXPECT_NEAR(at(0.8), 1.9, 1e-3);
-  EXPECT_EQ(at(0.4), kInf);
-}
-
-TEST(SonarTest, AMeshIsHeardAtItsTip) {
-  const auto pyramid = Pyramid();
-  // It lies on its side, its tip towards the robot.
-  const Pose X_WG{{3, 0, kEye_m}, FromRollPitchYaw(0, -M_PI / 2, 0)};
-  const auto frame =
-      SampleWorld().Robot(At(0, 0), With(Sonar(0.2))).Object(Mesh{pyramid.get()}, X_WG).MakeFrame();
-  EXPECT_NEAR(SonarRanges(*frame, 0)[0], 2.5, 1e-3);
-}
-
-TEST(SonarTest, TheFloorIsHeardStraightBelowOnly) {
-  const auto at = [](double pitch_rad, double opening_rad) {
-    SonarModel sonar = Sonar(opening_rad);
-    sonar.beams[0].mount = {0, {{1, 0, 0.45}, FromRollPitchYaw(0, pitch_rad, 0)}};  // beside the robot
-    return SonarRanges(*SampleWorld().Robot(At(0, 0), With(sonar)).MakeFrame(), 0)[0];
-  };
-  EXPECT_NEAR(at(M_PI / 2, 0.2), kEye_m, 1e-3);
-  EXPECT_NEAR(at(M_PI / 2 - 0.3, 0.8), kEye_m, 1e-3);
-  EXPECT_EQ(at(M_PI / 4, 0.5), kInf);  // it glances off
-}
-
-TEST(SonarTest, OtherRobotsAreHeardItsOwnChassisIsNot) {
-  auto model = With(Sonar(1.2));
-  const auto frame = SampleWorld()
-                         .Robot(At(0, 0), model)
-                         .Robot({{1.5, 0, kEye_m - 0.15}, Quaternion::Identity()})
-                         .MakeFrame();
-  EXPECT_NEAR(SonarRanges(*frame, 0)[0], 1.5 - kSampleRadius_m, 1e-3);
-  EXPECT_EQ(SonarRanges(*SampleWorld().Robot(At(0, 0), model).MakeFrame(), 0)[0], kInf);
-}
-
-TEST(SonarTest, NearerThanTheMinimumReads0) {
-  const auto frame = SampleWorld()
-                         .Robot(At(0, 0), With(Sonar(0.2)))
-                         .Object(Box{{0.1, 1, 1}}, Stands(0.13, 0, kEye_m + 0.2))
-                         .MakeFrame();
-  EXPECT_EQ(SonarRanges(*frame, 0)[0], 0);
 }
 
 // --- infrared

@@ -1,83 +1,23 @@
 // SPDX-License-Identifier: MIT
-// Requests to sensors and to a drive as the network clients of YARP 3.12 and 4.0 send them, what becomes of
+// Requests to sensors as the network clients of YARP 3.12 and 4.0 send them, what becomes of
 // them for the module, and the bytes that go back.
 #include "server/yarp/device_rpc.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <memory>
 #include <numbers>
-#include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "protocol/command_ids.h"
-#include "protocol/module_tables.h"
-#include "server/yarp/sensor_samples.h"
-#include "tests/server/yarp/hex.h"
+#include "tests/server/yarp/device_rpc_fixture.h"
 
-namespace coopdyn {
+namespace coopdyn::device_rpc {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
-
-constexpr double kHalfTurn = std::numbers::pi;
-constexpr const char* kAskVersion = "getRemoteProtocolVersion";
-
-Message ReplyWith(command::Id command, std::vector<double> data) {
-  Message reply = ReplyTo(command);
-  reply.data = std::move(data);
-  reply.data.insert(reply.data.end(), {12.5, 1250});
-  return reply;
-}
-Message Refused(command::Id command) {
-  return ErrorReply(command, Error::kOwned, "robot1 is driven by ana");
-}
-std::string AnswerBytes(const YarpAnswer& answer, YarpDialect dialect) {
-  if (!answer.bytes.empty()) return answer.bytes;
-  std::string bytes;
-  EncodeBottle(answer.bottle, dialect, bytes);
-  return bytes;
-}
-
-/// A port of a module that answers what it is asked with reading_, and what it is told with answer_.
-class DeviceRpcTest : public ::testing::Test {
- protected:
-  DeviceRpcTest(YarpTalk talk, const char* port, const CommandTable& table, Message reading)
-      : reading_(std::move(reading)), device_(MakeDeviceTranslator(talk, port, table)) {}
-
-  YarpAnswer Ask(const std::string& request) {
-    const Decoded decoded = device_->Decode(*ParseBottle(request));
-    EXPECT_EQ(decoded.status, DecodeStatus::kMessage) << request;
-    asked_ = decoded.message;
-    told_.clear();
-    Message reply = reading_;
-    while (const std::optional<Message> next = device_->Next(reply)) {
-      told_.push_back(*next);
-      reply = answer_.error == 0 ? ReplyTo(next->command) : answer_;
-    }
-    return device_->Reply(reply);
-  }
-  std::string Text(const std::string& request) { return BottleText(Ask(request).bottle); }
-  /// As it goes over a binary connection.
-  std::string Bytes(const std::string& request, YarpDialect dialect = YarpDialect::k3) {
-    return AnswerBytes(Ask(request), dialect);
-  }
-  void ExpectNoSuchRequest(const std::string& request) {
-    EXPECT_THAT(Text(request), StartsWith("[fail] \"there is no such request here: ")) << request;
-    EXPECT_TRUE(told_.empty()) << request;
-  }
-
-  Message reading_;
-  Message answer_ = {};  // an error: of the module to what it is told
-  Message asked_;
-  std::vector<Message> told_;
-  const std::unique_ptr<YarpTranslator> device_;
-};
 
 /// Four columns from -90 degrees on, 45 apart, and ranges from 0.1 to 5 m.
 class LidarRpcTest : public DeviceRpcTest {
@@ -361,137 +301,6 @@ TEST_F(OdometryRpcTest, OtherRequestsAreToldWhichThereAre) {
     ExpectNoSuchRequest(request);
 }
 
-/// At most 0.5 m/s and 5 rad/s.
-class BaseCommandTest : public DeviceRpcTest {
- protected:
-  BaseCommandTest()
-      : DeviceRpcTest(YarpTalk::kBase, "/robot1/base/command:i", MotorsTable(),
-                      ReplyWith(command::kGetLimits, {10, 0.05, 0.2})) {}
-
-  void ExpectVelocity(const std::string& request, double forward_m_s, double turn_rad_s) {
-    EXPECT_EQ(Text(request), "[ok]") << request;
-    ASSERT_EQ(told_.size(), 1u) << request;
-    EXPECT_EQ(told_[0].command, command::kSetVelocity) << request;
-    EXPECT_TRUE(told_[0].params.empty()) << request;
-    ASSERT_EQ(told_[0].data.size(), 2u) << request;
-    EXPECT_NEAR(told_[0].data[0], forward_m_s, 1e-12) << request;
-    EXPECT_NEAR(told_[0].data[1], turn_rad_s, 1e-12) << request;
-  }
-};
-
-TEST_F(BaseCommandTest, AsksTheModuleForItsLimits) {
-  Ask("3 0.2 0.0 0.0 100.0");
-  EXPECT_EQ(asked_.command, command::kGetLimits);
-}
-
-TEST_F(BaseCommandTest, CartesianCommandsGoAheadAndTurn) {
-  ExpectVelocity("3 0.2 0.0 90.0 100.0", 0.2, kHalfTurn / 2);
-  ExpectVelocity("3 -0.2 0.0 -45.0 100.0", -0.2, -kHalfTurn / 4);
-  ExpectVelocity("3 1 0 0", 1, 0);
-}
-
-TEST_F(BaseCommandTest, CartesianCommandsDoNotGoSideways) {
-  ExpectVelocity("3 0.2 0.7 0.0 100.0", 0.2, 0);
-}
-
-TEST_F(BaseCommandTest, PolarCommandsGoByTheirPartAhead) {
-  ExpectVelocity("2 0.0 0.4 90.0 100.0", 0.4, kHalfTurn / 2);
-  ExpectVelocity("2 60.0 0.4 0.0 100.0", 0.2, 0);
-  ExpectVelocity("2 90.0 0.4 0.0 100.0", 0, 0);
-  ExpectVelocity("2 180.0 0.4 0.0 100.0", -0.4, 0);
-}
-
-TEST_F(BaseCommandTest, PercentAreOfTheFastestThatWheelsGo) {
-  ExpectVelocity("1 0.0 100.0 0.0 100.0", 0.5, 0);
-  ExpectVelocity("1 0.0 0.0 100.0 100.0", 0, 5);
-  ExpectVelocity("1 60.0 50.0 -10.0 100.0", 0.125, -0.5);
-}
-
-TEST_F(BaseCommandTest, OtherCommandsDoNothing) {
-  for (const char* const request :
-       {"", "3", "3 0.2", "3 0.2 0.0", "3 fast 0.0 0.0 100.0", "3 0.2 0.0 (1.0)", "4 0.2 0.0 0.0 100.0",
-        "0 0.2 0.0 0.0 100.0", "1.5 0.2 0.0 0.0 100.0", "ahead 0.2 0.0 0.0 100.0", "(3) 0.2 0.0 0.0"}) {
-    ExpectNoSuchRequest(request);
-    EXPECT_THAT(Text(request), HasSubstr("3 FORWARD SIDEWAYS TURN GAIN")) << request;
-  }
-}
-
-TEST_F(BaseCommandTest, WithoutLimitsNothingIsTold) {
-  reading_ = Refused(command::kGetLimits);
-  EXPECT_EQ(Text("3 0.2 0.0 0.0 100.0"), "[fail] \"robot1 is driven by ana\"");
-  EXPECT_TRUE(told_.empty());
-  reading_ = ReplyTo(command::kGetLimits);
-  EXPECT_THAT(Text("1 0.0 100.0 0.0 100.0"), StartsWith("[fail]"));
-  EXPECT_TRUE(told_.empty());
-}
-
-TEST_F(BaseCommandTest, SaysWhyTheDriveRefuses) {
-  answer_ = Refused(command::kSetVelocity);
-  EXPECT_EQ(Text("3 0.2 0.0 0.0 100.0"), "[fail] \"robot1 is driven by ana\"");
-  EXPECT_EQ(told_.size(), 1u);
-}
-
-class BaseRpcTest : public DeviceRpcTest {
- protected:
-  BaseRpcTest()
-      : DeviceRpcTest(YarpTalk::kBaseRpc, "/robot1/base/rpc:i", MotorsTable(), ReplyTo(command::kPing)) {}
-};
-
-TEST_F(BaseRpcTest, AppliesAVelocity) {
-  EXPECT_EQ(Bytes("applyVelocityCommandRPC 0.3 0.1 90.0 1.0"), Hex("01000000 00000000"));
-  ASSERT_EQ(told_.size(), 1u);
-  EXPECT_EQ(told_[0].command, command::kSetVelocity);
-  ASSERT_EQ(told_[0].data.size(), 2u);
-  EXPECT_DOUBLE_EQ(told_[0].data[0], 0.3);
-  EXPECT_DOUBLE_EQ(told_[0].data[1], kHalfTurn / 2);
-}
-
-TEST_F(BaseRpcTest, AppliesAVelocityInTheWordsOfYarp4) {
-  device_->set_dialect(YarpDialect::k4);
-  EXPECT_EQ(Bytes("applyVelocityCommandRPC 0.3 0.0 90.0 1.0"), Hex("00010000 01000000 09000000 6f6b0000"));
-  EXPECT_EQ(told_.size(), 1u);
-}
-
-TEST_F(BaseRpcTest, KnowsTheLastVelocity) {
-  EXPECT_EQ(Text("getLastVelocityCommandRPC"), "0 0.0 0.0 0.0");
-  EXPECT_TRUE(told_.empty());
-  Ask("applyVelocityCommandRPC 0.5 0.25 90.0 1.0");
-  EXPECT_EQ(Bytes("getLastVelocityCommandRPC"),
-            Hex("00010000 04000000 01000000 00000000 0a000000 000000000000e03f"
-                "0a000000 0000000000000000 0a000000 0000000000805640"));
-  EXPECT_TRUE(told_.empty());
-}
-
-TEST_F(BaseRpcTest, KnowsTheLastVelocityInTheWordsOfYarp4) {
-  Ask(kAskVersion);
-  Ask("applyVelocityCommandRPC 0.5 0.0 90.0 1.0");
-  EXPECT_EQ(Bytes("getLastVelocityCommandRPC"),
-            Hex("00010000 04000000 00010000 01000000 09000000 6f6b0000 14000000 000000000000e03f"
-                "14000000 0000000000000000 14000000 0000000000805640"));
-}
-
-TEST_F(BaseRpcTest, OtherRequestsDoNothing) {
-  for (const char* const request :
-       {"", "bogus", "applyVelocityCommandRPC", "applyVelocityCommandRPC 0.3 0.0",
-        "applyVelocityCommandRPC fast 0.0 0.0 1.0", "applyVelocityCommand 0.3 0.0 0.0 1.0",
-        "getLastVelocityCommand", "3 0.3 0.0 0.0 100.0"}) {
-    ExpectNoSuchRequest(request);
-    EXPECT_THAT(Text(request), HasSubstr("applyVelocityCommandRPC FORWARD")) << request;
-  }
-}
-
-TEST_F(BaseRpcTest, TellsNothingToAModuleThatDoesNotAnswer) {
-  reading_ = Refused(command::kPing);
-  EXPECT_EQ(Text("applyVelocityCommandRPC 0.3 0.0 0.0 1.0"), "[fail] \"robot1 is driven by ana\"");
-  EXPECT_TRUE(told_.empty());
-}
-
-TEST_F(BaseRpcTest, SaysWhyTheDriveRefuses) {
-  answer_ = Refused(command::kSetVelocity);
-  EXPECT_EQ(Text("applyVelocityCommandRPC 0.3 0.0 0.0 1.0"), "[fail] \"robot1 is driven by ana\"");
-  EXPECT_EQ(told_.size(), 1u);
-}
-
 struct TalkingPort {
   YarpTalk talk;
   const char* port;
@@ -526,4 +335,4 @@ TEST(DeviceTranslator, OtherTalksHaveNone) {
 }
 
 }  // namespace
-}  // namespace coopdyn
+}  // namespace coopdyn::device_rpc
