@@ -146,7 +146,10 @@ class PaperReader : Reader {
     const std::string type = Text(element, "type");
     ReadController(element, type, movable);
     if (type == "passive" || type == "moving") {
-      for (Joint& joint : movable.joints) joint.is_driven = false;
+      for (Joint& joint : movable.joints) {
+        joint.is_driven = false;
+        if (joint.drive_train) joint.friction = joint.drive_train->dynamic_friction_nm;
+      }
     }
     if (type == "passive") movable.sensors.clear();
     experiment_.robots.push_back(std::move(movable));
@@ -228,7 +231,7 @@ class PaperReader : Reader {
 
   void ReadConnector(const Element& element, Movable& movable) {
     const std::string type = Text(element, "type");
-    if (type == "hinge2" || type == "complexHinge") {
+    if (type == "hinge2") {
       Warn(element, "a connector of type '" + type +
                         "' is not simulated yet: it is left out, and its objects are loose");
       return;
@@ -257,6 +260,11 @@ class PaperReader : Reader {
       joint.max_velocity = Number(*drive, "maxVelocity", 0);
     }
     ReadResistance(element, joint);
+    if (type == "complexHinge") {
+      ReadDriveTrain(element, joint);
+    } else {
+      RefuseDriveTrain(element, type);
+    }
     AddJoint(movable, std::move(joint), element);
   }
 
@@ -274,12 +282,65 @@ class PaperReader : Reader {
     ForEachChild(element, [&](const Element& read) {
       if (std::string_view(read.Name()) != "read") return;
       const std::string what = Text(read, "what");
+      const bool is_of_train =
+          Text(element, "type") == "complexHinge" && (what == "current" || what == "energy");
+      if (is_of_train) return;
       if (what == "force" || what == "current" || what == "energy")
         Warn(read,
              "<read what=\"" + what + "\"/> is not simulated yet: motors tell positions and velocities");
       else if (!joint.is_driven)
         Warn(read, "<read> of a connector without <drive> is not simulated yet: it has no module");
     });
+  }
+
+  /// What only a complex hinge has.
+  void RefuseDriveTrain(const Element& element, const std::string& type) {
+    ForEachChild(element, [&](const Element& child) {
+      for (const char* word : {"backlash", "rotor", "coupling", "pwm"}) {
+        if (std::string_view(child.Name()) == word)
+          Error(child,
+                std::string("only a connector of type 'complexHinge' has a <") + word + ">, not a " + type);
+      }
+    });
+    const Element* friction = Child(element, "friction");
+    if (friction != nullptr && (Number(*friction, "static") || Number(*friction, "threshold")))
+      Error(*friction, "only a connector of type 'complexHinge' has static friction");
+  }
+
+  void ReadDriveTrain(const Element& element, Joint& joint) {
+    DriveTrain train;
+    train.line = element.GetLineNum();
+    ForEachChild(element, [&](const Element& row) {
+      if (std::string_view(row.Name()) != "pwm") return;
+      train.pwm.push_back({Number(row, "duty", 1), Number(row, "noLoadSpeed", 0),
+                           Number(row, "stallTorque", 0), Number(row, "stallCurrent", 0), row.GetLineNum()});
+    });
+    train.ratio = NumberIn(element, "rotor", "ratio", 1);
+    train.efficiency = NumberIn(element, "rotor", "efficiency", 1);
+    if (const Element* rotor = Child(element, "rotor")) train.rotor_inertia_kg_m2 = Number(*rotor, "inertia");
+    train.backlash_deg = NumberIn(element, "backlash", "gap", 0);
+    if (const Element* coupling = Child(element, "coupling")) {
+      train.stiffness_nm_rad = Number(*coupling, "stiffness");
+      train.damping_nms_rad = Number(*coupling, "damping", 0);
+      train.preload_nm = Number(*coupling, "preload", 0);
+    }
+    train.dynamic_friction_nm = joint.friction;
+    train.static_friction_nm = NumberIn(element, "friction", "static", joint.friction);
+    if (const Element* friction = Child(element, "friction"))
+      train.stiction_speed_rad_s = Number(*friction, "threshold");
+    // Without a table the motor is that of its <drive>.
+    if (train.pwm.empty() && joint.is_driven)
+      train.pwm.push_back(
+          {1, joint.max_velocity * train.ratio, joint.max_effort / train.ratio, 0, train.line});
+    if (train.pwm.empty()) {
+      Warn(element, "the complexHinge '" + Printable(joint.name) +
+                        "' has neither <drive> nor <pwm>: it is a hinge without a motor");
+      return;
+    }
+    joint.is_driven = true;
+    joint.is_wheel = false;
+    joint.friction = 0;
+    joint.drive_train = std::move(train);
   }
 
   Experiment experiment_;
