@@ -48,7 +48,7 @@ inline constexpr Id kGetJoints = 203, kSetPositions = 204, kSetPositionsDirect =
                     kSetEfforts = 207, kSetModes = 208, kGetModes = 209, kSetCompliance = 210,
                     kGetCompliance = 211, kSetProfile = 212, kGetProfile = 213, kSetGains = 214,
                     kGetGains = 215, kGetJointLimits = 216, kGetMotion = 217, kGetReferences = 218,
-                    kHold = 219, kGetChain = 220, kGetBoard = 221;
+                    kHold = 219, kGetChain = 220, kGetBoard = 221, kSetPwm = 222, kGetDriveTrains = 223;
 // /swarm
 inline constexpr Id kStepAll = 110, kSelectReadings = 111, kReadAll = 112, kGetTeam = 113, kStopTeam = 114;
 // /simulation

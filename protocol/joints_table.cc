@@ -22,7 +22,7 @@ ValueSpec JointParam() {
 
 ValueSpec ModeValue() {
   ValueSpec mode = Repeated("mode");
-  mode.enums = {{"idle", 0}, {"position", 1}, {"direct", 2}, {"velocity", 3}, {"effort", 4}};
+  mode.enums = {{"idle", 0}, {"position", 1}, {"direct", 2}, {"velocity", 3}, {"effort", 4}, {"pwm", 5}};
   return mode;
 }
 
@@ -81,6 +81,15 @@ CommandTable JointsTable() {
               {Repeated("velocity", "rad/s")}, "set_velocities (1) 0.2"),
       Command(command::kSetEfforts, "set_efforts", "Sets the efforts of the motors.",
               {Repeated("effort", "N m")}, "set_efforts (1) 1.5"),
+      Command(command::kSetPwm, "set_pwm",
+              "Sets the duties of the motors of drive trains, from -1 to 1; 0 brakes.", {Repeated("duty")},
+              "set_pwm (1) 0.5"),
+      OfJoints(
+          Reading(command::kGetDriveTrains, "get_drive_trains",
+                  "Returns the drive trains of joints: where the rotor is, as the joint counts, how fast, "
+                  "the motor's current and the energy that it has drawn; nan without one.",
+                  {AnyNumber("rotor_position", "rad"), AnyNumber("rotor_velocity", "rad/s"),
+                   AnyNumber("current", "A"), AnyNumber("energy", "J")})),
       Command(command::kSetModes, "set_modes",
               "Sets how joints are driven; each stays where it is until its next command.", {ModeValue()},
               "set_modes (1) effort"),
@@ -108,10 +117,10 @@ CommandTable JointsTable() {
       OfJoints(Reading(command::kGetMotion, "get_motion",
                        "Returns which joints have ended their motion (1) and where each one goes.",
                        {Repeated("target", "rad")})),
-      OfJoints(
-          Reading(command::kGetReferences, "get_references",
-                  "Returns the reference in force of each joint: position, velocity or effort by its mode.",
-                  {Repeated("reference")})),
+      OfJoints(Reading(
+          command::kGetReferences, "get_references",
+          "Returns the reference in force of each joint: position, velocity, effort or duty by its mode.",
+          {Repeated("reference")})),
       Command(command::kHold, "hold", "Holds joints where they are.", {}, "hold (1)"),
       Reading(command::kGetChain, "get_chain",
               "Returns the chain of joints from base to tool in R, all joints at 0: for each a point of its "

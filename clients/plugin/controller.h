@@ -77,7 +77,8 @@ enum coopdyn_mode {
   COOPDYN_POSITION = 1, /* rad or m: goes there within the profile's speed and acceleration */
   COOPDYN_DIRECT = 2,   /* rad or m: is there at the end of this step */
   COOPDYN_VELOCITY = 3, /* rad/s or m/s */
-  COOPDYN_EFFORT = 4    /* N m or N */
+  COOPDYN_EFFORT = 4,   /* N m or N */
+  COOPDYN_PWM = 5       /* of a drive train: the duty of its motor, -1 to 1; 0 brakes */
 };
 
 /* A channel: a joint axis that a module drives. A wheel is one. */

@@ -63,7 +63,7 @@ std::vector<coopdyn_joint> JointsOf(const RobotModel& model) {
       const JointModel& of = model.joints[static_cast<std::size_t>(index)];
       joints.push_back({.module = nullptr,
                         .name = nullptr,
-                        .modes = modes,
+                        .modes = modes | (of.drive_train && actuator.is_board() ? 1u << COOPDYN_PWM : 0u),
                         .max_velocity = drive != nullptr ? drive->max_wheel_speed_rad_s : of.max_velocity,
                         .slides = of.kind == JointModel::Kind::kSlider ? 1u : 0u,
                         .lower = of.lower,

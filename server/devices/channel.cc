@@ -47,7 +47,7 @@ int LinkOf(const RobotModel& model, const ChannelModel::Value& value) {
       return sonar->beams[value.index].mount.link;
     return CarrierOf(kind);
   }
-  return value.quantity <= Quantity::kEffort ? ParentOf(model, value.of) : value.mount.link;
+  return value.quantity <= Quantity::kEnergy ? ParentOf(model, value.of) : value.mount.link;
 }
 
 }  // namespace

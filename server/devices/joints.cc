@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -25,6 +26,8 @@ std::optional<ControlMode> ModeOf(command::Id command) {
       return ControlMode::kVelocity;
     case command::kSetEfforts:
       return ControlMode::kEffort;
+    case command::kSetPwm:
+      return ControlMode::kPwm;
     default:
       return std::nullopt;
   }
@@ -56,7 +59,18 @@ std::optional<Message> JointsDevice::Refuse(const Message& request) const {
   const std::vector<std::size_t> joints = JointsOf(request.params, actuator_.joints.size(), why);
   if (!why.empty()) return ErrorReply(request.command, Error::kWrongParams, spec.name + ": " + why);
   const std::size_t each = DataPerJoint(request.command);
-  if (request.data.size() == each * joints.size()) return std::nullopt;
+  const bool fits = request.data.size() == each * joints.size();
+  for (std::size_t i = 0; i < joints.size() && fits; ++i) {
+    const bool is_duty =
+        request.command == command::kSetPwm ||
+        (request.command == command::kSetModes && request.data[i] == static_cast<double>(ControlMode::kPwm));
+    const JointModel& joint = model_.joints[static_cast<std::size_t>(actuator_.joints[joints[i]])];
+    if (!is_duty || joint.drive_train) continue;
+    return ErrorReply(request.command, Error::kNotPossible,
+                      spec.name + ": joint " + joint.name +
+                          " has no drive train: give its <joint> in the model a <coopdyn:drivetrain>");
+  }
+  if (fits) return std::nullopt;
   return ErrorReply(request.command, Error::kWrongData,
                     fmt::format("{} takes {} value{} for each of {} joint{}, not {} in all: {}", spec.name,
                                 each, each == 1 ? "" : "s", joints.size(), joints.size() == 1 ? "" : "s",
@@ -171,6 +185,16 @@ Message JointsDevice::Read(const Message& request, const Frame& frame, int robot
         reply.params.push_back(arrived);
         add({target});
         break;
+      case command::kGetDriveTrains: {
+        constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+        const DriveTrainState* train = DriveTrainOf(frame, robot, actuator_.joints[i]);
+        if (train == nullptr) {
+          add({kNone, kNone, kNone, kNone});
+        } else {
+          add({train->rotor_rad, train->rotor_rad_s, train->current_a, train->energy_j});
+        }
+        break;
+      }
       case command::kGetReferences:
         add({reference});
         break;

@@ -79,7 +79,9 @@ struct ChannelModel {
     kReading,
     kPosition,  // joint: rad or m
     kVelocity,
-    kEffort,  // of its motor; without one of its spring and damper: N m or N
+    kEffort,   // of its motor; without one of its spring and damper: N m or N
+    kCurrent,  // of its drive train: A, J
+    kEnergy,
     kX,       // place, in the world: m
     kY,
     kZ,

@@ -18,6 +18,10 @@ Setpoint Limit(const JointModel& joint, Setpoint setpoint) {
     case ControlMode::kEffort:
       setpoint.reference = std::clamp(setpoint.reference, -joint.max_effort, joint.max_effort);
       break;
+    case ControlMode::kPwm:
+      if (!joint.drive_train) return {0, ControlMode::kIdle};
+      setpoint.reference = std::clamp(setpoint.reference, -1.0, 1.0);
+      break;
     case ControlMode::kIdle:
     case ControlMode::kKeep:
       setpoint.reference = 0;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "server/geometry/shape.h"
+#include "server/model/drive_train.h"
 #include "server/model/sensor_models.h"
 #include "server/model/world_model.h"
 
@@ -68,7 +69,8 @@ struct JointModel {
   double friction = 0;   // Coulomb: effort
   double stiffness = 0;  // of a spring: effort per way from `rest`
   double rest = 0;
-  double pitch_m_rad = 0;  // of a screw: way along the axis per radian
+  double pitch_m_rad = 0;                                     // of a screw: way along the axis per radian
+  std::optional<DriveTrainModel> drive_train = std::nullopt;  // of a hinge of a control board
 
   bool slides() const { return kind == Kind::kSlider; }
   bool has_axis() const { return kind != Kind::kBall && kind != Kind::kUniversal; }
@@ -127,18 +129,21 @@ enum class ControlMode : std::uint8_t {
   kDirect = 2,
   kVelocity = 3,
   kEffort = 4,
+  kPwm = 5,  // the duty of the motor of a drive train
   kKeep = 255
 };
-inline constexpr int kControlModes = 5;  // that can be in force
+inline constexpr int kControlModes = 6;  // that can be in force
 
-/// What is wanted of one channel: a joint axis. rad, rad/s or N m; of a sliding joint m, m/s or N.
+/// What is wanted of one channel: a joint axis. rad, rad/s or N m; of a sliding joint m, m/s or N; a duty
+/// from -1 to 1.
 struct Setpoint {
   double reference = 0;
   ControlMode mode = ControlMode::kVelocity;
 
   /// Whether it asks for motion, or a force.
   bool drives() const {
-    return reference != 0 && (mode == ControlMode::kVelocity || mode == ControlMode::kEffort);
+    return reference != 0 &&
+           (mode == ControlMode::kVelocity || mode == ControlMode::kEffort || mode == ControlMode::kPwm);
   }
   /// The same at rest: nothing drives, a motion to a position ends here.
   Setpoint stopped() const {
@@ -148,7 +153,7 @@ struct Setpoint {
   bool operator==(const Setpoint&) const = default;
 };
 
-/// Within the limits of a joint of a control board.
+/// Within the limits of a joint of a control board. Without a drive train a duty is idle.
 Setpoint Limit(const JointModel& joint, Setpoint setpoint);
 
 /// What moves joints on command. Its module is a slot of the command board.

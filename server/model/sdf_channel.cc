@@ -15,7 +15,7 @@ using What = ChannelModel::Quantity;
 
 constexpr std::pair<What, std::string_view> kQuantities[] = {{What::kPosition, "position"},
                                                              {What::kVelocity, "velocity"},
-                                                             {What::kEffort, "effort"},
+                                                             {What::kEffort, "effort"}, {What::kCurrent, "current"}, {What::kEnergy, "energy"},
                                                              {What::kX, "x"},
                                                              {What::kY, "y"},
                                                              {What::kZ, "z"},
@@ -34,6 +34,7 @@ constexpr std::pair<ControlMode, std::string_view> kModes[] = {{ControlMode::kPo
                                                                {ControlMode::kDirect, "direct"},
                                                                {ControlMode::kVelocity, "velocity"},
                                                                {ControlMode::kEffort, "effort"},
+                                                               {ControlMode::kPwm, "pwm"},
                                                                {ControlMode::kKeep, "ignored"}};
 
 /// The value of the word that attribute `name` has; nothing, and reported, if it is none of `table`.
@@ -150,15 +151,18 @@ ChannelModel::Value ReadValue(XmlAttributes& attributes, const SensorSource& sou
   value.quantity = quantity.value_or(What::kPosition);
   if (joint) {
     value.of = *joint;
-    if (value.quantity > What::kEffort) attributes.Error("'of' a joint is position, velocity or effort");
+    if (value.quantity > What::kEnergy) attributes.Error("'of' a joint is position, velocity, effort, current or energy");
     if (const auto found = FindNamed(attributes, "joint", *joint, source.robot.joints)) {
       value.source = *found;
       if (!source.robot.joints[*found].has_axis())
         attributes.Error("the joint '" + *joint + "' has no axis to measure");
+      const bool is_of_train = value.quantity == What::kCurrent || value.quantity == What::kEnergy;
+      if (is_of_train && !source.robot.joints[*found].drive_train)
+        attributes.Error("the joint '" + *joint + "' has no <coopdyn:drivetrain>, whose current it would be");
     }
   } else if (value.quantity == What::kAmbientLight) {
     return value;
-  } else if (quantity && *quantity > What::kEffort) {
+  } else if (quantity && *quantity > What::kEnergy) {
     value.mount = source.ReadMount(attributes);
     constexpr std::pair<bool, std::string_view> kFrames[] = {{false, "world"}, {true, "body"}};
     value.in_body = ReadWord(attributes, "frame", kFrames).value_or(false);

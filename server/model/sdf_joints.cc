@@ -77,14 +77,29 @@ class JointReader {
     return *world_;
   }
 
-  /// As the model's writer called it.
-  static std::string NameOf(const ModelScope& scope, const sdf::Joint& joint) {
+  /// Null if there is none of its name.
+  static const tinyxml2::XMLElement* XmlOf(const ModelScope& scope, const sdf::Joint& joint) {
     for (const auto* xml = scope.xml.FirstChildElement("joint"); xml != nullptr;
          xml = xml->NextSiblingElement("joint")) {
-      const char *name = xml->Attribute("name"), *given = xml->Attribute("coopdyn:name");
-      if (name != nullptr && given != nullptr && name == joint.Name()) return given;
+      const char* name = xml->Attribute("name");
+      if (name != nullptr && name == joint.Name()) return xml;
     }
-    return joint.Name();
+    return nullptr;
+  }
+
+  /// As the model's writer called it.
+  static std::string NameOf(const ModelScope& scope, const sdf::Joint& joint) {
+    const tinyxml2::XMLElement* const xml = XmlOf(scope, joint);
+    const char* const given = xml == nullptr ? nullptr : xml->Attribute("coopdyn:name");
+    return given == nullptr ? joint.Name() : given;
+  }
+
+  void ReadTrains(const ModelScope& scope, const sdf::Joint& joint, JointModel& out) {
+    const tinyxml2::XMLElement* const xml = XmlOf(scope, joint);
+    for (const auto* one = xml == nullptr ? nullptr : xml->FirstChildElement("coopdyn:drivetrain");
+         one != nullptr; one = one->NextSiblingElement("coopdyn:drivetrain")) {
+      ReadDriveTrain(*one, reading_.file, out, reading_.diagnostics);
+    }
   }
 
   void ReadOne(const ModelScope& scope, const sdf::Joint& joint) {
@@ -144,6 +159,7 @@ class JointReader {
     } else {
       WarnPassive(joint, line, what);
     }
+    ReadTrains(scope, joint, out);
     reading_.robot.joints.push_back(std::move(out));
     reading_.lines.joints.push_back(line);
     AddToAssembly(name, *to, X_RJ);

@@ -138,6 +138,10 @@ bool TakesRobotColor(const tinyxml2::XMLElement& visual, const std::string& file
 void ReadExtension(const tinyxml2::XMLElement& model, const std::string& file, const Assembly& assembly,
                    RobotModel& robot, Diagnostics& diagnostics);
 
+/// Reads a `<coopdyn:drivetrain>` of `joint`, whose axis is complete.
+void ReadDriveTrain(const tinyxml2::XMLElement& element, const std::string& file, JointModel& joint,
+                    Diagnostics& diagnostics);
+
 /// The attributes of one XML element, each asked for by name; what nobody asked for is reported. `element`
 /// and `diagnostics` outlive it. One thread.
 class XmlAttributes {

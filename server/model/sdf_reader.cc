@@ -50,6 +50,7 @@ class RobotReader {
     if (!diagnostics_.has_errors()) MoveToStart(reading);
     if (!diagnostics_.has_errors()) ReadExtension(xml_model, file_, reading.assembly, *robot_, diagnostics_);
     if (!diagnostics_.has_errors()) CheckStops(reading);
+    if (!diagnostics_.has_errors()) CheckTrains(reading);
     if (diagnostics_.has_errors()) return nullptr;
     MeasureModel(reading);
     return diagnostics_.has_errors() ? nullptr : robot_;
@@ -73,6 +74,20 @@ class RobotReader {
                        "it has no stops");
       joint.lower = -JointModel::kInfinity;
       joint.upper = JointModel::kInfinity;
+    }
+  }
+
+  /// A drive train is that of a motor which clients can command.
+  void CheckTrains(const ModelReading& reading) {
+    for (std::size_t i = 0; i < robot_->joints.size(); ++i) {
+      const JointModel& joint = robot_->joints[i];
+      const bool has_board = std::ranges::any_of(robot_->actuators, [i](const ActuatorModel& actuator) {
+        return actuator.is_board() && std::ranges::count(actuator.joints, static_cast<int>(i)) > 0;
+      });
+      if (!joint.drive_train || has_board) continue;
+      Error(reading.lines.joints[i], "joint '" + joint.name +
+                                         "' has a <coopdyn:drivetrain> and belongs to no group: name it in a "
+                                         "<coopdyn:group>");
     }
   }
 

@@ -11,10 +11,18 @@
 // J. Neurosci. 5(7), generalised to a start in motion by the quintic with the same end conditions.
 #pragma once
 
+#include <span>
+
 #include "server/model/robot_model.h"
 #include "server/state/frame.h"
 
 namespace coopdyn {
+
+/// A share of what a drive train gives to its joint: v + softness · effort = target, within bounds.
+struct CouplingShare {
+  double target = 0, softness = 0;
+  double lower = 0, upper = 0;
+};
 
 /// What a joint's row does in one substep. rad, N m; of a slider m, N.
 struct JointRow {
@@ -24,6 +32,8 @@ struct JointRow {
   int stop = 0;         // −1 or 1: the lower or upper stop holds it
   double gap = 0;       // to the stop; negative: so far beyond it
   double effort = 0;    // besides, whatever the velocity
+  /// Of a joint with a drive train, instead of all the above; empty: it has none.
+  std::span<const CouplingShare> shares = {};
 };
 
 /// Where a joint is at the start of a substep.

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "server/model/drive.h"
+#include "server/physics/drive_train.h"
 #include "server/physics/limb_solver.h"
 
 namespace coopdyn {
@@ -60,20 +61,56 @@ double LimbSolver::PositionOf(const Member& member, int joint) const {
   return model.start + AngleAbout(forest_.Between(hinge.parent, hinge.child), model.axis_R);
 }
 
-void LimbSolver::AddMotor(const Member& member, int joint, double target, double softness, double most) {
+void LimbSolver::AddMotor(const Member& member, int joint, double target, double softness, double lower,
+                          double upper, bool counts) {
   const Hinge hinge = HingeOf(member, joint);
-  const std::size_t effort = member.first_effort + static_cast<std::size_t>(joint);
+  const std::size_t effort = counts ? member.first_effort + static_cast<std::size_t>(joint) : kNowhere;
   if (hinge.node != kNone) {
-    motors_.push_back({forest_.FirstDof(hinge.node), effort, target, softness + kRigid, most});
+    motors_.push_back({forest_.FirstDof(hinge.node), effort, target, softness + kRigid, lower, upper});
     return;
   }
   Row& row = rows_.emplace_back();
   row.target = target;
   row.softness = softness + kRigid;
-  row.lower = -most;
-  row.upper = most;
-  row.effort = static_cast<int>(effort);
+  row.lower = lower;
+  row.upper = upper;
+  if (counts) row.effort = static_cast<int>(effort);
   AddRate(member, joint, 1, row);
+}
+
+void LimbSolver::DriveByTrain(const Member& member, int joint, std::span<const CouplingShare> shares,
+                              double dt_s) {
+  const Joint& of = member.mechanism->joints[static_cast<std::size_t>(joint)];
+  const Hinge hinge = HingeOf(member, joint);
+  const std::size_t first = motors_.size();
+  for (const CouplingShare& share : shares) {
+    AddMotor(member, joint, share.target, share.softness / dt_s, share.lower * dt_s, share.upper * dt_s);
+  }
+  double rate = 0;
+  if (hinge.node != kNone) rate = forest_.rates()[static_cast<std::size_t>(forest_.FirstDof(hinge.node))];
+  // A start near the end: by the rate of now, so that the faces of a gap do not both hold.
+  for (std::size_t i = first; i < motors_.size(); ++i) {
+    Motor& motor = motors_[i];
+    const double missing = motor.target - rate;
+    if (missing > motor.softness * motor.upper) motor.gives_in = 1;
+    if (missing < motor.softness * motor.lower) motor.gives_in = -1;
+  }
+  Resist(member, joint, FrictionOf(*of.model->drive_train, rate), false, dt_s);
+}
+
+void LimbSolver::Resist(const Member& member, int joint, double friction, bool counts, double dt_s) {
+  const JointModel& model = *member.mechanism->joints[static_cast<std::size_t>(joint)].model;
+  const double position = PositionOf(member, joint);
+  const double resistance = model.damping + dt_s * model.stiffness;
+  if (resistance > 0) {
+    const double spring = -model.stiffness * (position - model.rest);
+    AddMotor(member, joint, spring / resistance, 1 / (resistance * dt_s), -kInfinity, kInfinity, counts);
+  }
+  if (friction > 0) AddMotor(member, joint, 0, 0, -friction * dt_s, friction * dt_s, counts);
+  // Far enough that no impact gets beyond it in a substep.
+  constexpr double kNear_rad_s = 10;
+  if (position - model.lower < kNear_rad_s * dt_s) AddStop(member, joint, -1, position - model.lower, dt_s);
+  if (model.upper - position < kNear_rad_s * dt_s) AddStop(member, joint, 1, model.upper - position, dt_s);
 }
 
 // `gap`: how far it is away from the stop, negative: beyond. A stop pushes out slowly: it does not bounce.
@@ -106,7 +143,9 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
     const int index = static_cast<int>(i);
     if (joint.control >= 0) {
       const JointRow& row = rows[static_cast<std::size_t>(joint.control)];
-      if (row.stop != 0) {
+      if (!row.shares.empty()) {
+        DriveByTrain(member, index, row.shares, dt_s);
+      } else if (row.stop != 0) {
         AddStop(member, index, row.stop, row.gap, dt_s);
       } else if (row.max_effort > 0) {
         AddMotor(member, index, row.velocity, row.softness / dt_s, row.max_effort * dt_s);
@@ -120,19 +159,7 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
       AddMotor(member, index, wanted.reference, 0, joint.max_effort * dt_s);
     } else if (model.has_axis() && (model.is_resisted() || model.has_stop() || joint.steers >= 0)) {
       if (joint.steers >= 0) Steer(member, index, dt_s);
-      const double position = PositionOf(member, index);
-      const double resistance = model.damping + dt_s * model.stiffness;
-      if (resistance > 0) {
-        const double spring = -model.stiffness * (position - model.rest);
-        AddMotor(member, index, spring / resistance, 1 / (resistance * dt_s), kInfinity);
-      }
-      if (model.friction > 0) AddMotor(member, index, 0, 0, model.friction * dt_s);
-      // Far enough that no impact gets beyond it in a substep.
-      constexpr double kNear_rad_s = 10;
-      if (position - model.lower < kNear_rad_s * dt_s)
-        AddStop(member, index, -1, position - model.lower, dt_s);
-      if (model.upper - position < kNear_rad_s * dt_s)
-        AddStop(member, index, 1, model.upper - position, dt_s);
+      Resist(member, index, model.friction, true, dt_s);
     }
   }
 }

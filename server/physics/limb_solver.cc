@@ -172,6 +172,7 @@ bool LimbSolver::Step(double dt_s) {
   }
   if (!std::isfinite(std::accumulate(rates_.begin(), rates_.end(), 0.0))) return false;
   for (const Motor& motor : motors_) {
+    if (motor.effort == kNowhere) continue;
     const double impulse =
         motor.gives_in != 0 ? motor.impulse()
                             : (motor.target - rates_[static_cast<std::size_t>(motor.dof)]) / motor.softness;
@@ -194,15 +195,18 @@ bool LimbSolver::Step(double dt_s) {
 bool LimbSolver::SwitchMotors(bool may_hold_again) {
   bool switched = false;
   for (Motor& motor : motors_) {
-    if (motor.most == kInfinity) continue;
+    if (motor.lower == -kInfinity && motor.upper == kInfinity) continue;
     const double missing = motor.target - rates_[static_cast<std::size_t>(motor.dof)];
     constexpr double kSlack = 1e-12;  // rounding
     if (motor.gives_in == 0) {
-      if (std::abs(missing) > motor.softness * motor.most + kSlack) {
-        motor.gives_in = missing > 0 ? 1 : -1;
-        switched = true;
+      if (missing > motor.softness * motor.upper + kSlack) {
+        motor.gives_in = 1;
+      } else if (missing < motor.softness * motor.lower - kSlack) {
+        motor.gives_in = -1;
       }
-    } else if (may_hold_again && motor.gives_in * missing < motor.softness * motor.most - kSlack) {
+      switched |= motor.gives_in != 0;
+    } else if (may_hold_again && (motor.gives_in > 0 ? missing < motor.softness * motor.upper - kSlack
+                                                     : missing > motor.softness * motor.lower + kSlack)) {
       motor.gives_in = 0;
       switched = true;
     }

@@ -51,6 +51,7 @@ class LimbSolver {
 
  private:
   static constexpr int kNone = Forest::kNone;
+  static constexpr std::size_t kNowhere = ~std::size_t{0};
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
   struct Member {
@@ -62,10 +63,10 @@ class LimbSolver {
   /// v + softness · impulse = target on one degree of freedom, with a bounded impulse.
   struct Motor {
     int dof = 0;
-    std::size_t effort = 0;  // of efforts_
-    double target = 0, softness = 0, most = kInfinity;
+    std::size_t effort = 0;  // of efforts_; kNowhere: nobody asks for it
+    double target = 0, softness = 0, lower = -kInfinity, upper = kInfinity;
     int gives_in = 0;  // −1 or 1: to this side
-    double impulse() const { return gives_in * most; }
+    double impulse() const { return gives_in > 0 ? upper : lower; }
   };
   /// J v + softness · impulse = target, with lower ≤ impulse ≤ upper.
   struct Row {
@@ -90,7 +91,17 @@ class LimbSolver {
   // What works on joints: limb_joints.cc.
   Hinge HingeOf(const Member& member, int joint) const;
   void DriveJoints(const Member& member, std::span<const JointRow> rows, double dt_s);
-  void AddMotor(const Member& member, int joint, double target, double softness, double most);
+  /// `counts`: its effort is that of the joint's motor.
+  void AddMotor(const Member& member, int joint, double target, double softness, double lower, double upper,
+                bool counts = true);
+  void AddMotor(const Member& member, int joint, double target, double softness, double most) {
+    AddMotor(member, joint, target, softness, -most, most);
+  }
+  /// The drive train, friction, damper, spring and stops of a joint.
+  void DriveByTrain(const Member& member, int joint, std::span<const CouplingShare> shares, double dt_s);
+  /// The spring, damper and stops of a joint, and its friction; they count as the effort of its motor only if
+  /// it has none.
+  void Resist(const Member& member, int joint, double friction, bool counts, double dt_s);
   void Steer(const Member& member, int joint, double dt_s);
   void AddStop(const Member& member, int joint, int side, double gap, double dt_s);
   void Push(const Member& member, int joint, double impulse);

@@ -161,10 +161,12 @@ std::string Simulation::PlaceAll(const WorldChange& change, const Frame& before,
     if (put == change.robots.end() || put->placing == Placing::kKeep) continue;
     if (put->placing == Placing::kExact) {
       const int measured = static_cast<int>(put->measured.size());
-      const bool fits = put_bodies(thing, put->bodies) &&
-                        copy(put->channels, next.channels, robot.first_channel, robot.channel_count) &&
-                        copy(put->controls, next.controls, robot.first_control, robot.control_count) &&
-                        copy(put->measured, next.measured, robot.first_measured, measured);
+      const bool fits =
+          put_bodies(thing, put->bodies) &&
+          copy(put->channels, next.channels, robot.first_channel, robot.channel_count) &&
+          copy(put->controls, next.controls, robot.first_control, robot.control_count) &&
+          copy(put->drive_trains, next.drive_trains, robot.first_drive_train, robot.drive_train_count) &&
+          copy(put->measured, next.measured, robot.first_measured, measured);
       if (!fits) return robot.entry.name + " does not fit its model any more";
       continue;
     }

@@ -49,6 +49,7 @@ PhysicsWorld::PhysicsWorld(std::shared_ptr<const Scene> scene, std::uint64_t see
       bodies_(things_.bodies),
       channels_(scene_->channels.size()),
       controls_(StartControls(*scene_)),
+      drive_trains_(StartDriveTrains(*scene_)),
       solver_seed_(SolverSeed(seed)) {
   for (std::size_t i = 0; i < channels_.size(); ++i) channels_[i].position = StartOf(*scene_, i);
   const WorldSettings settings{scene_->scenario->simulation.gravity_m_s2, scene_->floor.friction};
@@ -75,6 +76,7 @@ void PhysicsWorld::Fill(Frame& frame) const {
   frame.bodies = bodies_;
   frame.channels = channels_;
   frame.controls = controls_;
+  frame.drive_trains = drive_trains_;
   frame.commanded.assign(scene_->actuators.size(), 0);
   frame.solver_seed = solver_seed_;
   measures_.Fill(frame);
@@ -227,7 +229,7 @@ bool PhysicsWorld::AtRest(std::uint32_t thing) const {
   // Most things move: the first body tells it without a look at the rest.
   if (!IsSlow(FirstBody(thing))) return false;
   const Thing& info = things_.all[thing];
-  if (IsDriven(info)) return false;
+  if (IsDriven(info) || !RotorsRest(info)) return false;
   for (std::size_t k = 1; k < info.body_count(); ++k) {
     if (!IsSlow(bodies_[first_bodies_[thing] + k])) return false;
   }
@@ -235,6 +237,12 @@ bool PhysicsWorld::AtRest(std::uint32_t thing) const {
 }
 
 void PhysicsWorld::Hold(std::uint32_t thing, std::uint64_t counter) {
+  for (std::size_t i = 0; !board_trains_.empty() && i < things_.all[thing].control_count; ++i) {
+    const int train = board_joints_[things_.all[thing].first_control + i].drive_train;
+    if (train < 0) continue;
+    drive_trains_[static_cast<std::size_t>(train)].rotor_rad_s = 0;
+    drive_trains_[static_cast<std::size_t>(train)].current_a = 0;
+  }
   for (BodyState& body : BodiesOf(thing)) {
     body.v_WB.setZero();
     body.w_WB.setZero();
@@ -246,6 +254,7 @@ void PhysicsWorld::Restore(const Frame& frame) {
   bodies_ = frame.bodies;
   channels_ = frame.channels;
   controls_ = frame.controls;
+  drive_trains_ = frame.drive_trains;
   solver_seed_ = frame.solver_seed;
   measures_.Restore(frame);
   for (std::size_t i = 0; i < dynamic_count(); ++i) {

@@ -14,6 +14,7 @@
 #include "server/base/diagnostics.h"
 #include "server/base/worker_pool.h"
 #include "server/physics/broad_phase.h"
+#include "server/physics/drive_train.h"
 #include "server/physics/islands.h"
 #include "server/physics/lane.h"
 #include "server/physics/limb_solver.h"
@@ -53,6 +54,7 @@ class PhysicsWorld {
   /// Changes how a joint of a control board is driven, and wakes its robot.
   void Tune(std::size_t control, const JointControl& tuned);
   const std::vector<JointControl>& controls() const { return controls_; }
+  const std::vector<DriveTrainState>& drive_trains() const { return drive_trains_; }
   /// Takes the exact state of `frame` (of the same scene), so that the next steps give the same bits. Whoever
   /// changes poses in it sets the sleep counters of what may be affected to 0: sleepers look at nothing.
   void Restore(const Frame& frame);
@@ -127,6 +129,13 @@ class PhysicsWorld {
   std::vector<double> RatesOf(std::uint32_t thing) const;
   /// Where a joint of a control board is, by its bodies.
   JointPlace PlaceOf(std::size_t control) const;
+  /// Where the motor of such a joint is: with a drive train its rotor.
+  JointPlace MotorPlaceOf(std::size_t control) const;
+  const JointModel& MotorOf(std::size_t control) const;
+  /// Moves the drive train of a control on by a substep in which it gave its joint this effort.
+  void FinishTrain(std::size_t control, double effort, double dt_s);
+  /// No rotor turns.
+  bool RotorsRest(const Thing& thing) const;
   /// What the motors of the control boards do in this substep, of which `left` are to come.
   void AdvanceBoards(double dt_s, int left);
   /// A motor is to move the thing.
@@ -176,9 +185,10 @@ class PhysicsWorld {
   Islands islands_;
   std::vector<std::unique_ptr<Solvers>> solvers_;  // one a thread; the first also has the large islands
   // All that the next step depends on, besides the scene and the set-points.
-  std::vector<BodyState> bodies_;       // as Frame::bodies
-  std::vector<ChannelState> channels_;  // as Frame::channels
-  std::vector<JointControl> controls_;  // as Frame::controls
+  std::vector<BodyState> bodies_;              // as Frame::bodies
+  std::vector<ChannelState> channels_;         // as Frame::channels
+  std::vector<JointControl> controls_;         // as Frame::controls
+  std::vector<DriveTrainState> drive_trains_;  // as Frame::drive_trains
   std::uint64_t solver_seed_ = 0;
   std::vector<FrozenBody> frozen_;
   Measures measures_;
@@ -188,9 +198,17 @@ class PhysicsWorld {
     std::uint32_t thing = 0;
     std::size_t channel = 0;  // of Frame::channels
     const Joint* joint = nullptr;
+    int drive_train = -1;  // of Frame::drive_trains
+  };
+  /// A drive train in the present substep, and the motor that its servo takes it for: one that turns the
+  /// rotor, without the stops and springs of the joint.
+  struct BoardTrain {
+    JointModel motor;
+    TrainStep step;
   };
   std::vector<BoardJoint> board_joints_;  // as controls_
   std::vector<JointRow> rows_;            // likewise; of the present substep
+  std::vector<BoardTrain> board_trains_;  // as drive_trains_
 
   double share_ = 1;  // of a substep in the present step
   // Of the present substep.

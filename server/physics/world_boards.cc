@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The control boards of a world: set-points, and what the motors of their joints do in a substep.
 #include <algorithm>
+#include <cmath>
 
 #include "server/physics/rest.h"
 #include "server/physics/world.h"
@@ -41,8 +42,17 @@ void PhysicsWorld::FitBoards() {
       if (joint.control < 0) continue;
       const std::size_t channel = thing.first_channel + static_cast<std::size_t>(joint.channel);
       board_joints_[thing.first_control + static_cast<std::size_t>(joint.control)] = {
-          static_cast<std::uint32_t>(i), channel, &joint};
+          static_cast<std::uint32_t>(i), channel, &joint, scene_->channels[channel].drive_train};
     }
+  }
+  board_trains_.assign(static_cast<std::size_t>(scene_->drive_train_count), {});
+  for (const BoardJoint& of : board_joints_) {
+    if (of.drive_train < 0) continue;
+    JointModel& motor = board_trains_[static_cast<std::size_t>(of.drive_train)].motor;
+    motor = *of.joint->model;
+    motor.lower = -JointModel::kInfinity;
+    motor.upper = JointModel::kInfinity;
+    motor.damping = motor.friction = motor.stiffness = 0;
   }
   rows_.resize(board_joints_.size());
 }
@@ -77,6 +87,38 @@ JointPlace PhysicsWorld::PlaceOf(std::size_t control) const {
   return place;
 }
 
+JointPlace PhysicsWorld::MotorPlaceOf(std::size_t control) const {
+  JointPlace place = PlaceOf(control);
+  const int train = board_joints_[control].drive_train;
+  if (train < 0) return place;
+  place.position = drive_trains_[static_cast<std::size_t>(train)].rotor_rad;
+  place.velocity = drive_trains_[static_cast<std::size_t>(train)].rotor_rad_s;
+  return place;
+}
+
+const JointModel& PhysicsWorld::MotorOf(std::size_t control) const {
+  const BoardJoint& of = board_joints_[control];
+  return of.drive_train < 0 ? *of.joint->model
+                            : board_trains_[static_cast<std::size_t>(of.drive_train)].motor;
+}
+
+void PhysicsWorld::FinishTrain(std::size_t control, double effort, double dt_s) {
+  const BoardJoint& of = board_joints_[control];
+  if (of.drive_train < 0) return;
+  const auto train = static_cast<std::size_t>(of.drive_train);
+  AdvanceTrain(*of.joint->model->drive_train, board_trains_[train].step, effort, dt_s, drive_trains_[train]);
+}
+
+bool PhysicsWorld::RotorsRest(const Thing& thing) const {
+  constexpr double kSlow_rad_s = 0.01;
+  for (std::size_t i = 0; !board_trains_.empty() && i < thing.control_count; ++i) {
+    const int train = board_joints_[thing.first_control + i].drive_train;
+    if (train >= 0 && std::abs(drive_trains_[static_cast<std::size_t>(train)].rotor_rad_s) > kSlow_rad_s)
+      return false;
+  }
+  return true;
+}
+
 void PhysicsWorld::TakeSetpoints(std::span<const Setpoint> setpoints) {
   const std::size_t given = std::min(channels_.size(), setpoints.size());
   const auto next = [&](std::size_t channel) { return channel < given ? setpoints[channel] : Setpoint(); };
@@ -84,7 +126,7 @@ void PhysicsWorld::TakeSetpoints(std::span<const Setpoint> setpoints) {
     const BoardJoint& of = board_joints_[i];
     const Setpoint& last = channels_[of.channel].setpoint;
     if (next(of.channel) == last) continue;
-    Plan(*of.joint->model, of.joint->board->profile, PlaceOf(i), last, next(of.channel), controls_[i]);
+    Plan(*of.joint->model, of.joint->board->profile, MotorPlaceOf(i), last, next(of.channel), controls_[i]);
     for (BodyState& body : BodiesOf(of.thing)) {
       if (body.sleep_counter <= kAsleep) body.sleep_counter = 0;
     }
@@ -99,8 +141,16 @@ void PhysicsWorld::AdvanceBoards(double dt_s, int left) {
   for (std::size_t i = 0; i < board_joints_.size(); ++i) {
     const BoardJoint& of = board_joints_[i];
     if (FirstBody(of.thing).frozen()) continue;
-    rows_[i] = Advance(*of.joint->model, of.joint->board->profile, PlaceOf(i), channels_[of.channel].setpoint,
-                       dt_s, left, controls_[i]);
+    const Setpoint& setpoint = channels_[of.channel].setpoint;
+    rows_[i] =
+        Advance(MotorOf(i), of.joint->board->profile, MotorPlaceOf(i), setpoint, dt_s, left, controls_[i]);
+    if (of.drive_train < 0) continue;
+    const auto train = static_cast<std::size_t>(of.drive_train);
+    const DriveTrainModel& model = *of.joint->model->drive_train;
+    TrainStep& step = board_trains_[train].step;
+    step.law = LawOf(model, setpoint, rows_[i]);
+    PlanTrain(model, drive_trains_[train], channels_[of.channel].position, dt_s, step);
+    rows_[i].shares = step.shares;
   }
 }
 

@@ -320,6 +320,8 @@ void PhysicsWorld::ReadChannels(std::uint32_t thing, const Solver& solver, doubl
         if (joint.board != nullptr) channel.position = solver.JointPosition(thing, i, last);
       }
       channel.effort = solver.JointEffort(thing, i);
+      if (joint.control < 0 || board_trains_.empty()) continue;
+      FinishTrain(info.first_control + static_cast<std::size_t>(joint.control), channel.effort, dt_s);
     }
   } else if (info.mechanism->drive) {
     const OneBodyDrive& drive = *info.mechanism->drive;

@@ -213,6 +213,10 @@ std::shared_ptr<Frame> PlayFrames::MakeMoment(std::uint64_t step) {
   if (frame->controls.size() != static_cast<std::size_t>(scene->control_count)) {
     frame->controls = StartControls(*scene);
   }
+  frame->drive_trains = keyframe.drive_trains;
+  if (frame->drive_trains.size() != static_cast<std::size_t>(scene->drive_train_count)) {
+    frame->drive_trains = StartDriveTrains(*scene);
+  }
   frame->commanded.assign(scene->actuators.size(), 0);
   const std::span<const PlayInputs::Driven> driven = inputs_.channels();
   for (std::size_t i = 0; i < scene->channels.size(); ++i) {

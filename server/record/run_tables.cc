@@ -221,6 +221,8 @@ std::string SetpointUnit(const std::string& unit, ControlMode mode) {
       return unit + "_s";
     case ControlMode::kEffort:
       return unit == "m" ? "n" : "nm";
+    case ControlMode::kPwm:
+      return "duty";
     default:
       return unit;
   }

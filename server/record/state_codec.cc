@@ -11,8 +11,9 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::uint8_t kStateVersion = 6, kWithoutScores = 5, kWithoutSensed = 4, kWithoutAcceleration = 3,
-                       kWithoutControls = 2;
+// A state without drive trains is written as it always was.
+constexpr std::uint8_t kStateVersion = 7, kWithoutTrains = 6, kWithoutScores = 5, kWithoutSensed = 4,
+                       kWithoutAcceleration = 3, kWithoutControls = 2;
 constexpr std::size_t kContactBytes = 2 * 4 * 4 + 9 * 8;
 constexpr std::size_t kMessageBytes = 4 + 8 + 4;  // and its values
 
@@ -109,6 +110,10 @@ void CodeState(Codec& codec, const std::shared_ptr<const Scene>& scene, auto& st
     codec.List(frame.controls, 8 * doubles,
                [&codec, version](auto& one) { CodeControl(codec, one, version > kWithoutAcceleration); });
   }
+  if (version > kWithoutTrains) {
+    codec.List(frame.drive_trains, 8 * DriveTrainState::kDoubles,
+               [&codec](auto& train) { CodeDriveTrain(codec, train); });
+  }
   if (version > kWithoutSensed) {
     CodeSensed(codec, frame);
     if constexpr (Codec::kReads) {
@@ -159,6 +164,7 @@ bool Fits(const SavedState& state, const Frame& frame, const Scene& scene) {
   return FitsScene(frame, scene) && SamplesFit(frame, scene) &&
          IsStepLength(state.step_length.value_or(kDefaultStep)) &&
          frame.controls.size() == static_cast<std::size_t>(scene.control_count) &&
+         frame.drive_trains.size() == static_cast<std::size_t>(scene.drive_train_count) &&
          frame.commanded.size() == scene.actuators.size() &&
          (state.setpoints.empty() || state.setpoints.size() == scene.channels.size()) &&
          std::ranges::all_of(frame.controls, is_fine) &&
@@ -173,8 +179,9 @@ std::vector<std::byte> EncodeState(const SavedState& state) {
   bytes.reserve(128 + frame.bodies.size() * kBodyBytes + frame.channels.size() * kChannelStateBytes +
                 frame.messages.size() * sizeof(SentMessage) + state.controllers.size());
   ByteWriter writer(bytes);
-  writer.Number(kStateVersion);
-  CodeState(writer, frame.scene, state, frame, kStateVersion);
+  const std::uint8_t version = frame.drive_trains.empty() ? kWithoutTrains : kStateVersion;
+  writer.Number(version);
+  CodeState(writer, frame.scene, state, frame, version);
   return bytes;
 }
 

@@ -41,6 +41,21 @@ struct Named {
   int line = 0;
 };
 
+/// What drives a complex hinge; on the joint's side, but for what is said of the motor's shaft.
+struct DriveTrain {
+  struct Pwm {
+    double duty = 1, no_load_speed_rad_s = 0, stall_torque_nm = 0, stall_current_a = 0;  // of the shaft
+    int line = 0;
+  };
+  std::vector<Pwm> pwm;
+  double ratio = 1, efficiency = 1;
+  std::optional<double> rotor_inertia_kg_m2, stiffness_nm_rad;  // none: the usual rotor; a rigid coupling
+  double backlash_deg = 0, damping_nms_rad = 0, preload_nm = 0;
+  double static_friction_nm = 0, dynamic_friction_nm = 0;
+  std::optional<double> stiction_speed_rad_s;
+  int line = 0;
+};
+
 struct Joint {
   enum class Kind { kHinge, kSlider, kBall, kFixed };
   static constexpr int kWorld = -1;
@@ -56,6 +71,7 @@ struct Joint {
   double max_effort = 0, max_velocity = 0;
   std::optional<std::pair<double, double>> limit;  // least and most position, rad or m
   double friction = 0, damping = 0, stiffness = 0, rest = 0;
+  std::optional<DriveTrain> drive_train;  // then it has no friction besides
   int line = 0;
 };
 

@@ -129,13 +129,17 @@ constexpr Rule kPaper[] = {
     {"sharp", "name!:s model!:gp2d12|dm2y3a003k0f &exchanged", "pose? domain=ends? &exchanged"},
     {"camera_sensor", "name!:s width:i height:i opening:+", "pose?"},
     {"connector", "name!:s type!:hinge|slider|ball|fixed|hinge2|complexHinge source!:s destination:s",
-     "pose? limit? drive? spring? damper=joint_factor? friction=joint_factor? read ~backlash ~rotor "
-     "~coupling ~pwm "
-     "~noise"},
+     "pose? limit? drive? spring? damper=joint_factor? friction=joint_friction? read backlash? rotor? "
+     "coupling? pwm ~noise"},
     {"limit", "min!:n max!:n", ""},
     {"drive", "type:velocity|position|force maxForce!:+ maxVelocity!:+", "mapping=ends? noise=value_noise?"},
     {"spring", "stiffness!:0 rest:n", ""},
     {"joint_factor", "value!:0", ""},
+    {"joint_friction", "value!:0 static:0 threshold:0", ""},
+    {"backlash", "gap!:0", ""},
+    {"rotor", "inertia:+ ratio:+ efficiency:+", ""},
+    {"coupling", "stiffness!:+ damping:0 preload:0", ""},
+    {"pwm", "duty!:+ noLoadSpeed!:+ stallTorque!:0 stallCurrent:0", ""},
     {"read", "what!:position|velocity|force|current|energy &exchanged", "domain=ends? &exchanged"},
 };
 
@@ -160,10 +164,6 @@ constexpr NotYet kNotYet[] = {
     {"filter", "values are not filtered"},
     {"pid", "the motor reaches its velocity within its force"},
     {"scaling", "the force is the same everywhere"},
-    {"backlash", "it is left out"},
-    {"rotor", "it is left out"},
-    {"coupling", "it is left out"},
-    {"pwm", "the motor has one greatest force and velocity"},
 };
 
 }  // namespace

@@ -148,8 +148,40 @@ class SdfWriter {
                        Tag("parent", link.parent == Joint::kWorld ? "world" : links_[link.parent]) +
                        Tag("child", links_[link.child]) + Tag("pose", Places(X_CJ));
     if (joint.kind == Joint::Kind::kHinge || joint.kind == Joint::Kind::kSlider) text += AxisOf(joint, link);
+    if (joint.is_driven && joint.drive_train) {
+      Add(joint.line, text);
+      WriteDriveTrain(*joint.drive_train);
+      text.clear();
+    }
     Add(joint.line, text + "</joint>");
     written_.has_modules = written_.has_modules || joint.is_driven;
+  }
+
+  void WriteDriveTrain(const DriveTrain& train) {
+    std::string text = "<coopdyn:drivetrain";
+    const auto write = [&text](const char* name, std::optional<double> value) {
+      if (value) text += std::string(" ") + name + "=\"" + Exact(*value) + "\"";
+    };
+    write("ratio", train.ratio);
+    write("efficiency", train.efficiency);
+    write("rotor_inertia_kg_m2", train.rotor_inertia_kg_m2);
+    write("backlash_deg", train.backlash_deg);
+    write("stiffness_nm_rad", train.stiffness_nm_rad);
+    write("damping_nms_rad", train.damping_nms_rad);
+    write("preload_nm", train.preload_nm);
+    write("static_friction_nm", train.static_friction_nm);
+    write("dynamic_friction_nm", train.dynamic_friction_nm);
+    write("stiction_speed_rad_s", train.stiction_speed_rad_s);
+    Add(train.line, text + ">");
+    for (const DriveTrain::Pwm& row : train.pwm) {
+      text = "<coopdyn:pwm";
+      write("duty", row.duty);
+      write("no_load_speed_rad_s", row.no_load_speed_rad_s);
+      write("stall_torque_nm", row.stall_torque_nm);
+      write("stall_current_a", row.stall_current_a);
+      Add(row.line, text + "/>");
+    }
+    Add(train.line, "</coopdyn:drivetrain>");
   }
 
   std::string AxisOf(const Joint& joint, const Model::Link& link) {
@@ -163,7 +195,7 @@ class SdfWriter {
            "stops of '" + Printable(joint.name) + "' beyond 180 degrees need a motor: it has none");
     if (joint.limit && !is_far)
       limit += Tag("lower", Exact(joint.limit->first)) + Tag("upper", Exact(joint.limit->second));
-    if (joint.is_driven)
+    if (joint.is_driven && joint.max_effort > 0)
       limit += Tag("effort", Exact(joint.max_effort)) + Tag("velocity", Exact(joint.max_velocity));
     std::string dynamics;
     if (joint.damping > 0) dynamics += Tag("damping", Exact(joint.damping));

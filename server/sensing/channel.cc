@@ -56,6 +56,11 @@ const ChannelState* FindChannel(const Frame& frame, int robot, std::size_t joint
 }
 
 double JointValue(const Frame& frame, int robot, const ChannelModel::Value& value) {
+  if (value.quantity > Quantity::kEffort) {
+    const DriveTrainState* const train = DriveTrainOf(frame, robot, static_cast<int>(value.source));
+    if (train == nullptr) return kNoValue;
+    return value.quantity == Quantity::kCurrent ? train->current_a : train->energy_j;
+  }
   const ChannelState* const channel = FindChannel(frame, robot, value.source);
   const JointModel& joint = ModelOf(frame, robot).joints[value.source];
   if (channel != nullptr) {
@@ -102,7 +107,7 @@ struct LastReading {
 
 double ValueOf(const Frame& frame, int robot, const ChannelModel::Value& value, LastReading& last) {
   if (value.quantity == Quantity::kAmbientLight) return frame.scene->ambient_light;
-  if (value.quantity > Quantity::kEffort) return PlaceValue(frame, robot, value);
+  if (value.quantity > Quantity::kEnergy) return PlaceValue(frame, robot, value);
   if (value.quantity != Quantity::kReading) return JointValue(frame, robot, value);
   if (last.sensor != value.source) {
     last.sensor = value.source;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/state/change_codec.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -12,7 +13,8 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::uint8_t kVersion = 1;
+// A change without drive trains is written as it always was.
+constexpr std::uint8_t kVersion = 2, kWithoutTrains = 1;
 // Least bytes of each.
 constexpr std::size_t kObjectBytes = 100, kRobotBytes = 130, kTargetBytes = 60, kLightBytes = 65;
 
@@ -24,7 +26,7 @@ void CodeIds(auto& codec, auto& ids) {
 }
 
 template <typename Codec>
-void CodePut(Codec& codec, auto& put, const SceneContext& context) {
+void CodePut(Codec& codec, auto& put, const SceneContext& context, bool has_trains = false) {
   using Put = std::decay_t<decltype(put)>;
   codec.Number(put.id.value);
   codec.Require(put.id.value != 0);
@@ -43,17 +45,21 @@ void CodePut(Codec& codec, auto& put, const SceneContext& context) {
     codec.List(put.channels, kChannelStateBytes, [&codec](auto& channel) { CodeChannel(codec, channel); });
     codec.List(put.controls, JointControl::kDoubles * 8,
                [&codec](auto& control) { CodeControl(codec, control); });
+    if (has_trains) {
+      codec.List(put.drive_trains, DriveTrainState::kDoubles * 8,
+                 [&codec](auto& train) { CodeDriveTrain(codec, train); });
+    }
     codec.List(put.measured, 8, [&codec](auto& value) { codec.Finite(value); });
   }
 }
 
 template <typename Codec>
-void CodeChange(Codec& codec, auto& change, const SceneContext& context) {
+void CodeChange(Codec& codec, auto& change, const SceneContext& context, bool has_trains) {
   CodeIds(codec, change.gone_objects);
   CodeIds(codec, change.gone_robots);
   CodeIds(codec, change.gone_targets);
   codec.List(change.objects, kObjectBytes, [&](auto& put) { CodePut(codec, put, context); });
-  codec.List(change.robots, kRobotBytes, [&](auto& put) { CodePut(codec, put, context); });
+  codec.List(change.robots, kRobotBytes, [&](auto& put) { CodePut(codec, put, context, has_trains); });
   codec.List(change.targets, kTargetBytes, [&](auto& target) { CodeTarget(codec, target); });
   bool has_lights = change.lights.has_value();
   codec.Bool(has_lights);
@@ -72,8 +78,10 @@ void CodeChange(Codec& codec, auto& change, const SceneContext& context) {
 std::string EncodeChange(const WorldChange& change) {
   std::vector<std::byte> bytes;
   ByteWriter writer(bytes);
-  writer.Number(kVersion);
-  CodeChange(writer, change, {});
+  const bool has_trains =
+      std::ranges::any_of(change.robots, [](const PutRobot& put) { return !put.drive_trains.empty(); });
+  writer.Number(has_trains ? kVersion : kWithoutTrains);
+  CodeChange(writer, change, {}, has_trains);
   return ToBase64(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }
 
@@ -81,9 +89,10 @@ std::optional<WorldChange> DecodeChange(std::string_view text, const SceneContex
   const std::optional<std::string> bytes = FromBase64(text);
   if (!bytes) return std::nullopt;
   ByteReader reader(std::as_bytes(std::span(*bytes)));
-  if (reader.Low(1) != kVersion) return std::nullopt;
+  const std::uint64_t version = reader.Low(1);
+  if (version != kVersion && version != kWithoutTrains) return std::nullopt;
   WorldChange change;
-  CodeChange(reader, change, context);
+  CodeChange(reader, change, context, version == kVersion);
   constexpr std::size_t kPadding = 2;  // of base64
   if (!reader.ok() || reader.left() > kPadding) return std::nullopt;
   return change;

@@ -33,6 +33,26 @@ std::vector<JointControl> StartControls(const Scene& scene) {
   return controls;
 }
 
+std::vector<DriveTrainState> StartDriveTrains(const Scene& scene) {
+  std::vector<DriveTrainState> trains(static_cast<std::size_t>(scene.drive_train_count));
+  for (std::size_t i = 0; i < scene.channels.size() && !trains.empty(); ++i) {
+    const int train = scene.channels[i].drive_train;
+    if (train >= 0) trains[static_cast<std::size_t>(train)].rotor_rad = StartOf(scene, i);
+  }
+  return trains;
+}
+
+const DriveTrainState* DriveTrainOf(const Frame& frame, int index, int joint) {
+  const SceneRobot& robot = frame.scene->robots[static_cast<std::size_t>(index)];
+  for (int i = robot.first_channel; i < robot.first_channel + robot.channel_count; ++i) {
+    const Channel& channel = frame.scene->channels[static_cast<std::size_t>(i)];
+    if (channel.joint != joint || channel.drive_train < 0) continue;
+    const auto train = static_cast<std::size_t>(channel.drive_train);
+    return train < frame.drive_trains.size() ? &frame.drive_trains[train] : nullptr;
+  }
+  return nullptr;
+}
+
 Pose LinkPose(const Frame& frame, int index, int link) {
   const SceneRobot& robot = frame.scene->robots[static_cast<std::size_t>(index)];
   const RobotModel& model = *robot.entry.model;

@@ -69,6 +69,19 @@ struct JointControl {
 };
 static_assert(sizeof(JointControl) == JointControl::kDoubles * sizeof(double));
 
+/// The drive train of a joint of a control board. The rotor's angle and rate are those of the joint that it
+/// would turn without twist. Doubles alone: it is hashed and kept as they lie.
+struct DriveTrainState {
+  double rotor_rad = 0;  // not wrapped
+  double rotor_rad_s = 0;
+  double current_a = 0;  // of the last substep
+  double energy_j = 0;   // that the motor has drawn since the start
+
+  static constexpr std::size_t kDoubles = 4;
+  bool operator==(const DriveTrainState&) const = default;
+};
+static_assert(sizeof(DriveTrainState) == DriveTrainState::kDoubles * sizeof(double));
+
 /// What a robot broadcasts in one step: up to 8 numbers. count 0: nothing.
 struct RobotMessage {
   static constexpr std::size_t kMaxValues = 8;
@@ -129,12 +142,13 @@ struct Frame {
   std::uint64_t seed = 1;         // of noise and placement
   std::uint64_t solver_seed = 0;  // dRandGetSeed after the step
   std::shared_ptr<const Scene> scene;
-  std::vector<BodyState> bodies;       // by increasing body id; scene->body_ids
-  std::vector<ChannelState> channels;  // as scene->channels
-  std::vector<JointControl> controls;  // of the joints of control boards: Channel::control
-  std::vector<double> measured;        // for sensors, robot by robot: SceneRobot::first_measured
-  std::vector<Contact> contacts;       // if scene->measures_contacts: those that a sensor may need
-  std::vector<FrameSamples> samples;   // as scene->clocks; a sample's own: empty
+  std::vector<BodyState> bodies;              // by increasing body id; scene->body_ids
+  std::vector<ChannelState> channels;         // as scene->channels
+  std::vector<JointControl> controls;         // of the joints of control boards: Channel::control
+  std::vector<DriveTrainState> drive_trains;  // of those joints that have one: Channel::drive_train
+  std::vector<double> measured;               // for sensors, robot by robot: SceneRobot::first_measured
+  std::vector<Contact> contacts;              // if scene->measures_contacts: those that a sensor may need
+  std::vector<FrameSamples> samples;          // as scene->clocks; a sample's own: empty
   std::vector<std::uint8_t>
       commanded;  // as scene->actuators: 1 if a client's command came in force with this step
   /// Broadcasts of the last kMessageSteps steps, this one's included, by step, then sender.
@@ -175,6 +189,10 @@ std::string HashText(std::uint64_t hash);
 
 /// The joints of control boards as a scene begins.
 std::vector<JointControl> StartControls(const Scene& scene);
+/// The drive trains as a scene begins.
+std::vector<DriveTrainState> StartDriveTrains(const Scene& scene);
+/// The drive train of a joint of robot `index` (index into the model's joints); null if it has none.
+const DriveTrainState* DriveTrainOf(const Frame& frame, int index, int joint);
 /// The channels of robot `index`.
 std::span<const ChannelState> ChannelsOf(const Frame& frame, int index);
 /// The measured values of a sensor of robot `index`; empty in a playback of what was recorded without them.

@@ -14,7 +14,7 @@ inline constexpr std::size_t kSetpointBytes = 1 + 8, kChannelStateBytes = 2 * 8 
 
 /// u8 mode, f64 reference.
 void CodeSetpoint(auto& codec, auto& setpoint) {
-  codec.Word(setpoint.mode, ControlMode::kEffort);
+  codec.Word(setpoint.mode, ControlMode::kPwm);
   codec.Finite(setpoint.reference);
 }
 
@@ -50,6 +50,13 @@ void CodeControl(auto& codec, auto& control, bool has_acceleration = true) {
   codec.Finite(control.elapsed_s);
   codec.Finite(control.integral);
   codec.Finite(control.reference);
+}
+
+void CodeDriveTrain(auto& codec, auto& train) {
+  codec.Finite(train.rotor_rad);
+  codec.Finite(train.rotor_rad_s);
+  codec.Finite(train.current_a);
+  codec.Finite(train.energy_j);
 }
 
 }  // namespace coopdyn

@@ -87,16 +87,22 @@ void AddRobot(Scene& scene, SceneRobot robot) {
   robot.first_channel = static_cast<int>(scene.channels.size());
   robot.first_actuator = static_cast<int>(scene.actuators.size());
   robot.first_control = scene.control_count;
+  robot.first_drive_train = scene.drive_train_count;
   for (const ActuatorModel& actuator : robot.entry.model->actuators) {
     scene.actuators.push_back({index, actuator.module, static_cast<int>(scene.channels.size()),
                                static_cast<int>(actuator.joints.size())});
     for (const int joint : actuator.joints) {
-      scene.channels.push_back({index, joint, actuator.is_board() ? scene.control_count++ : -1});
+      const bool has_train =
+          actuator.is_board() &&
+          robot.entry.model->joints[static_cast<std::size_t>(joint)].drive_train.has_value();
+      scene.channels.push_back({index, joint, actuator.is_board() ? scene.control_count++ : -1,
+                                has_train ? scene.drive_train_count++ : -1});
     }
   }
   if (robot.entry.model->actuators.empty()) scene.actuators.push_back({index, "", robot.first_channel, 0});
   robot.channel_count = static_cast<int>(scene.channels.size()) - robot.first_channel;
   robot.control_count = scene.control_count - robot.first_control;
+  robot.drive_train_count = scene.drive_train_count - robot.first_drive_train;
   robot.actuator_count = static_cast<int>(scene.actuators.size()) - robot.first_actuator;
   AddSensors(scene, robot);
   scene.robots.push_back(std::move(robot));

@@ -33,6 +33,8 @@ struct SceneRobot {
   int actuator_count = 0;  // at least 1
   int first_control = 0;   // of Frame::controls
   int control_count = 0;
+  int first_drive_train = 0;  // of Frame::drive_trains
+  int drive_train_count = 0;
   int first_measured = 0;   // of Frame::measured
   std::vector<int> clocks;  // by sensor: index into Scene::clocks, -1: each step; empty: all each step
   Pose X_BR;                // R in its first body
@@ -43,9 +45,10 @@ struct SceneRobot {
 
 /// A joint axis that is driven: its place in Frame::channels.
 struct Channel {
-  int robot = 0;     // index into Scene::robots
-  int joint = 0;     // index into the model's joints
-  int control = -1;  // of Frame::controls, if it belongs to a control board
+  int robot = 0;         // index into Scene::robots
+  int joint = 0;         // index into the model's joints
+  int control = -1;      // of Frame::controls, if it belongs to a control board
+  int drive_train = -1;  // of Frame::drive_trains, if its joint has one
 };
 
 /// An actuator module: what one command drives. A robot without any has one without channels, by which it
@@ -96,6 +99,7 @@ struct Scene {
   std::vector<Channel> channels;         // of Frame::channels: robot by robot, actuator by actuator
   std::vector<SceneActuator> actuators;  // robot by robot
   int control_count = 0;                 // joints of control boards: Frame::controls
+  int drive_train_count = 0;             // of those, the ones with a drive train: Frame::drive_trains
   int measured_count = 0;                // values that physics measures for sensors: Frame::measured
   bool measures_contacts = false;        // a robot has a sensor that needs them: Frame::contacts
   std::vector<SensorTiming> clocks;      // of sensors that do not show each step: Frame::samples

@@ -79,6 +79,7 @@ std::uint64_t StateHash(const Frame& frame) {
     hasher.AddWords(&channel.setpoint.reference, 1);
   }
   for (const JointControl& control : frame.controls) hasher.AddWords(&control, JointControl::kDoubles);
+  for (const DriveTrainState& train : frame.drive_trains) hasher.AddWords(&train, DriveTrainState::kDoubles);
   for (const double value : frame.measured) hasher.AddWords(&value, 1);
   hasher.Add(frame.solver_seed);
   return hasher.Digest();

@@ -74,6 +74,9 @@ void CopyRobot(const Frame& from, const SceneRobot& of, Frame& to, const SceneRo
     copy(from.channels, of.first_channel, to.channels, robot.first_channel, robot.channel_count);
   if (of.control_count == robot.control_count)
     copy(from.controls, of.first_control, to.controls, robot.first_control, robot.control_count);
+  if (of.drive_train_count == robot.drive_train_count)
+    copy(from.drive_trains, of.first_drive_train, to.drive_trains, robot.first_drive_train,
+         robot.drive_train_count);
   const int measured = static_cast<int>(robot.entry.model->FirstMeasured(robot.entry.model->sensors.size()));
   if (of.entry.model == robot.entry.model)
     copy(from.measured, of.first_measured, to.measured, robot.first_measured, measured);
@@ -121,6 +124,7 @@ PutRobot PutBack(const SceneRobot& robot, const Frame& frame) {
   copy(frame.bodies, robot.first_body, robot.body_count, put.bodies);
   copy(frame.channels, robot.first_channel, robot.channel_count, put.channels);
   copy(frame.controls, robot.first_control, robot.control_count, put.controls);
+  copy(frame.drive_trains, robot.first_drive_train, robot.drive_train_count, put.drive_trains);
   const RobotModel& model = *robot.entry.model;
   const int measured = static_cast<int>(model.FirstMeasured(model.sensors.size()));
   if (std::ssize(frame.measured) >= robot.first_measured + measured)
@@ -214,9 +218,11 @@ std::shared_ptr<Frame> InScene(const Frame& from, const std::shared_ptr<const Sc
     frame->bodies = other->bodies;
     frame->channels = other->channels;
     frame->controls = other->controls;
+    frame->drive_trains = other->drive_trains;
     frame->measured = other->measured;
   } else {
     frame->controls = StartControls(*scene);
+    frame->drive_trains = StartDriveTrains(*scene);
     frame->channels.resize(scene->channels.size());
     for (std::size_t i = 0; i < scene->channels.size(); ++i) frame->channels[i].position = StartOf(*scene, i);
   }

@@ -37,6 +37,7 @@ struct PutRobot {
   std::vector<BodyState> bodies = {};
   std::vector<ChannelState> channels = {};
   std::vector<JointControl> controls = {};
+  std::vector<DriveTrainState> drive_trains = {};
   std::vector<double> measured = {};
 };
 

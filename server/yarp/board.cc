@@ -21,7 +21,7 @@ constexpr std::size_t kParams = 3, kData = 17;
 // (rad, m) at its full effort, and swings little.
 constexpr double kGivesWay = 0.2, kDampingTime_s = 0.1, kDefaultStiffness = 100;
 
-constexpr std::array<std::string_view, 5> kModeWords = {"idl", "pos", "posd", "vel", "torq"};
+constexpr std::array<std::string_view, 6> kModeWords = {"idl", "pos", "posd", "vel", "torq", "pwm"};
 
 double Limited(double value) {
   return std::clamp(value, -kUnlimited, kUnlimited);
@@ -153,8 +153,10 @@ std::string_view BoardModeWord(BoardMode mode) {
 std::optional<BoardMode> BoardModeNamed(std::string_view word) {
   if (word == "veld") word = "vel";
   if (word == "fidl") word = "idl";
-  const auto* const found = std::find(kModeWords.begin(), kModeWords.end(), word);
-  if (found == kModeWords.end()) return {};
+  // A duty can be shown and not set: YARP has no other word for what brakes.
+  const auto* const end = kModeWords.end() - 1;
+  const auto* const found = std::find(kModeWords.begin(), end, word);
+  if (found == end) return {};
   return static_cast<BoardMode>(found - kModeWords.begin());
 }
 

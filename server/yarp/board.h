@@ -19,7 +19,7 @@
 namespace coopdyn {
 
 /// The modes of our joints, as get_board counts them.
-enum class BoardMode { kIdle, kPosition, kDirect, kVelocity, kTorque };
+enum class BoardMode { kIdle, kPosition, kDirect, kVelocity, kTorque, kPwm };
 /// YARP's word for it: "pos". Nothing: a mode that we do not have.
 std::string_view BoardModeWord(BoardMode mode);
 /// Also by the words that mean nearly the same: "veld" is velocity, "fidl" is idle.

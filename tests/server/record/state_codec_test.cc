@@ -108,6 +108,29 @@ TEST(StateCodecTest, AStateOfVersion2HasNoControlBoards) {
   EXPECT_EQ(EncodeState(*read), EncodeState(state));
 }
 
+TEST(StateCodecTest, DriveTrainsAreKept) {
+  FrameMaker maker(RecordScene());
+  auto scene = std::make_shared<Scene>(*maker.scene());
+  scene->drive_train_count = 1;
+  const auto frame = maker.Make(3);
+  frame->scene = scene;
+  frame->drive_trains = {{1.0 / 3, -0.0, 2, 7}};
+  SavedState state;
+  state.frame = frame;
+  const std::vector<std::byte> bytes = EncodeState(state);
+  EXPECT_EQ(bytes[0], std::byte{7});
+  const SavedStatePtr read = DecodeState(bytes, scene);
+  ASSERT_NE(read, nullptr);
+  EXPECT_EQ(read->frame->drive_trains, frame->drive_trains);
+  EXPECT_EQ(StateHash(*read->frame), StateHash(*frame));
+  EXPECT_EQ(DecodeState(bytes, maker.scene()), nullptr);
+}
+
+TEST(StateCodecTest, AStateWithoutDriveTrainsHasTheVersionOfBefore) {
+  FrameMaker maker(RecordScene());
+  EXPECT_EQ(EncodeState(*maker.Start())[0], std::byte{6});
+}
+
 class SensedStateTest : public testing::Test {
  protected:
   SensedStateTest() {

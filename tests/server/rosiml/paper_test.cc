@@ -116,9 +116,50 @@ TEST(PaperTest, SpringsAndDampersWorkOnAConnector) {
 }
 
 TEST(PaperTest, ConnectorsOfOtherTypesAreNotSimulatedYet) {
-  const std::string xml = Paper("", Movable("type=\"active\"", Connector("complexHinge")));
-  EXPECT_HAS(Said(xml), "warning: a connector of type 'complexHinge' is not simulated yet");
+  const std::string xml = Paper("", Movable("type=\"active\"", Connector("hinge2")));
+  EXPECT_HAS(Said(xml), "warning: a connector of type 'hinge2' is not simulated yet");
   EXPECT_EQ(Made(xml).models.size(), 2u);
+}
+
+TEST(PaperTest, AComplexHingeIsAJointWithADriveTrain) {
+  const std::string inside =
+      "<pwm duty=\"0.5\" noLoadSpeed=\"20\" stallTorque=\"0.1\"/><pwm duty=\"1\" noLoadSpeed=\"50\" "
+      "stallTorque=\"0.2\" stallCurrent=\"3\"/><rotor inertia=\"1e-6\" ratio=\"10\" efficiency=\"0.8\"/>"
+      "<backlash gap=\"2\"/><coupling stiffness=\"30\" damping=\"0.1\" preload=\"0.2\"/>"
+      "<friction value=\"0.1\" static=\"0.3\" threshold=\"0.01\"/><read what=\"current\"/>";
+  const std::string xml = Paper("", Movable("type=\"active\"", Connector("complexHinge", inside)));
+  EXPECT_EQ(Said(xml), "");
+  const std::string sdf = Made(xml).models.at(0).sdf.text;
+  EXPECT_HAS(sdf,
+             "<coopdyn:drivetrain ratio=\"10\" efficiency=\"0.8\" rotor_inertia_kg_m2=\"1e-06\" "
+             "backlash_deg=\"2\" stiffness_nm_rad=\"30\" damping_nms_rad=\"0.1\" preload_nm=\"0.2\" "
+             "static_friction_nm=\"0.3\" dynamic_friction_nm=\"0.1\" stiction_speed_rad_s=\"0.01\">");
+  EXPECT_HAS(sdf,
+             "<coopdyn:pwm duty=\"1\" no_load_speed_rad_s=\"50\" stall_torque_nm=\"0.2\" "
+             "stall_current_a=\"3\"/>");
+}
+
+TEST(PaperTest, AComplexHingeWithoutATableHasTheMotorOfItsDrive) {
+  const std::string sdf =
+      Made(Paper("", Movable("type=\"active\"", Connector("complexHinge",
+                                                          "<drive maxForce=\"4\" maxVelocity=\"5\"/>"
+                                                          "<rotor ratio=\"10\"/>"))))
+          .models.at(0)
+          .sdf.text;
+  EXPECT_HAS(sdf, "duty=\"1\" no_load_speed_rad_s=\"50\" stall_torque_nm=\"0.4\"");
+  EXPECT_HAS(sdf, "<limit><effort>4</effort><velocity>5</velocity></limit>");
+}
+
+TEST(PaperTest, AComplexHingeWithoutAMotorIsAPlainHinge) {
+  const std::string xml =
+      Paper("", Movable("type=\"active\"", Connector("complexHinge", "<friction value=\"0.1\"/>")));
+  EXPECT_HAS(Said(xml), "has neither <drive> nor <pwm>: it is a hinge without a motor");
+  EXPECT_HAS_NOT(Made(xml).models.at(0).sdf.text, "drivetrain");
+}
+
+TEST(PaperTest, OnlyAComplexHingeHasADriveTrain) {
+  EXPECT_HAS(Said(Paper("", Movable("type=\"active\"", Connector("hinge", "<backlash gap=\"1\"/>")))),
+             "only a connector of type 'complexHinge' has a <backlash>");
 }
 
 TEST(PaperTest, SensorsAreChildrenOfAnObject) {
