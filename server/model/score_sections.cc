@@ -135,6 +135,7 @@ void CheckScores(const Scenario& scenario, Diagnostics& diagnostics) {
     places.push_back(target.color_name);
     places.push_back(target.color_name + "_target_" + std::to_string(target.id.value));
   }
+  for (const PointLight& light : scenario.lights) places.push_back(light.name);
   std::set<std::string> taken;
   for (const ScoreEntry& score : scenario.scores) {
     if (!taken.insert(ToLower(score.name)).second) {
@@ -161,7 +162,7 @@ void CheckScores(const Scenario& scenario, Diagnostics& diagnostics) {
         places, [&](const std::string& one) { return ToLower(one) == ToLower(score.target); });
     if (!known) {
       diagnostics.Error(score.where, "the score '" + score.name + "' goes to '" + score.target +
-                                         "', which is no target and no thing" +
+                                         "', which is no target, thing or light" +
                                          DidYouMean(score.target, places));
     }
   }

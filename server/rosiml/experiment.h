@@ -103,11 +103,20 @@ struct Light {
   bool shadows = true;
   Random random;
   int line = 0;
+  std::string name;
 };
 
 /// A line of a section: its key with its value.
 struct Setting {
   std::string text;
+  int line = 0;
+};
+
+/// What a run is worth.
+struct Score {
+  std::vector<std::string> of;    // names of movables and things; none: all robots
+  std::string target;             // of a thing or a light
+  std::vector<std::string> keys;  // the other lines of its section
   int line = 0;
 };
 
@@ -117,6 +126,7 @@ struct Experiment {
   Random ambient;  // its value
   std::vector<Light> lights;
   std::vector<Movable> things, robots;
+  std::vector<Score> scores;
 };
 
 }  // namespace coopdyn::rosiml

@@ -72,7 +72,11 @@ constexpr Rule kPublic[] = {
 constexpr Rule kPaper[] = {
     {"&weight", "mass:0 friction:0 bounce:0 colour:c", ""},
     {"&shapes", "", "box=shape_box sphere=shape_sphere cylinder=shape_round capsule=shape_round"},
-    {"rosiml", "version:s", "-comment simulator? environment? movables!"},
+    {"rosiml", "version:s", "-comment simulator? environment? movables! score"},
+    {"score",
+     "name:s kind!:reach|time|distance|travelled|collisions|nearest|energy|upright|formation|coverage of:s "
+     "target:s within:+ tilt:0 cell:+ until:s limit:+",
+     ""},
     {"simulator",
      "frequency:+ ~controllerFrequency:+ seed:i duration:+ mode:realtime|lockstep|free speed:n gravity:+",
      "~window? ~camera? ~keys?"},

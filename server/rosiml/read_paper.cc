@@ -41,6 +41,9 @@ class PaperReader : Reader {
         if (std::string_view(movable.Name()) == "movable") ReadMovable(movable);
       });
     }
+    ForEachChild(root, [this](const Element& child) {
+      if (std::string_view(child.Name()) == "score") ReadScore(child);
+    });
     return std::move(experiment_);
   }
 
@@ -71,7 +74,8 @@ class PaperReader : Reader {
         experiment_.ambient = RandomOf(child);
       } else if (kind == "light") {
         experiment_.lights.push_back({PoseOf(child).p, Colour(child, "colour"), Number(child, "power", 1),
-                                      Flag(child, "shadows", true), RandomOf(child), child.GetLineNum()});
+                                      Flag(child, "shadows", true), RandomOf(child), child.GetLineNum(),
+                                      Text(child, "name")});
       } else if (kind == "object" || IsShape(kind)) {
         Movable thing;
         thing.name = Text(child, "name");
@@ -280,6 +284,48 @@ class PaperReader : Reader {
       else if (!joint.is_driven)
         Warn(read, "<read> of a connector without <drive> is not simulated yet: it has no module");
     });
+  }
+
+  void ReadScore(const Element& element) {
+    Score score;
+    score.line = element.GetLineNum();
+    score.of = NamesIn(Text(element, "of"));
+    score.target = Text(element, "target");
+    const std::string kind = Text(element, "kind"), name = Text(element, "name");
+    score.keys.push_back("kind " + kind);
+    if (!name.empty()) {
+      std::string simple = Simple(name, 60);
+      std::ranges::replace(simple, '-', '_');
+      score.keys.push_back("name " + simple);
+    }
+    for (const auto& [key, unit] : {std::pair("within", ""), {"tilt", "deg"}, {"cell", ""}, {"limit", ""}}) {
+      if (const auto value = Number(element, key))
+        score.keys.push_back(std::string(key) + " " + Exact(*value) + unit);
+    }
+    if (const std::string until = Text(element, "until"); !until.empty()) {
+      const std::string_view text = Trim(until);
+      const std::string sign(text.substr(0, text.find_first_not_of("<>=")));
+      const auto value = ParseNumber(Trim(text.substr(sign.size())));
+      if (text == "all")
+        score.keys.emplace_back("until all");
+      else if (!sign.empty() && sign.size() <= 2 && value)
+        score.keys.push_back("until " + sign + " " + Exact(*value));
+      else
+        Error(element, "'until' in <score> is 'all' or a comparison such as '>= 3' or '&lt; 0.5', not '" +
+                           Printable(until) + "'");
+    }
+    experiment_.scores.push_back(std::move(score));
+  }
+
+  /// Separated by commas.
+  static std::vector<std::string> NamesIn(std::string_view text) {
+    std::vector<std::string> names;
+    while (!text.empty()) {
+      const std::size_t comma = std::min(text.find(','), text.size());
+      names.emplace_back(Trim(text.substr(0, comma)));
+      text.remove_prefix(std::min(comma + 1, text.size()));
+    }
+    return names;
   }
 
   Experiment experiment_;

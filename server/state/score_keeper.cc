@@ -23,7 +23,7 @@ Pose PoseOf(const Frame& frame, std::int32_t id, int index) {
                      : ObjectPose(frame, frame.scene->objects[static_cast<std::size_t>(index)]);
 }
 
-/// Where `name`, a target or a thing, is; nothing: it is gone.
+/// Where `name`, a target, a thing or a lamp, is; nothing: it is gone.
 std::optional<Vector3> PlaceOf(const Frame& frame, const std::string& name) {
   const std::string word = ToLower(name);
   for (const Target& target : frame.scene->targets) {
@@ -31,6 +31,9 @@ std::optional<Vector3> PlaceOf(const Frame& frame, const std::string& name) {
   }
   for (const SceneObject& object : frame.scene->objects) {
     if (ToLower(object.object.name) == word) return ObjectPose(frame, object).p;
+  }
+  for (const PointLight& light : frame.scene->lights) {
+    if (ToLower(light.name) == word) return light.p_WP;
   }
   return std::nullopt;
 }

@@ -312,7 +312,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongScore{"kind distanze", "'kind' cannot be 'distanze'; did you mean 'distance'?"},
         WrongScore{"kind reach", "[SCORE_1] needs 'target', for example: target red"},
         WrongScore{"kind reach\ntarget rde",
-                   "goes to 'rde', which is no target and no thing; did you mean 'red'?"},
+                   "goes to 'rde', which is no target, thing or light; did you mean 'red'?"},
         WrongScore{"kind distance\nof anna",
                    "is of 'anna', which is no robot, swarm or thing; did you mean 'ana'?"},
         WrongScore{"kind distance\ntarget red", "'target' goes with 'kind reach' only: leave it out"},
