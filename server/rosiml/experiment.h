@@ -60,7 +60,7 @@ struct Joint {
 };
 
 struct Sensor {
-  enum class Kind { kProximity, kLight, kCompass, kContact, kImu, kSharp, kCamera };
+  enum class Kind { kProximity, kLight, kCompass, kContact, kImu, kSharp, kCamera, kNeighbours };
 
   std::string name;
   Kind kind = Kind::kProximity;

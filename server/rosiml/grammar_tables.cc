@@ -106,8 +106,8 @@ constexpr Rule kPaper[] = {
     {"body", "", "compound object connector"},
     {"compound", "name!:s", "pose? compound object connector"},
     {"object", "name!:s mass!:0 friction:0 bounce:0 colour:c",
-     "pose? &shapes proximity ldr compass contact imu sharp camera=camera_sensor ~energy ~ambientLight "
-     "-position -orientation"},
+     "pose? &shapes proximity ldr compass contact imu sharp camera=camera_sensor neighbours ~energy "
+     "~ambientLight -position -orientation"},
     {"proximity", "name!:s range!:+ opening:0 rays:i noise:0", "pose?"},
     {"ldr", "name!:s opening:0", "pose?"},
     {"compass", "name!:s noise:0", ""},
@@ -115,6 +115,7 @@ constexpr Rule kPaper[] = {
     {"imu", "name!:s", "pose?"},
     {"sharp", "name!:s model!:gp2d12|dm2y3a003k0f", "pose?"},
     {"camera_sensor", "name!:s width:i height:i opening:+", "pose?"},
+    {"neighbours", "name!:s range!:+", ""},
     {"connector", "name!:s type!:hinge|slider|ball|fixed|hinge2|complexHinge source!:s destination:s",
      "pose? limit? drive? spring? damper=joint_factor? friction=joint_factor? read ~backlash ~rotor "
      "~coupling ~pwm "

@@ -201,10 +201,14 @@ class PaperReader : Reader {
   /// Of the last body.
   void ReadSensor(const Element& element, Movable& movable) {
     using Kind = Sensor::Kind;
-    constexpr std::pair<std::string_view, Kind> kKinds[] = {
-        {"proximity", Kind::kProximity}, {"ldr", Kind::kLight}, {"compass", Kind::kCompass},
-        {"contact", Kind::kContact},     {"imu", Kind::kImu},   {"sharp", Kind::kSharp},
-        {"camera", Kind::kCamera}};
+    constexpr std::pair<std::string_view, Kind> kKinds[] = {{"proximity", Kind::kProximity},
+                                                            {"ldr", Kind::kLight},
+                                                            {"compass", Kind::kCompass},
+                                                            {"contact", Kind::kContact},
+                                                            {"imu", Kind::kImu},
+                                                            {"sharp", Kind::kSharp},
+                                                            {"camera", Kind::kCamera},
+                                                            {"neighbours", Kind::kNeighbours}};
     const auto* const known = std::find_if(std::begin(kKinds), std::end(kKinds),
                                            [&](const auto& one) { return one.first == element.Name(); });
     if (known == std::end(kKinds)) return;

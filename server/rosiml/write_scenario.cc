@@ -223,6 +223,9 @@ class ScenarioWriter {
   std::string NameOf(const std::string& name, int line) {
     const auto found = called_.find(name);
     if (found != called_.end()) return found->second;
+    const std::size_t slash = name.find('/');
+    if (slash != std::string::npos)
+      return NameOf(name.substr(0, slash), line) + "/" + Simple(name.substr(slash + 1), 40);
     std::vector<std::string> names;
     for (const auto& [known, section] : called_) names.push_back(known);
     diagnostics_.Error({file_, line}, "<score> names '" + Printable(name) +

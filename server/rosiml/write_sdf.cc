@@ -247,6 +247,8 @@ class SdfWriter {
     switch (sensor.kind) {
       case Kind::kCompass:
         return write("compass", " noise_stddev_deg=\"" + Exact(std::min(sensor.noise, 180.0)) + "\"");
+      case Kind::kNeighbours:
+        return write("neighbours", " range=\"" + Exact(sensor.range_m) + "\"");
       case Kind::kContact:
         return write("contact", " links=\"" + links_[sensor.body] + "\"");
       case Kind::kImu:

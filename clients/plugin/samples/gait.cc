@@ -115,8 +115,8 @@ class Gait {
     const size_t end = name.rfind('_');
     if (end == std::string_view::npos || (joint.modes >> COOPDYN_DIRECT & 1) == 0) return;
     const std::string_view role = name.substr(end + 1);
-    auto leg =
-        std::find_if(legs_.begin(), legs_.end(), [&](const Leg& one) { return one.name == name.substr(0, end); });
+    auto leg = std::find_if(legs_.begin(), legs_.end(),
+                            [&](const Leg& one) { return one.name == name.substr(0, end); });
     if (leg == legs_.end()) {
       legs_.push_back({std::string(name.substr(0, end))});
       leg = legs_.end() - 1;
@@ -156,9 +156,7 @@ class Gait {
   }
 
   /// From 0 (behind) to 1 (ahead) through the air, and on to 2 on the floor.
-  double Way(double phase) const {
-    return phase < air_ ? phase / air_ : 1 + (phase - air_) / (1 - air_);
-  }
+  double Way(double phase) const { return phase < air_ ? phase / air_ : 1 + (phase - air_) / (1 - air_); }
   double Raised(const Wave& wave, double phase) const {
     return wave.offset_rad + wave.size_rad * std::max(0.0, std::sin(kPi * Way(Part(phase - wave.phase))));
   }
