@@ -3,6 +3,7 @@
 import argparse
 import concurrent.futures
 import contextlib
+import io
 import os
 import signal
 import subprocess
@@ -11,6 +12,7 @@ import threading
 import time
 
 import engines
+import evolve
 import plan
 import report
 from plan import Wrong
@@ -199,11 +201,27 @@ def make_report(words):
     return 1 if results.conflicts else 0
 
 
+def results_of(words, program, folders):
+    """Does a sweep without many words. Returns the results of its runs, in order."""
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+        sweep(words, program, folders)
+    version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout.strip()
+    given = read_options(words)
+    results = Results(given.out)
+    results.close()
+    return [results.done[job["key"]] for job in plan.lay_out(given, version, program, folders)]
+
+
 def main():
     program, root, *words = sys.argv[1:]
     folders = [os.path.dirname(program), root]
     try:
-        return make_report(words[1:]) if words[:1] == ["report"] else sweep(words, program, folders)
+        if words[:1] == ["report"]:
+            return make_report(words[1:])
+        if words[:1] == ["evolve"]:
+            return evolve.evolve(words[1:], Parser, lambda own: results_of(own, program, folders))
+        return sweep(words, program, folders)
     except Wrong as wrong:
         print(f"coopdyn sweep: {wrong}", file=sys.stderr)
         return 1

@@ -89,7 +89,7 @@ def find_scenario(name, folders):
         return os.path.abspath(name)
     for folder in [os.getcwd(), *os.environ.get("COOPDYN_PATH", "").split(":"), *folders]:
         for place in (folder, os.path.join(folder, "scenarios"), os.path.join(folder, "worlds")):
-            for file in (name, name + ".scenario", name + ".world"):
+            for file in (name, *(name + end for end in (".scenario", ".world", ".sdf", ".xml"))):
                 path = os.path.join(place, file)
                 if folder and os.path.isfile(path):
                     return os.path.abspath(path)
@@ -110,6 +110,8 @@ class Files:
         self.scenario = read(scenario)
         lines = re.findall(r"^\s*(file|type|controller|supervisor)\s*[=: ]\s*(\S+)", self.scenario.decode(errors="replace"),
                            re.MULTILINE | re.IGNORECASE)
+        if is_experiment(self.scenario):
+            lines = [("controller", name) for name in re.findall(r"""\blibrary\s*=\s*["'](\w+)["']""", self.scenario.decode(errors="replace"))]
         self._named = [(key.lower(), name) for key, name in lines]
 
     def digest(self, chosen, controller):
@@ -141,9 +143,22 @@ class Files:
         return []
 
 
+def is_experiment(content):
+    """An experiment of YARS, in XML."""
+    return content.lstrip().startswith(b"<")
+
+
 def ends_of(content):
     """The keys of a scenario that end its runs, as section.key."""
     section, ends = "", set()
+    if is_experiment(content):
+        elements = re.findall(r"<(simulator|score)\b([^>]*)", re.sub(r"<!--.*?-->", "", content.decode(errors="replace"), flags=re.DOTALL))
+        scores = 0
+        for element, attributes in elements:
+            scores += element == "score"
+            section = f"score_{scores}" if element == "score" else "simulation"
+            ends |= {f"{section}.{key}" for key in re.findall(r"\b(duration|until|limit)\s*=", attributes)}
+        return ends
     for line in content.decode(errors="replace").lower().splitlines():
         line = line.partition("#")[0].strip()
         head = re.match(r"\[\s*(.+?)\s*\]", line)

@@ -127,6 +127,9 @@ void CheckScores(const Scenario& scenario, Diagnostics& diagnostics) {
     add(swarm.section, swarm.count);
   }
   for (const RobotEntry& robot : scenario.robots) add(robot.name, 1);
+  for (const RobotEntry& robot : scenario.robots) {
+    for (const FrameModel& link : robot.model->frames) add(robot.name + "/" + link.name, 1);
+  }
   for (const WorldObject& object : scenario.objects) {
     add(object.name, 1);
     places.push_back(object.name);
@@ -135,6 +138,7 @@ void CheckScores(const Scenario& scenario, Diagnostics& diagnostics) {
     places.push_back(target.color_name);
     places.push_back(target.color_name + "_target_" + std::to_string(target.id.value));
   }
+  for (const PointLight& light : scenario.lights) places.push_back(light.name);
   std::set<std::string> taken;
   for (const ScoreEntry& score : scenario.scores) {
     if (!taken.insert(ToLower(score.name)).second) {
@@ -142,7 +146,13 @@ void CheckScores(const Scenario& scenario, Diagnostics& diagnostics) {
                                          "': give one another name, for example: name " + score.name + "2");
     }
     std::size_t count = score.of.empty() ? scenario.robots.size() : 0;
+    std::set<std::string> robots;
     for (const std::string& name : score.of) {
+      const std::string robot = ToLower(name.substr(0, name.find('/')));
+      if (!robots.insert(robot).second) {
+        diagnostics.Error(score.where,
+                          "the score '" + score.name + "' names '" + robot + "' twice: leave one out");
+      }
       const auto found = subjects.find(ToLower(name));
       if (found == subjects.end()) {
         diagnostics.Error(score.where, "the score '" + score.name + "' is of '" + name +
@@ -161,7 +171,7 @@ void CheckScores(const Scenario& scenario, Diagnostics& diagnostics) {
         places, [&](const std::string& one) { return ToLower(one) == ToLower(score.target); });
     if (!known) {
       diagnostics.Error(score.where, "the score '" + score.name + "' goes to '" + score.target +
-                                         "', which is no target and no thing" +
+                                         "', which is no target, thing or light" +
                                          DidYouMean(score.target, places));
     }
   }

@@ -57,8 +57,8 @@ std::string ToString(const ScoreUntil& until);
 struct ScoreEntry {
   std::string name;
   ScoreKind kind = ScoreKind::kTime;
-  std::vector<std::string> of;  // robots, swarms, things; empty: all robots
-  std::string target;           // reach: the name of a target or a thing, or the colour of a target
+  std::vector<std::string> of;  // robots, swarms, things, links ROBOT/LINK; empty: all robots
+  std::string target;           // reach: the name of a target, a thing or a light, or the colour of a target
   double within_m = 0.3;        // reach
   double tilt_rad = std::numbers::pi / 4;  // upright: who leans further has fallen
   double cell_m = 0.25;                    // coverage

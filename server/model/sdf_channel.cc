@@ -15,7 +15,9 @@ using What = ChannelModel::Quantity;
 
 constexpr std::pair<What, std::string_view> kQuantities[] = {{What::kPosition, "position"},
                                                              {What::kVelocity, "velocity"},
-                                                             {What::kEffort, "effort"}, {What::kCurrent, "current"}, {What::kEnergy, "energy"},
+                                                             {What::kEffort, "effort"},
+                                                             {What::kCurrent, "current"},
+                                                             {What::kEnergy, "energy"},
                                                              {What::kX, "x"},
                                                              {What::kY, "y"},
                                                              {What::kZ, "z"},
@@ -30,12 +32,10 @@ constexpr std::pair<What, std::string_view> kQuantities[] = {{What::kPosition, "
                                                              {What::kWz, "wz"},
                                                              {What::kAmbientLight, "ambient_light"}};
 
-constexpr std::pair<ControlMode, std::string_view> kModes[] = {{ControlMode::kPosition, "position"},
-                                                               {ControlMode::kDirect, "direct"},
-                                                               {ControlMode::kVelocity, "velocity"},
-                                                               {ControlMode::kEffort, "effort"},
-                                                               {ControlMode::kPwm, "pwm"},
-                                                               {ControlMode::kKeep, "ignored"}};
+constexpr std::pair<ControlMode, std::string_view> kModes[] = {
+    {ControlMode::kPosition, "position"}, {ControlMode::kDirect, "direct"},
+    {ControlMode::kVelocity, "velocity"}, {ControlMode::kEffort, "effort"},
+    {ControlMode::kPwm, "pwm"},           {ControlMode::kKeep, "ignored"}};
 
 /// The value of the word that attribute `name` has; nothing, and reported, if it is none of `table`.
 template <typename T, std::size_t N>
@@ -151,7 +151,8 @@ ChannelModel::Value ReadValue(XmlAttributes& attributes, const SensorSource& sou
   value.quantity = quantity.value_or(What::kPosition);
   if (joint) {
     value.of = *joint;
-    if (value.quantity > What::kEnergy) attributes.Error("'of' a joint is position, velocity, effort, current or energy");
+    if (value.quantity > What::kEnergy)
+      attributes.Error("'of' a joint is position, velocity, effort, current or energy");
     if (const auto found = FindNamed(attributes, "joint", *joint, source.robot.joints)) {
       value.source = *found;
       if (!source.robot.joints[*found].has_axis())

@@ -76,7 +76,7 @@ struct Joint {
 };
 
 struct Sensor {
-  enum class Kind { kProximity, kLight, kAmbient, kCompass, kContact, kImu, kSharp, kCamera };
+  enum class Kind { kProximity, kLight, kAmbient, kCompass, kContact, kImu, kSharp, kCamera, kNeighbours };
   enum class Pattern { kCross, kFan, kCone };
 
   std::string name;
@@ -158,11 +158,20 @@ struct Light {
   bool shadows = true;
   Random random;
   int line = 0;
+  std::string name;
 };
 
 /// A line of a section: its key with its value.
 struct Setting {
   std::string text;
+  int line = 0;
+};
+
+/// What a run is worth.
+struct Score {
+  std::vector<std::string> of;    // names of movables and things; none: all robots
+  std::string target;             // of a thing or a light
+  std::vector<std::string> keys;  // the other lines of its section
   int line = 0;
 };
 
@@ -172,6 +181,7 @@ struct Experiment {
   Random ambient;  // its value
   std::vector<Light> lights;
   std::vector<Movable> things, robots;
+  std::vector<Score> scores;
 };
 
 }  // namespace coopdyn::rosiml

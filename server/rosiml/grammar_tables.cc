@@ -85,7 +85,11 @@ constexpr Rule kPaper[] = {
     {"ends", "min!:n max!:n", ""},
     {"value_noise", "kind!:uniform|gauss sigma!:0 mean:n", ""},
     {"&shapes", "", "box=shape_box sphere=shape_sphere cylinder=shape_round capsule=shape_round"},
-    {"rosiml", "version:s", "-comment simulator? environment? movables!"},
+    {"rosiml", "version:s", "-comment simulator? environment? movables! score"},
+    {"score",
+     "name:s kind!:reach|time|distance|travelled|collisions|nearest|energy|upright|formation|coverage of:s "
+     "target:s within:+ tilt:0 cell:+ until:s limit:+",
+     ""},
     {"simulator",
      "frequency:+ controllerFrequency:+ seed:i duration:+ mode:realtime|lockstep|free speed:n gravity:+",
      "~window? ~camera? ~keys?"},
@@ -115,11 +119,10 @@ constexpr Rule kPaper[] = {
     {"body", "", "compound object connector"},
     {"compound", "name!:s", "pose? compound object connector"},
     {"object", "name!:s mass!:0 friction:0 bounce:0 colour:c",
-     "pose? &shapes proximity ldr compass contact imu sharp camera=camera_sensor ~energy ambientLight "
-     "position=of_place orientation=of_place velocity=of_place angularVelocity=of_place"},
+     "pose? &shapes proximity ldr compass contact imu sharp camera=camera_sensor neighbours ~energy "
+     "ambientLight position=of_place orientation=of_place velocity=of_place angularVelocity=of_place"},
     {"of_place", "name!:s x:b y:b z:b frame:world|body &exchanged", "domain=ends? &exchanged"},
-    {"proximity",
-     "name!:s range!:+ opening:0 openingUp:0 pattern:cross|fan|cone rays:i noise:0 &exchanged",
+    {"proximity", "name!:s range!:+ opening:0 openingUp:0 pattern:cross|fan|cone rays:i noise:0 &exchanged",
      "pose? &exchanged"},
     {"ldr", "name!:s opening:0 colour:c &exchanged", "pose? domain=ends? &exchanged"},
     {"ambientLight", "name!:s &exchanged", "domain=ends? &exchanged"},
@@ -128,6 +131,7 @@ constexpr Rule kPaper[] = {
     {"imu", "name!:s", "pose?"},
     {"sharp", "name!:s model!:gp2d12|dm2y3a003k0f &exchanged", "pose? domain=ends? &exchanged"},
     {"camera_sensor", "name!:s width:i height:i opening:+", "pose?"},
+    {"neighbours", "name!:s range!:+", ""},
     {"connector", "name!:s type!:hinge|slider|ball|fixed|hinge2|complexHinge source!:s destination:s",
      "pose? limit? drive? spring? damper=joint_factor? friction=joint_friction? read backlash? rotor? "
      "coupling? pwm ~noise"},

@@ -43,6 +43,9 @@ class PaperReader : Reader {
         if (std::string_view(movable.Name()) == "movable") ReadMovable(movable);
       });
     }
+    ForEachChild(root, [this](const Element& child) {
+      if (std::string_view(child.Name()) == "score") ReadScore(child);
+    });
     return std::move(experiment_);
   }
 
@@ -76,7 +79,8 @@ class PaperReader : Reader {
         experiment_.ambient = RandomOf(child);
       } else if (kind == "light") {
         experiment_.lights.push_back({PoseOf(child).p, Colour(child, "colour"), Number(child, "power", 1),
-                                      Flag(child, "shadows", true), RandomOf(child), child.GetLineNum()});
+                                      Flag(child, "shadows", true), RandomOf(child), child.GetLineNum(),
+                                      Text(child, "name")});
       } else if (kind == "object" || IsShape(kind)) {
         Movable thing;
         thing.name = Text(child, "name");
@@ -144,7 +148,7 @@ class PaperReader : Reader {
     const Element* body = Child(element, "body");
     if (body != nullptr) {
       ReadCompound(*body, movable.X_WM, movable);
-      ReadConnectors(*body, movable);
+      ReadConnectors(*body, movable, file(), diagnostics());
     }
     if (body != nullptr && movable.bodies.empty())
       Error(*body, "<body> needs an <object>, by itself or in a <compound>");
@@ -200,14 +204,6 @@ class PaperReader : Reader {
     });
   }
 
-  /// After all objects, which they name.
-  void ReadConnectors(const Element& compound, Movable& movable) {
-    ForEachChild(compound, [&](const Element& child) {
-      if (std::string_view(child.Name()) == "compound") ReadConnectors(child, movable);
-      if (std::string_view(child.Name()) == "connector") ReadConnector(child, movable);
-    });
-  }
-
   /// Of the last body.
   void ReadSensor(const Element& element, Movable& movable) {
     using Kind = Sensor::Kind;
@@ -218,7 +214,8 @@ class PaperReader : Reader {
                                                             {"imu", Kind::kImu},
                                                             {"sharp", Kind::kSharp},
                                                             {"camera", Kind::kCamera},
-                                                            {"ambientLight", Kind::kAmbient}};
+                                                            {"ambientLight", Kind::kAmbient},
+                                                            {"neighbours", Kind::kNeighbours}};
     const auto* const known = std::find_if(std::begin(kKinds), std::end(kKinds),
                                            [&](const auto& one) { return one.first == element.Name(); });
     if (known == std::end(kKinds)) return ReadPlace(element, movable);
@@ -287,155 +284,46 @@ class PaperReader : Reader {
     movable.values.push_back(std::move(value));
   }
 
-  void ReadConnector(const Element& element, Movable& movable) {
-    const std::string type = Text(element, "type");
-    if (type == "hinge2") {
-      Warn(element, "a connector of type '" + type +
-                        "' is not simulated yet: it is left out, and its objects are loose");
-      return;
+  void ReadScore(const Element& element) {
+    Score score;
+    score.line = element.GetLineNum();
+    score.of = NamesIn(Text(element, "of"));
+    score.target = Text(element, "target");
+    const std::string kind = Text(element, "kind"), name = Text(element, "name");
+    score.keys.push_back("kind " + kind);
+    if (!name.empty()) {
+      std::string simple = Simple(name, 60);
+      std::ranges::replace(simple, '-', '_');
+      score.keys.push_back("name " + simple);
     }
-    Joint joint;
-    joint.name = Text(element, "name");
-    joint.line = element.GetLineNum();
-    joint.kind = type == "slider"  ? Joint::Kind::kSlider
-                 : type == "ball"  ? Joint::Kind::kBall
-                 : type == "fixed" ? Joint::Kind::kFixed
-                                   : Joint::Kind::kHinge;
-    const std::string destination = Text(element, "destination");
-    const Named* const source = Find(movable, Text(element, "source"), element);
-    const Named* const to = destination.empty() ? nullptr : Find(movable, destination, element);
-    if (source == nullptr || (!destination.empty() && to == nullptr)) return;
-    joint.source = source->body;
-    if (to != nullptr) joint.destination = to->body;
-    joint.counts_source = to == nullptr;
-    joint.X_WJ = source->X_WN * PoseIn(element);
-    if (const Element* drive = Child(element, "drive")) {
-      joint.is_driven = joint.kind == Joint::Kind::kHinge || joint.kind == Joint::Kind::kSlider;
-      if (!joint.is_driven) Error(*drive, "only a hinge or a slider has a <drive>");
-      const std::string kind = Text(*drive, "type");
-      joint.is_wheel = kind.empty() || kind == "velocity";
-      joint.max_effort = Number(*drive, "maxForce", 0);
-      joint.max_velocity = Number(*drive, "maxVelocity", 0);
+    for (const auto& [key, unit] : {std::pair("within", ""), {"tilt", "deg"}, {"cell", ""}, {"limit", ""}}) {
+      if (const auto value = Number(element, key))
+        score.keys.push_back(std::string(key) + " " + Exact(*value) + unit);
     }
-    ReadResistance(element, joint);
-    if (type == "complexHinge") {
-      ReadDriveTrain(element, joint);
-    } else {
-      RefuseDriveTrain(element, type);
+    if (const std::string until = Text(element, "until"); !until.empty()) {
+      const std::string_view text = Trim(until);
+      const std::string sign(text.substr(0, text.find_first_not_of("<>=")));
+      const auto value = ParseNumber(Trim(text.substr(sign.size())));
+      if (text == "all")
+        score.keys.emplace_back("until all");
+      else if (!sign.empty() && sign.size() <= 2 && value)
+        score.keys.push_back("until " + sign + " " + Exact(*value));
+      else
+        Error(element, "'until' in <score> is 'all' or a comparison such as '>= 3' or '&lt; 0.5', not '" +
+                           Printable(until) + "'");
     }
-    const Joint added = joint;
-    const std::size_t before = movable.joints.size();
-    AddJoint(movable, std::move(joint), element);
-    if (movable.joints.size() > before) AddExchange(element, added, movable);
+    experiment_.scores.push_back(std::move(score));
   }
 
-  /// What is set and read of the joint added last.
-  void AddExchange(const Element& element, const Joint& joint, Movable& movable) {
-    const int index = static_cast<int>(movable.joints.size()) - 1;
-    const Element* const drive = Child(element, "drive");
-    if (joint.is_driven) {
-      const Element& at = drive == nullptr ? element : *drive;
-      const std::string type = drive == nullptr ? "" : Text(*drive, "type");
-      MotorValue motor{.name = joint.name, .joint = index, .mode = "velocity", .line = at.GetLineNum()};
-      std::optional<std::pair<double, double>> internal{{-joint.max_velocity, joint.max_velocity}};
-      if (joint.drive_train && (type.empty() || Child(element, "pwm") != nullptr)) {
-        motor.mode = "pwm";
-        internal = {-1, 1};
-      }
-      if (type == "position") {
-        motor.mode = "direct";
-        internal = joint.limit;
-      } else if (type == "force") {
-        motor.mode = "effort";
-        internal = {-joint.max_effort, joint.max_effort};
-      }
-      if (drive != nullptr) motor.mapped = MappedOf(*drive, internal);
-      if (drive == nullptr) motor.mapped.internal = internal;
-      movable.motors.push_back(std::move(motor));
+  /// Separated by commas.
+  static std::vector<std::string> NamesIn(std::string_view text) {
+    std::vector<std::string> names;
+    while (!text.empty()) {
+      const std::size_t comma = std::min(text.find(','), text.size());
+      names.emplace_back(Trim(text.substr(0, comma)));
+      text.remove_prefix(std::min(comma + 1, text.size()));
     }
-    ForEachChild(element, [&](const Element& read) {
-      if (std::string_view(read.Name()) != "read") return;
-      if (joint.kind != Joint::Kind::kHinge && joint.kind != Joint::Kind::kSlider)
-        return Error(read, "only a hinge or a slider has a position, velocity and force to <read>");
-      const std::string what = Text(read, "what");
-      if ((what == "current" || what == "energy") && !joint.drive_train)
-        return Warn(read, "<read what=\"" + what + "\"/> is told of a complexHinge alone: it is left out");
-      const bool is_angle = what == "position" && joint.kind == Joint::Kind::kHinge;
-      SensorValue value{.name = joint.name + "_" + what,
-                        .joint = index,
-                        .of = {what == "force" ? "effort" : what},
-                        .auxiliary = Flag(read, "auxiliary", false),
-                        .line = read.GetLineNum()};
-      std::optional<std::pair<double, double>> internal;
-      if (what == "position") internal = joint.limit;
-      if (what == "velocity" && joint.is_driven) internal = {-joint.max_velocity, joint.max_velocity};
-      if (what == "force" && joint.is_driven) internal = {-joint.max_effort, joint.max_effort};
-      value.mapped = MappedOf(read, internal, is_angle ? kRadPerDeg : 1);
-      movable.values.push_back(std::move(value));
-    });
-  }
-
-  void ReadResistance(const Element& element, Joint& joint) {
-    const double unit = joint.kind == Joint::Kind::kSlider ? 1 : kRadPerDeg;
-    if (const Element* limit = Child(element, "limit")) {
-      joint.limit = {Number(*limit, "min", 0) * unit, Number(*limit, "max", 0) * unit};
-      if (joint.limit->first > joint.limit->second)
-        Error(*limit, "'min' of <limit> must not lie above 'max'");
-    }
-    joint.stiffness = NumberIn(element, "spring", "stiffness", 0);
-    joint.rest = NumberIn(element, "spring", "rest", 0) * unit;
-    joint.damping = NumberIn(element, "damper", "value", 0);
-    joint.friction = NumberIn(element, "friction", "value", 0);
-  }
-
-  /// What only a complex hinge has.
-  void RefuseDriveTrain(const Element& element, const std::string& type) {
-    ForEachChild(element, [&](const Element& child) {
-      for (const char* word : {"backlash", "rotor", "coupling", "pwm"}) {
-        if (std::string_view(child.Name()) == word)
-          Error(child,
-                std::string("only a connector of type 'complexHinge' has a <") + word + ">, not a " + type);
-      }
-    });
-    const Element* friction = Child(element, "friction");
-    if (friction != nullptr && (Number(*friction, "static") || Number(*friction, "threshold")))
-      Error(*friction, "only a connector of type 'complexHinge' has static friction");
-  }
-
-  void ReadDriveTrain(const Element& element, Joint& joint) {
-    DriveTrain train;
-    train.line = element.GetLineNum();
-    ForEachChild(element, [&](const Element& row) {
-      if (std::string_view(row.Name()) != "pwm") return;
-      train.pwm.push_back({Number(row, "duty", 1), Number(row, "noLoadSpeed", 0),
-                           Number(row, "stallTorque", 0), Number(row, "stallCurrent", 0), row.GetLineNum()});
-    });
-    train.ratio = NumberIn(element, "rotor", "ratio", 1);
-    train.efficiency = NumberIn(element, "rotor", "efficiency", 1);
-    if (const Element* rotor = Child(element, "rotor")) train.rotor_inertia_kg_m2 = Number(*rotor, "inertia");
-    train.backlash_deg = NumberIn(element, "backlash", "gap", 0);
-    if (const Element* coupling = Child(element, "coupling")) {
-      train.stiffness_nm_rad = Number(*coupling, "stiffness");
-      train.damping_nms_rad = Number(*coupling, "damping", 0);
-      train.preload_nm = Number(*coupling, "preload", 0);
-    }
-    train.dynamic_friction_nm = joint.friction;
-    train.static_friction_nm = NumberIn(element, "friction", "static", joint.friction);
-    if (const Element* friction = Child(element, "friction"))
-      train.stiction_speed_rad_s = Number(*friction, "threshold");
-    // Without a table the motor is that of its <drive>.
-    if (train.pwm.empty() && joint.is_driven)
-      train.pwm.push_back(
-          {1, joint.max_velocity * train.ratio, joint.max_effort / train.ratio, 0, train.line});
-    if (train.pwm.empty()) {
-      Warn(element, "the complexHinge '" + Printable(joint.name) +
-                        "' has neither <drive> nor <pwm>: it is a hinge without a motor");
-      return;
-    }
-    joint.is_driven = true;
-    joint.is_wheel = false;
-    joint.friction = 0;
-    joint.drive_train = std::move(train);
+    return names;
   }
 
   static constexpr double kUsual_hz = 100;

@@ -16,11 +16,15 @@ inline constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 Experiment ReadPublic(const Element& root, const std::string& file, Diagnostics& diagnostics);
 Experiment ReadPaper(const Element& root, const std::string& file, Diagnostics& diagnostics);
+/// Adds the joints of a body of the paper's grammar to `movable`, which has all its objects.
+void ReadConnectors(const Element& body, Movable& movable, const std::string& file, Diagnostics& diagnostics);
 
 class Reader {
  public:
   Reader(const std::string& file, Diagnostics& diagnostics) : file_(file), diagnostics_(diagnostics) {}
 
+  const std::string& file() const { return file_; }
+  Diagnostics& diagnostics() { return diagnostics_; }
   void Error(const Element& at, std::string text) {
     diagnostics_.Error({file_, at.GetLineNum()}, std::move(text));
   }

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
+#include "server/base/printable.h"
 #include "server/base/words.h"
 #include "server/rosiml/connect.h"
 #include "server/rosiml/names.h"
@@ -25,7 +27,11 @@ class ScenarioWriter {
     Randomise("SIMULATION", "ambient_light", {&experiment.ambient, "value"});
     WriteFloor(experiment);
     int lights = 0;
-    for (const Light& light : experiment.lights) WriteLight(light, "LIGHT_" + std::to_string(++lights));
+    for (const Light& light : experiment.lights) {
+      const std::string section = "LIGHT_" + std::to_string(++lights);
+      called_.emplace(light.name, section);
+      WriteLight(light, section);
+    }
     for (const Movable& thing : experiment.things) {
       if (IsThing(thing)) WriteThing(thing);
     }
@@ -34,6 +40,7 @@ class ScenarioWriter {
     for (const Movable& thing : experiment.things) {
       if (!IsThing(thing)) WriteRobots(thing);
     }
+    for (const Score& score : experiment.scores) WriteScore(score);
     if (!random_.lines.empty()) {
       Head("RANDOM", random_.lines.front());
       out_.scenario.text += random_.text;
@@ -122,6 +129,7 @@ class ScenarioWriter {
     const Part& part = body.parts.front();
     const Pose X_WG = body.X_WB * part.X_BG;
     const std::string section = names_.New(ThingName(thing.name));
+    called_.emplace(thing.name, section);
     Head(section, thing.line);
     if (const auto* box = std::get_if<Box>(&part.shape)) {
       Add(part.line, "type box");
@@ -173,6 +181,7 @@ class ScenarioWriter {
       const Model& model = models[i];
       const Body& base = movable.bodies[static_cast<std::size_t>(model.bodies.front())];
       const std::string name = names_.New(i == 0 ? movable.name : movable.name + "_" + base.name);
+      if (i == 0) called_.emplace(movable.name, name);
       WrittenModel written = WriteSdf(movable, model, name, file_, diagnostics_);
       const int line = i == 0 ? movable.line : base.line;
       const std::string section = "ROBOT_" + std::to_string(++robots_);
@@ -200,13 +209,38 @@ class ScenarioWriter {
     }
   }
 
+  /// After all that it may name.
+  void WriteScore(const Score& score) {
+    Head("SCORE_" + std::to_string(++scores_), score.line);
+    for (const std::string& key : score.keys) Add(score.line, key);
+    std::string of;
+    for (const std::string& name : score.of) of += " " + NameOf(name, score.line);
+    if (!of.empty()) Add(score.line, "of" + of);
+    if (!score.target.empty()) Add(score.line, "target " + NameOf(score.target, score.line));
+  }
+
+  /// What the experiment calls `name`.
+  std::string NameOf(const std::string& name, int line) {
+    const auto found = called_.find(name);
+    if (found != called_.end()) return found->second;
+    const std::size_t slash = name.find('/');
+    if (slash != std::string::npos)
+      return NameOf(name.substr(0, slash), line) + "/" + Simple(name.substr(slash + 1), 40);
+    std::vector<std::string> names;
+    for (const auto& [known, section] : called_) names.push_back(known);
+    diagnostics_.Error({file_, line}, "<score> names '" + Printable(name) +
+                                          "', which is no movable, thing or light" + DidYouMean(name, names));
+    return name;
+  }
+
   const std::string& file_;
   const std::string& prefix_;
   Diagnostics& diagnostics_;
   Translation out_;
   MadeText random_;
-  int robots_ = 0;
-  bool is_full_ = false;  // too many models
+  int robots_ = 0, scores_ = 0;
+  std::map<std::string, std::string> called_;  // what the experiment's movables, things and lights are called
+  bool is_full_ = false;                       // too many models
   Names names_{"simulation", "world", "swarm", "playback", "recorder", "clock"};
 };
 

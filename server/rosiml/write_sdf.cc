@@ -292,7 +292,8 @@ class SdfWriter {
   void SortDistances() {
     std::vector<std::pair<double, const Sensor*>> order;
     for (const Sensor& one : movable_.sensors) {
-      if (const auto found = readings_.find(&one); found != readings_.end() && found->second.first == "distance")
+      if (const auto found = readings_.find(&one);
+          found != readings_.end() && found->second.first == "distance")
         order.emplace_back(Heading((model_.X_WR.Inverse() * one.X_WS).q), &one);
     }
     std::ranges::stable_sort(order, {}, &std::pair<double, const Sensor*>::first);
@@ -349,6 +350,8 @@ class SdfWriter {
     switch (sensor.kind) {
       case Kind::kCompass:
         return write("compass", " noise_stddev_deg=\"" + Exact(std::min(sensor.noise, 180.0)) + "\"");
+      case Kind::kNeighbours:
+        return write("neighbours", " range=\"" + Exact(sensor.range_m) + "\"");
       case Kind::kContact:
         return write("contact", " links=\"" + links_[sensor.body] + "\"");
       case Kind::kImu:

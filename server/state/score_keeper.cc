@@ -18,12 +18,28 @@ bool IsRobot(std::int32_t id) {
   return id >= WorldId::kRobots;
 }
 
-Pose PoseOf(const Frame& frame, std::int32_t id, int index) {
-  return IsRobot(id) ? RobotPose(frame, index)
-                     : ObjectPose(frame, frame.scene->objects[static_cast<std::size_t>(index)]);
+/// `part`: of the robot's links, as its file has them; -1: the robot, or the thing, itself.
+Pose PoseOf(const Frame& frame, std::int32_t id, int index, int part = -1) {
+  const auto at = static_cast<std::size_t>(index);
+  if (!IsRobot(id)) return ObjectPose(frame, frame.scene->objects[at]);
+  if (part < 0) return RobotPose(frame, index);
+  const RobotModel& model = *frame.scene->robots[at].entry.model;
+  const FrameModel& of = model.frames[static_cast<std::size_t>(part)];
+  const Pose& X_RL = model.links[static_cast<std::size_t>(of.link)].X_RL;
+  return LinkPose(frame, index, of.link) * X_RL.Inverse() * of.X_RF;
 }
 
-/// Where `name`, a target or a thing, is; nothing: it is gone.
+/// The link that `of` asks for in `robot`, as ROBOT/LINK; -1: none.
+int PartOf(const ScoreEntry& entry, const RobotEntry& robot) {
+  for (const std::string& one : entry.of) {
+    for (std::size_t i = 0; i < robot.model->frames.size(); ++i) {
+      if (ToLower(one) == ToLower(robot.name + "/" + robot.model->frames[i].name)) return static_cast<int>(i);
+    }
+  }
+  return -1;
+}
+
+/// Where `name`, a target, a thing or a lamp, is; nothing: it is gone.
 std::optional<Vector3> PlaceOf(const Frame& frame, const std::string& name) {
   const std::string word = ToLower(name);
   for (const Target& target : frame.scene->targets) {
@@ -31,6 +47,9 @@ std::optional<Vector3> PlaceOf(const Frame& frame, const std::string& name) {
   }
   for (const SceneObject& object : frame.scene->objects) {
     if (ToLower(object.object.name) == word) return ObjectPose(frame, object).p;
+  }
+  for (const PointLight& light : frame.scene->lights) {
+    if (ToLower(light.name) == word) return light.p_WP;
   }
   return std::nullopt;
 }
@@ -143,8 +162,9 @@ std::vector<ScoreKeeper::Subject> ScoreKeeper::SubjectsOf(const ScoreEntry& entr
       subjects.push_back({static_cast<std::int32_t>(scene.objects[i].id.value), static_cast<int>(i)});
   }
   for (std::size_t i = 0; i < scene.robots.size(); ++i) {
-    if (entry.of.empty() || is_meant(scene.robots[i].entry.name))
-      subjects.push_back({RobotIdOf(scene.robots[i]), static_cast<int>(i)});
+    const int part = PartOf(entry, scene.robots[i].entry);
+    if (entry.of.empty() || part >= 0 || is_meant(scene.robots[i].entry.name))
+      subjects.push_back({RobotIdOf(scene.robots[i]), static_cast<int>(i), part});
   }
   std::ranges::sort(subjects, {}, &Subject::id);
   return subjects;
@@ -163,7 +183,7 @@ void ScoreKeeper::Use(const Frame& frame) {
         subject.index = index;
         continue;
       }
-      const Vector3 p = PoseOf(frame, subject.id, subject.index).p;
+      const Vector3 p = PoseOf(frame, subject.id, subject.index, subject.part).p;
       subject.x = p.x();
       subject.y = p.y();
     }
@@ -205,14 +225,14 @@ void ScoreKeeper::Look(Book& book, const Frame& frame, bool follows) {
       const std::optional<Vector3> p_WT = PlaceOf(frame, entry.target);
       for (Subject& subject : book.subjects) {
         if (!p_WT || subject.marked) continue;
-        const Vector3 p = PoseOf(frame, subject.id, subject.index).p;
+        const Vector3 p = PoseOf(frame, subject.id, subject.index, subject.part).p;
         subject.marked = std::hypot(p.x() - p_WT->x(), p.y() - p_WT->y()) <= entry.within_m;
       }
       break;
     }
     case ScoreKind::kDistance:
       for (Subject& subject : book.subjects) {
-        const Vector3 p = PoseOf(frame, subject.id, subject.index).p;
+        const Vector3 p = PoseOf(frame, subject.id, subject.index, subject.part).p;
         if (follows) book.sum += std::hypot(p.x() - subject.x, p.y() - subject.y);
         subject.x = p.x();
         subject.y = p.y();
@@ -245,13 +265,13 @@ void ScoreKeeper::Look(Book& book, const Frame& frame, bool follows) {
       break;
     case ScoreKind::kUpright:
       for (Subject& subject : book.subjects) {
-        const Vector3 up = PoseOf(frame, subject.id, subject.index).q * Vector3::UnitZ();
+        const Vector3 up = PoseOf(frame, subject.id, subject.index, subject.part).q * Vector3::UnitZ();
         subject.marked |= std::acos(std::clamp(up.z(), -1.0, 1.0)) > entry.tilt_rad;
       }
       break;
     case ScoreKind::kCoverage:
       for (const Subject& subject : book.subjects) {
-        const Vector3 p = PoseOf(frame, subject.id, subject.index).p;
+        const Vector3 p = PoseOf(frame, subject.id, subject.index, subject.part).p;
         if (!p.allFinite() || !scene_->floor.IsUnder(p.x(), p.y())) continue;
         book.pairs.emplace(static_cast<std::int32_t>(std::floor(p.x() / entry.cell_m)),
                            static_cast<std::int32_t>(std::floor(p.y() / entry.cell_m)));
@@ -265,7 +285,9 @@ void ScoreKeeper::Look(Book& book, const Frame& frame, bool follows) {
 double ScoreKeeper::ValueOf(const Book& book, const Frame& frame) const {
   const auto count = static_cast<double>(book.subjects.size());
   const auto marked = static_cast<double>(std::ranges::count_if(book.subjects, &Subject::marked));
-  const auto at = [&frame](const Subject& subject) { return PoseOf(frame, subject.id, subject.index).p; };
+  const auto at = [&frame](const Subject& subject) {
+    return PoseOf(frame, subject.id, subject.index, subject.part).p;
+  };
   switch (book.entry.kind) {
     case ScoreKind::kReach:
       return marked;

@@ -33,6 +33,7 @@ class ScoreKeeper {
   struct Subject {
     std::int32_t id = 0;  // WorldId
     int index = 0;        // in the scene
+    int part = -1;        // of the links of the robot's file; -1: itself
     bool marked = false;  // it was there, it has fallen
     double x = 0, y = 0;  // where it was last, or at the start
   };

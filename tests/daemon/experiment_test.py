@@ -12,6 +12,7 @@ from recording import RecordingTestCase, equal_steps, rows, tool
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 NAMES = ("braitenberg", "double_pendulum", "lightseeker")
+EXAMPLES = ("dog", "octavio4", "octavio6", "octavio8", "runbot", "seeker", "soccer")  # yars_examples_test.py runs them
 STEPS = 200  # in 2 s
 
 # A crate and a ball that stand elsewhere with each seed, and a robot that clients drive.
@@ -232,7 +233,7 @@ class ShippedTest(unittest.TestCase):
 
     def test_every_shipped_experiment_is_right(self):
         names = sorted(path.stem for path in SCENARIOS.glob("*.xml"))
-        self.assertEqual(names, sorted(NAMES))
+        self.assertEqual(names, sorted(NAMES + EXAMPLES))
         for name in names:
             code, said = tool("check", name)
             self.assertEqual(code, 0, said)

@@ -74,6 +74,53 @@ TEST(PaperTest, AControlledMovableNeedsAController) {
   EXPECT_HAS(Said(Paper("", Movable("type=\"controlled\""))), "needs <controller library=\"NAME\"/>");
 }
 
+/// An experiment with a ball called "red ball" and these scores.
+std::string Scored(const std::string& scores) {
+  const std::string text = Paper(
+      "<light name=\"lamp\" x=\"1\" y=\"0\" z=\"1\"/><sphere name=\"red ball\" radius=\"0.1\" mass=\"1\"/>",
+      Movable("type=\"active\""));
+  return text.substr(0, text.rfind("</rosiml>")) + scores + "</rosiml>";
+}
+
+TEST(PaperTest, AScoreSaysWhatARunIsWorth) {
+  EXPECT_HAS(
+      Made(Scored("<score kind=\"reach\" name=\"is there\" of=\"m, red ball\" target=\"lamp\" within=\"0.5\" "
+                  "until=\"&gt;= 2\" limit=\"60\"/><score kind=\"upright\" tilt=\"30\" until=\"all\"/>"))
+          .scenario.text,
+      "[SCORE_1]\nkind reach\nname is_there\nwithin 0.5\nlimit 60\nuntil >= 2\nof m red_ball\ntarget "
+      "LIGHT_1\n"
+      "[SCORE_2]\nkind upright\ntilt 30deg\nuntil all\n");
+}
+
+TEST(PaperTest, AScoreCanBeOfAnObject) {
+  EXPECT_HAS(Made(Scored("<score kind=\"distance\" of=\"m/left foot\"/>")).scenario.text, "of m/left_foot\n");
+}
+
+TEST(PaperTest, WhatAScoreNamesIsThere) {
+  EXPECT_HAS(
+      Said(Scored("<score kind=\"distance\" of=\"red bal\"/>")),
+      "x.xml:1: error: <score> names 'red bal', which is no movable, thing or light; did you mean 'red "
+      "ball'?");
+  EXPECT_HAS(Said(Scored("<score kind=\"reach\" target=\"lmap\"/>")), "did you mean 'lamp'?");
+}
+
+TEST(PaperTest, AScoresUntilIsAComparison) {
+  EXPECT_HAS(Said(Scored("<score kind=\"time\" until=\"3\"/>")),
+             "x.xml:1: error: 'until' in <score> is 'all' or a comparison such as '>= 3'");
+  EXPECT_HAS(Said(Scored("<score kind=\"time\" until=\"&gt;= 3&#10;[ROBOT_2]\"/>")),
+             "error: 'until' in <score>");
+  EXPECT_HAS(Said(Scored("<score kind=\"tim\"/>")), "did you mean 'time'?");
+}
+
+TEST(PaperTest, NeighboursAreSeen) {
+  const std::string with =
+      "<object name=\"c\" mass=\"1\"><sphere radius=\"1\"/><neighbours name=\"Others\" range=\"3\"/>"
+      "</object><connector name=\"k\" type=\"fixed\" source=\"a\" destination=\"c\"/>";
+  const std::string sdf = Made(Paper("", Movable("type=\"active\"", with))).models.at(0).sdf.text;
+  EXPECT_HAS(sdf, "<coopdyn:neighbours name=\"others\" range=\"3\"/>");
+  EXPECT_HAS(sdf, "<coopdyn:module type=\"neighbours\" name=\"others\"/>");
+}
+
 TEST(PaperTest, ForcesOfAMovingMovableAreNotSimulatedYet) {
   EXPECT_HAS(Said(Paper("", Movable("type=\"moving\""))), "warning: type 'moving' is not simulated yet");
 }

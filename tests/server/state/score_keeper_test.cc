@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/state/world_change.h"
@@ -96,6 +97,27 @@ TEST_F(ScoreKeeperTest, ReachCountsWhoHasBeenThere) {
   EXPECT_EQ(Value(), 2);
   EXPECT_TRUE(frame_->scores[0].met);
   EXPECT_EQ(EndingScore(*frame_), 0);
+}
+
+TEST_F(ScoreKeeperTest, ReachKnowsLights) {
+  Begin({"kind reach\ntarget light_1\n[LIGHT_1]\nposition 3 0 2"});
+  robots_[0].p = Vector3(2, 0, 0);
+  Step();
+  EXPECT_EQ(Value(), 0);
+  robots_[0].p = Vector3(2.8, 0, 0);
+  Step();
+  EXPECT_EQ(Value(), 1);
+}
+
+TEST_F(ScoreKeeperTest, ALinkCountsByItsOwnPlace) {
+  Begin({"kind travelled\nof ana", "kind travelled\nof ana/left_wheel"});
+  robots_[0] = {Vector3(1, 0, 0), FromRollPitchYaw(0, 0, M_PI / 2)};
+  Step();
+  const RobotModel& model = *scene_->robots[0].entry.model;
+  const auto wheel = std::ranges::find(model.frames, "left_wheel", &FrameModel::name);
+  ASSERT_NE(wheel, model.frames.end());
+  EXPECT_NEAR(Value(0), 1, kTolerance);
+  EXPECT_NEAR(Value(1), 1 - wheel->X_RF.p.y() - wheel->X_RF.p.x(), kTolerance);
 }
 
 TEST_F(ScoreKeeperTest, AThingReachesAThing) {
@@ -312,9 +334,11 @@ INSTANTIATE_TEST_SUITE_P(
         WrongScore{"kind distanze", "'kind' cannot be 'distanze'; did you mean 'distance'?"},
         WrongScore{"kind reach", "[SCORE_1] needs 'target', for example: target red"},
         WrongScore{"kind reach\ntarget rde",
-                   "goes to 'rde', which is no target and no thing; did you mean 'red'?"},
+                   "goes to 'rde', which is no target, thing or light; did you mean 'red'?"},
         WrongScore{"kind distance\nof anna",
                    "is of 'anna', which is no robot, swarm or thing; did you mean 'ana'?"},
+        WrongScore{"kind distance\nof ana/left_weel", "did you mean 'ana/left_wheel'?"},
+        WrongScore{"kind distance\nof ana ana/left_wheel", "names 'ana' twice: leave one out"},
         WrongScore{"kind distance\ntarget red", "'target' goes with 'kind reach' only: leave it out"},
         WrongScore{"kind distance\nuntil 3", "'until' begins with <, <=, > or >=, or is 'all', not '3'"},
         WrongScore{"kind distance\nuntil > x", "'until': 'x' is not a number"},
