@@ -420,6 +420,16 @@ std::string Daemon::http() const {
   return web_ == nullptr ? "" : fmt::format("http://{}:{}/", Bracketed(told_host()), web_->port());
 }
 
+std::string Daemon::ChannelLines() const {
+  std::string lines;
+  for (const auto& robot : robots_->robots()) {
+    for (std::size_t i = 0; i < robot->module_count(); ++i) {
+      if (robot->is_channel(i)) lines += fmt::format("opened port {} for {}\n", robot->port(i), robot->name());
+    }
+  }
+  return lines;
+}
+
 std::string Daemon::ReadyLine() const {
   const std::string names =
       name_server_ == nullptr ? "off" : fmt::format("{}:{}", Bracketed(told_host()), name_server_->port());

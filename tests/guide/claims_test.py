@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: MIT
+"""The tests that docs/yars.md names for the claims of the YARS paper are there."""
+import re
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+
+
+class ClaimsTest(unittest.TestCase):
+    def test_each_claim_names_tests_that_are_there(self):
+        section = (ROOT / "docs/yars.md").read_text().split("## The claims of the YARS paper")[1]
+        claims = re.findall(r"^\| (\d+) \|(.*)\|$", section, re.M)
+        self.assertEqual([int(number) for number, _ in claims], list(range(1, 54)))
+        sources = "".join(path.read_text() for pattern in ("*_test.cc", "*_test.py")
+                          for path in (ROOT / "tests").rglob(pattern))
+        for number, cells in claims:
+            names = re.findall(r"`(\w+)`", cells.split("|")[-1])
+            self.assertTrue(names, f"claim {number} names no test")
+            for name in names:
+                self.assertRegex(sources, rf"\b(def {name}\(|TEST(_F)?\(\w+, {name}\))", f"claim {number}")
+
+
+if __name__ == "__main__":
+    unittest.main()
