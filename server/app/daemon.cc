@@ -420,11 +420,12 @@ std::string Daemon::http() const {
   return web_ == nullptr ? "" : fmt::format("http://{}:{}/", Bracketed(told_host()), web_->port());
 }
 
-std::string Daemon::ChannelLines() const {
-  std::string lines;
+std::vector<std::string> Daemon::ChannelLines() const {
+  std::vector<std::string> lines;
   for (const auto& robot : robots_->robots()) {
     for (std::size_t i = 0; i < robot->module_count(); ++i) {
-      if (robot->is_channel(i)) lines += fmt::format("opened port {} for {}\n", robot->port(i), robot->name());
+      if (robot->is_channel(i))
+        lines.push_back(fmt::format("opened port {} for {}", robot->port(i), robot->name()));
     }
   }
   return lines;

@@ -60,8 +60,8 @@ class Daemon final : private ControlActions {
 
   /// The line `ready names=HOST:PORT http=URL robots=N`.
   std::string ReadyLine() const;
-  /// `opened port N for ROBOT`, a line each: what programs look for that start YARS.
-  std::string ChannelLines() const;
+  /// `opened port N for ROBOT` of each: what programs look for that start YARS.
+  std::vector<std::string> ChannelLines() const;
   /// For people: the page, and how to go on from MATLAB, Python and telnet.
   std::string HowToGoOn() const;
   FramePtr frame() const { return frames_.Latest(); }

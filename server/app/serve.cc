@@ -105,7 +105,9 @@ int Serve(ServeOptions options) {
   }
   ServedRun served(daemon, clock, log.logger(), options.summary_file);
   PrintErrorLines(daemon.HowToGoOn());
-  if (options.channel_quits) Print("{}", daemon.ChannelLines());
+  if (options.channel_quits) {
+    for (const std::string& line : daemon.ChannelLines()) Print("{}\n", line);
+  }
   Print("{}\n", daemon.ReadyLine());
   const double duration_s = daemon.status().duration_s;
   if (duration_s > 0) PrintError("runs to t = {:g} s\n", duration_s);

@@ -275,6 +275,7 @@ class ChannelTest(unittest.TestCase):
                                     "--printComPortsToFile", str(base)],
                                    stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         self.addCleanup(process.stdout.close)
+        self.addCleanup(process.wait)
         self.addCleanup(process.kill)
         opened = process.stdout.readline()
         port = int((self.folder / "ports-vehicle").read_text())
@@ -288,7 +289,7 @@ class ChannelTest(unittest.TestCase):
         self.assertEqual(process.wait(LIMIT_S), 0)
 
     def test_iterations_end_a_run_of_a_loaded_controller(self):
-        code = subprocess.run([BINARY, "yars", "braitenberg", "--nogui", "--iterations", "50"],
+        code = subprocess.run([BINARY, "yars", "braitenberg", "--nogui", "--iterations", "50", "--port", "0"],
                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, timeout=LIMIT_S)
         self.assertEqual(code.returncode, 0, code.stderr)
         self.assertIn("0.5", code.stderr)
