@@ -19,6 +19,7 @@ struct Part {
   double mass_kg = 0;
   std::string colour;  // "r g b"; empty: its body's
   int line = 0;
+  std::string mesh_file{};  // of a Mesh, whose data nobody has read yet
 };
 
 struct Body {
@@ -42,7 +43,7 @@ struct Named {
 };
 
 struct Joint {
-  enum class Kind { kHinge, kSlider, kBall, kFixed };
+  enum class Kind { kHinge, kSlider, kBall, kFixed, kSixAxis };
   static constexpr int kWorld = -1;
 
   std::string name;
@@ -56,6 +57,9 @@ struct Joint {
   double max_effort = 0, max_velocity = 0;
   std::optional<std::pair<double, double>> limit;  // least and most position, rad or m
   double friction = 0, damping = 0, stiffness = 0, rest = 0;
+  /// Of a kSixAxis, from the source on: hinges and sliders called x, y, z, rx, ry, rz, along the axes of
+  /// X_WJ.
+  std::vector<Joint> axes{};
   int line = 0;
 };
 

@@ -7,6 +7,7 @@
 #include "server/base/words.h"
 #include "server/rosiml/lines.h"
 #include "server/rosiml/reader.h"
+#include "server/rosiml/six_axis.h"
 
 namespace coopdyn::rosiml {
 
@@ -146,7 +147,10 @@ class PaperReader : Reader {
     const std::string type = Text(element, "type");
     ReadController(element, type, movable);
     if (type == "passive" || type == "moving") {
-      for (Joint& joint : movable.joints) joint.is_driven = false;
+      for (Joint& joint : movable.joints) {
+        joint.is_driven = false;
+        for (Joint& axis : joint.axes) axis.is_driven = false;
+      }
     }
     if (type == "passive") movable.sensors.clear();
     experiment_.robots.push_back(std::move(movable));
@@ -228,7 +232,7 @@ class PaperReader : Reader {
 
   void ReadConnector(const Element& element, Movable& movable) {
     const std::string type = Text(element, "type");
-    if (type == "hinge2" || type == "complexHinge") {
+    if (type == "complexHinge") {
       Warn(element, "a connector of type '" + type +
                         "' is not simulated yet: it is left out, and its objects are loose");
       return;
@@ -239,7 +243,8 @@ class PaperReader : Reader {
     joint.kind = type == "slider"  ? Joint::Kind::kSlider
                  : type == "ball"  ? Joint::Kind::kBall
                  : type == "fixed" ? Joint::Kind::kFixed
-                                   : Joint::Kind::kHinge;
+                 : type == "hinge" ? Joint::Kind::kHinge
+                                   : Joint::Kind::kSixAxis;
     const std::string destination = Text(element, "destination");
     const Named* const source = Find(movable, Text(element, "source"), element);
     const Named* const to = destination.empty() ? nullptr : Find(movable, destination, element);
@@ -248,16 +253,51 @@ class PaperReader : Reader {
     if (to != nullptr) joint.destination = to->body;
     joint.counts_source = to == nullptr;
     joint.X_WJ = source->X_WN * PoseIn(element);
-    if (const Element* drive = Child(element, "drive")) {
-      joint.is_driven = joint.kind == Joint::Kind::kHinge || joint.kind == Joint::Kind::kSlider;
-      if (!joint.is_driven) Error(*drive, "only a hinge or a slider has a <drive>");
-      const std::string kind = Text(*drive, "type");
-      joint.is_wheel = kind.empty() || kind == "velocity";
-      joint.max_effort = Number(*drive, "maxForce", 0);
-      joint.max_velocity = Number(*drive, "maxVelocity", 0);
+    ReadDrive(element, joint);
+    if (joint.kind == Joint::Kind::kSixAxis) {
+      ReadAxes(element, type, joint);
+    } else {
+      ReadResistance(element, joint);
+      if (const Element* axis = Child(element, "axis"))
+        Error(*axis, "only a connector of type universal, hinge2 or sixAxis has an <axis>");
     }
-    ReadResistance(element, joint);
     AddJoint(movable, std::move(joint), element);
+  }
+
+  void ReadDrive(const Element& element, Joint& joint) {
+    const Element* drive = Child(element, "drive");
+    if (drive == nullptr) return;
+    joint.is_driven = joint.kind == Joint::Kind::kHinge || joint.kind == Joint::Kind::kSlider;
+    if (!joint.is_driven) Error(*drive, "only a hinge, a slider or an <axis> has a <drive>");
+    const std::string kind = Text(*drive, "type");
+    joint.is_wheel = kind.empty() || kind == "velocity";
+    joint.max_effort = Number(*drive, "maxForce", 0);
+    joint.max_velocity = Number(*drive, "maxVelocity", 0);
+  }
+
+  /// Of a joint of several axes.
+  void ReadAxes(const Element& element, const std::string& type, Joint& joint) {
+    for (const char* word : {"limit", "spring", "damper", "friction"}) {
+      if (const Element* child = Child(element, word))
+        Error(*child, std::string("<") + word + "> of a connector of type '" + type +
+                          "' stands in its <axis name=\"rx\">, ...");
+    }
+    joint.axes = AxesOfType(type);
+    for (Joint& axis : joint.axes) axis.line = joint.line;
+    std::vector<std::string> known;
+    ForEachChild(element, [&](const Element& child) {
+      if (std::string_view(child.Name()) != "axis") return;
+      const std::string name = Text(child, "name");
+      Joint* const axis = FindAxis(joint.axes, type, name);
+      if (axis == nullptr || std::ranges::find(known, name) != known.end()) {
+        Error(child, "a connector of type '" + type + "' has no further axis '" + Printable(name) + "'");
+        return;
+      }
+      known.push_back(name);
+      axis->line = child.GetLineNum();
+      ReadDrive(child, *axis);
+      ReadResistance(child, *axis);
+    });
   }
 
   void ReadResistance(const Element& element, Joint& joint) {

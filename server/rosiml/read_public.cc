@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The grammar 0.8 of the public YARS.
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -8,6 +9,7 @@
 #include "server/base/words.h"
 #include "server/rosiml/lines.h"
 #include "server/rosiml/reader.h"
+#include "server/rosiml/six_axis.h"
 
 namespace coopdyn::rosiml {
 
@@ -72,7 +74,7 @@ class PublicReader : Reader {
       } else if (kind == "ambientLight") {
         experiment_.simulation.push_back(
             {"ambient_light " + Exact(Number(child, "brightness", 0)), child.GetLineNum()});
-      } else if (IsObject(kind) && kind != "ply") {
+      } else if (IsObject(kind)) {
         Movable all;  // a macro may have several
         ReadObject(child, Pose{}, "", all, 0);
         for (Body& body : all.bodies) {
@@ -139,11 +141,14 @@ class PublicReader : Reader {
   }
 
   Part PartOf(const Element& object, const Pose& X_BG) {
-    if (std::string_view(object.Name()) == "ply")
-      Error(object, "a mesh is not read: write a shape of its size instead, for example <box>");
     Part part;
     const Element* lengths = Child(object, "dimension");
-    if (lengths != nullptr) part.shape = ShapeOf(object.Name(), *lengths);
+    if (std::string_view(object.Name()) == "ply") {
+      part.shape = Mesh{};
+      part.mesh_file = Text(object, "filename");
+    } else if (lengths != nullptr) {
+      part.shape = ShapeOf(object.Name(), *lengths);
+    }
     part.X_BG = X_BG;
     const Element* physics = Child(object, "physics");
     part.mass_kg = physics == nullptr ? 1 : NumberIn(*physics, "mass", "kg", 1);
@@ -205,13 +210,14 @@ class PublicReader : Reader {
 
   void ReadActuator(const Element& element, Movable& robot) {
     const std::string_view kind = element.Name();
-    if (kind != "hinge" && kind != "slider" && kind != "fixed") return;
+    if (kind != "hinge" && kind != "slider" && kind != "fixed" && kind != "generic") return;
     Joint joint;
     joint.name = Text(element, "name");
     joint.line = element.GetLineNum();
     joint.kind = kind == "hinge"    ? Joint::Kind::kHinge
                  : kind == "slider" ? Joint::Kind::kSlider
-                                    : Joint::Kind::kFixed;
+                 : kind == "fixed"  ? Joint::Kind::kFixed
+                                    : Joint::Kind::kSixAxis;
     const Element* destination = Child(element, "destination");
     const Named* const source = Find(robot, TextIn(element, "source", "name"), element);
     const Named* const to =
@@ -222,7 +228,11 @@ class PublicReader : Reader {
     joint.X_WJ = source->X_WN;
     if (const Element* pose = Child(element, "pose"))
       joint.X_WJ = Flag(*pose, "global", false) ? PoseOf(*pose) : source->X_WN * PoseOf(*pose);
-    if (joint.kind != Joint::Kind::kFixed) ReadMotor(element, joint);
+    if (joint.kind == Joint::Kind::kSixAxis) {
+      joint.axes = ReadGenericAxes(element, *this);
+    } else if (joint.kind != Joint::Kind::kFixed) {
+      ReadMotor(element, joint);
+    }
     AddJoint(robot, std::move(joint), element);
   }
 
@@ -305,7 +315,7 @@ class PublicReader : Reader {
     for (const Joint& joint : robot.joints) {
       names.push_back(joint.name);
       if (joint.name != name) continue;
-      if (!joint.is_driven)
+      if (!joint.is_driven && std::ranges::none_of(joint.axes, &Joint::is_driven))
         Warn(element, "a sensor of a joint without a motor is not simulated yet: '" + Printable(name) +
                           "' has no module");
       return;
