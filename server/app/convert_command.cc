@@ -62,12 +62,12 @@ int Convert(const ConvertOptions& options) {
   std::vector<std::pair<fs::path, std::string>> files;
   std::map<fs::path, fs::path> meshes;
   for (rosiml::MadeModel& model : made->models) {
-    const fs::path folder = out / "robots" / model.name;
+    const fs::path folder = (out / "robots" / model.name).lexically_normal();
     files.emplace_back(folder / "model.sdf", std::move(model.sdf.text));
     for (const std::string& mesh : model.mesh_files) {
       const fs::path target = (folder / mesh).lexically_normal();
-      const auto [in_folder, in_target] = std::ranges::mismatch(folder.lexically_normal(), target);
-      if (in_folder != folder.lexically_normal().end())
+      const auto [in_folder, in_target] = std::ranges::mismatch(folder, target);
+      if (in_folder != folder.end())
         return Refuse("the mesh '" + mesh + "' does not lie beside the experiment: move it there");
       std::string why;
       if (const auto source = Resources(path.folders, file).Find(mesh, file, why)) meshes[target] = *source;

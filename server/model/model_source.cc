@@ -273,6 +273,7 @@ std::optional<ModelSource> ComposeModel(const std::string& given, const std::str
     return std::nullopt;
   }
   source.foreign = root->Attribute("coopdyn:foreign") == "true" || !HasOwnElements(*root);
+  source.lifts = root->Attribute("coopdyn:lift") == "true";
   const bool plain = !source.foreign && *minor >= 7 && *minor <= 9 && !HasAny(*root, "include") &&
                      !HasAny(*root, "mesh") && !HasAny(*root, "heightmap") && !HasAny(*root, "pbr") &&
                      !HasAny(*root, "mimic") && !HasAny(*root, "screw_thread_pitch") && !HasChains(*root);

@@ -27,6 +27,7 @@ struct ModelSource {
   /// Made for other programs: what cannot be used is left out with a warning, and defaults fill the gaps.
   bool foreign = false;
   bool in_world = false;  // a world says where it stands
+  bool lifts = false;     // what reaches below the floor is put on it (coopdyn:lift)
 };
 
 /// `resources`: null for a text that came without files. Nothing if the text is hopeless (then reported).

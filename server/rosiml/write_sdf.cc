@@ -50,7 +50,10 @@ class SdfWriter {
       : movable_(movable), model_(model), file_(file), diagnostics_(diagnostics) {}
 
   WrittenModel Write(const std::string& name) {
-    Add(movable_.line, "<sdf version=\"1.9\" xmlns:coopdyn=\"https://coopdyn.dev/sdf\">");
+    // How far meshes reach down stands in their files.
+    const bool lifts = std::ranges::any_of(model_.bodies, [this](int body) { return HasMesh(BodyOf(body)); });
+    Add(movable_.line, std::string("<sdf version=\"1.9\" xmlns:coopdyn=\"https://coopdyn.dev/sdf\"") +
+                           (lifts ? " coopdyn:lift=\"true\">" : ">"));
     Add(movable_.line, "<model name=\"" + name + "\">");
     for (const int body : model_.bodies) WriteBody(body);
     WriteStill();
@@ -66,6 +69,9 @@ class SdfWriter {
  private:
   static std::size_t Index(int i) { return static_cast<std::size_t>(i); }
   const Body& BodyOf(int body) const { return movable_.bodies[Index(body)]; }
+  static bool HasMesh(const Body& body) {
+    return std::ranges::any_of(body.parts, [](const Part& part) { return !part.mesh_file.empty(); });
+  }
   void Add(int line, const std::string& text) { written_.sdf.Add(line, text); }
   void Warn(int line, std::string text) { diagnostics_.Warning({file_, line}, std::move(text)); }
 
@@ -118,7 +124,7 @@ class SdfWriter {
                  masses[i] * (d.squaredNorm() * Matrix3::Identity() - d * d.transpose());
     }
     if (body.centre_of_mass) centre = *body.centre_of_mass;
-    if (std::ranges::any_of(body.parts, [](const Part& part) { return !part.mesh_file.empty(); })) {
+    if (HasMesh(body)) {
       // Who reads the file knows its shape.
       Add(body.line, "<inertial coopdyn:solid=\"true\">" +
                          Tag("pose", Places(Pose{centre, Quaternion::Identity()})) +

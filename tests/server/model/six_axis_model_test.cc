@@ -16,7 +16,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-struct Rig {
+struct SixRig {
   std::shared_ptr<const RobotModel> robot;
   std::string messages;
 
@@ -30,7 +30,7 @@ struct Rig {
   }
 };
 
-Rig ReadRig(const std::string& parts) {
+SixRig ReadSixRig(const std::string& parts) {
   const auto link = [](const std::string& name, const std::string& pose) {
     return "<link name=\"" + name + "\"><pose>" + pose +
            "</pose><inertial><mass>2</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia></"
@@ -38,7 +38,7 @@ Rig ReadRig(const std::string& parts) {
            "collision></link>\n";
   };
   Diagnostics diagnostics;
-  Rig rig;
+  SixRig rig;
   rig.robot = ReadRobotModelText(
       "<sdf version=\"1.9\" xmlns:coopdyn=\"https://coopdyn.dev/sdf\"><model name=\"rig\">\n" +
           link("a", "0 0 1 0 0 0") + link("b", "0 0.5 1 0 0 1.5707963267948966") + parts +
@@ -48,13 +48,13 @@ Rig ReadRig(const std::string& parts) {
   return rig;
 }
 
-std::string Six(const std::string& axes, const std::string& words = "") {
+std::string SixAxes(const std::string& axes, const std::string& words = "") {
   return "<coopdyn:six_axis name=\"six\" parent=\"a\" child=\"b\" " + words + ">" + axes +
          "</coopdyn:six_axis>\n";
 }
 
 TEST(SixAxisModelTest, ItsAxesAreJointsInTheOrderOfTheFile) {
-  const Rig rig = ReadRig(Six(
+  const SixRig rig = ReadSixRig(SixAxes(
       "<coopdyn:axis name=\"z\" stiffness=\"50\" damping=\"2\" rest=\"0.1\" lower=\"-0.2\" upper=\"0.3\"/>"
       "<coopdyn:axis name=\"rx\" max_effort=\"5\" max_velocity=\"2\"/>"
       "<coopdyn:axis name=\"ry\" xyz=\"0 3 0\"/>"));
@@ -77,27 +77,28 @@ TEST(SixAxisModelTest, ItsAxesAreJointsInTheOrderOfTheFile) {
 }
 
 TEST(SixAxisModelTest, ItStandsWhereItsPoseSays) {
-  const Rig rig = ReadRig(Six("<coopdyn:axis name=\"rz\"/>",
-                              "pose=\"0 0.2 1 1.5707963267948966 0 0\" relative_to=\"__model__\""));
+  const SixRig rig = ReadSixRig(SixAxes("<coopdyn:axis name=\"rz\"/>",
+                                        "pose=\"0 0.2 1 1.5707963267948966 0 0\" relative_to=\"__model__\""));
   ASSERT_NE(rig.robot, nullptr) << rig.messages;
   EXPECT_NEAR((rig.joint("six.rz").p_RJ - Vector3(0, 0.2, 1)).norm(), 0, 1e-9);
   EXPECT_NEAR((rig.joint("six.rz").axis_R + Vector3::UnitY()).norm(), 0, 1e-9);
 }
 
 TEST(SixAxisModelTest, ThreeFreeTurnsAreABallAndNoAxisIsFixed) {
-  const Rig ball =
-      ReadRig(Six("<coopdyn:axis name=\"x\"/><coopdyn:axis name=\"rx\"/><coopdyn:axis "
-                  "name=\"ry\"/><coopdyn:axis name=\"rz\"/>"));
+  const SixRig ball =
+      ReadSixRig(SixAxes("<coopdyn:axis name=\"x\"/><coopdyn:axis name=\"rx\"/><coopdyn:axis "
+                         "name=\"ry\"/><coopdyn:axis name=\"rz\"/>"));
   ASSERT_NE(ball.robot, nullptr) << ball.messages;
   EXPECT_THAT(ball.joints(), ElementsAre("six.x", "six.r"));
   EXPECT_EQ(ball.joint("six.r").kind, JointModel::Kind::kBall);
-  const Rig none = ReadRig(Six(""));
+  const SixRig none = ReadSixRig(SixAxes(""));
   ASSERT_NE(none.robot, nullptr) << none.messages;
   EXPECT_EQ(none.robot->links.size(), 1u);
 }
 
 TEST(SixAxisModelTest, ItsTextGivesTheSameModelAgain) {
-  const Rig rig = ReadRig(Six("<coopdyn:axis name=\"x\"/><coopdyn:axis name=\"ry\" stiffness=\"3\"/>"));
+  const SixRig rig =
+      ReadSixRig(SixAxes("<coopdyn:axis name=\"x\"/><coopdyn:axis name=\"ry\" stiffness=\"3\"/>"));
   ASSERT_NE(rig.robot, nullptr) << rig.messages;
   Diagnostics diagnostics;
   const auto again = ReadRobotModelText(rig.robot->text, "rig/model.sdf", "rig", diagnostics);
@@ -114,8 +115,8 @@ TEST(SixAxisModelTest, Revolute2IsTwoHingesAndASuspension) {
       "<upper>0.5</upper></limit></axis><axis2><xyz expressed_in=\"__model__\">0 1 "
       "0</xyz><limit><effort>3</effort>"
       "<velocity>9</velocity></limit></axis2>";
-  const Rig rig = ReadRig("<joint name=\"wheel\" type=\"revolute2\">" + axes +
-                          "<coopdyn:suspension stiffness=\"900\" damping=\"40\"/></joint>");
+  const SixRig rig = ReadSixRig("<joint name=\"wheel\" type=\"revolute2\">" + axes +
+                                "<coopdyn:suspension stiffness=\"900\" damping=\"40\"/></joint>");
   ASSERT_NE(rig.robot, nullptr) << rig.messages;
   EXPECT_THAT(rig.joints(), ElementsAre("wheel.suspension", "wheel.axis1", "wheel.axis2"));
   const JointModel& suspension = rig.joint("wheel.suspension");
@@ -124,14 +125,14 @@ TEST(SixAxisModelTest, Revolute2IsTwoHingesAndASuspension) {
   EXPECT_NEAR((suspension.axis_R - Vector3::UnitZ()).norm(), 0, 1e-9);
   EXPECT_EQ(rig.joint("wheel.axis1").upper, 0.5);
   EXPECT_NEAR((rig.joint("wheel.axis2").axis_R - Vector3::UnitY()).norm(), 0, 1e-9);
-  const Rig plain = ReadRig("<joint name=\"wheel\" type=\"revolute2\">" + axes + "</joint>");
+  const SixRig plain = ReadSixRig("<joint name=\"wheel\" type=\"revolute2\">" + axes + "</joint>");
   ASSERT_NE(plain.robot, nullptr) << plain.messages;
   EXPECT_THAT(plain.joints(), ElementsAre("wheel.axis1", "wheel.axis2"));
 }
 
 TEST(SixAxisModelTest, MistakesAreNamedWithTheirLine) {
   const auto said = [](const std::string& axes, const std::string& words = "") {
-    return ReadRig(Six(axes, words)).messages;
+    return ReadSixRig(SixAxes(axes, words)).messages;
   };
   EXPECT_THAT(said("<coopdyn:axis name=\"w\"/>"),
               HasSubstr("rig/model.sdf:4: error: <coopdyn:axis>: name is x, y, z"));
@@ -146,9 +147,9 @@ TEST(SixAxisModelTest, MistakesAreNamedWithTheirLine) {
       said(
           "<coopdyn:axis name=\"rx\"/><coopdyn:axis name=\"ry\"/><coopdyn:axis name=\"rz\" friction=\"1\"/>"),
       HasSubstr("'six.ry' is the second of three turns"));
-  EXPECT_THAT(ReadRig("<coopdyn:six_axis name=\"six\" parent=\"a\" child=\"c\"/>").messages,
+  EXPECT_THAT(ReadSixRig("<coopdyn:six_axis name=\"six\" parent=\"a\" child=\"c\"/>").messages,
               HasSubstr("child=\"c\" of 'six' names no link of this model"));
-  EXPECT_THAT(ReadRig("<coopdyn:six_axis name=\"six\" child=\"b\"/>").messages,
+  EXPECT_THAT(ReadSixRig("<coopdyn:six_axis name=\"six\" child=\"b\"/>").messages,
               HasSubstr("the attribute 'parent' is missing"));
 }
 
