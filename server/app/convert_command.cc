@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -10,6 +12,7 @@
 #include "server/app/options.h"
 #include "server/app/print.h"
 #include "server/model/readers.h"
+#include "server/model/resources.h"
 #include "server/model/text_file.h"
 #include "server/rosiml/translate.h"
 
@@ -57,8 +60,19 @@ int Convert(const ConvertOptions& options) {
   const fs::path out = options.out.empty() ? fs::path(name) : fs::path(options.out);
   const fs::path scenario = out / (name + ".scenario");
   std::vector<std::pair<fs::path, std::string>> files;
-  for (rosiml::MadeModel& model : made->models)
-    files.emplace_back(out / "robots" / model.name / "model.sdf", std::move(model.sdf.text));
+  std::map<fs::path, fs::path> meshes;
+  for (rosiml::MadeModel& model : made->models) {
+    const fs::path folder = (out / "robots" / model.name).lexically_normal();
+    files.emplace_back(folder / "model.sdf", std::move(model.sdf.text));
+    for (const std::string& mesh : model.mesh_files) {
+      const fs::path target = (folder / mesh).lexically_normal();
+      const auto [in_folder, in_target] = std::ranges::mismatch(folder, target);
+      if (in_folder != folder.end())
+        return Refuse("the mesh '" + mesh + "' does not lie beside the experiment: move it there");
+      std::string why;
+      if (const auto source = Resources(path.folders, file).Find(mesh, file, why)) meshes[target] = *source;
+    }
+  }
   files.emplace_back(scenario, std::move(made->scenario.text));
   for (const auto& [target, content] : files) {
     std::error_code error;
@@ -67,6 +81,11 @@ int Convert(const ConvertOptions& options) {
   }
   for (const auto& [target, content] : files) {
     if (!Write(target, content)) return Refuse(target.string() + " cannot be written");
+  }
+  for (const auto& [target, source] : meshes) {
+    std::error_code error;
+    fs::create_directories(target.parent_path(), error);
+    if (!fs::copy_file(source, target, error)) return Refuse(target.string() + " cannot be written");
   }
   Print("wrote {0}; go on with\n  coopdyn serve {0}\n", scenario.string());
   return kExitOk;

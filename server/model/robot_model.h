@@ -39,6 +39,7 @@ struct LinkModel {
   Vector3 inertia_kg_m2;  // principal moments about the axes of I
   std::vector<LinkShape> collisions;
   std::vector<LinkShape> visuals;
+  bool is_carrier = false;  // between the axes of one joint: next to no mass, no shape
 };
 
 /// A link of the model's file. Fixed joints may have made it a part of another.

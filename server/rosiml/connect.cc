@@ -203,12 +203,20 @@ class Connector {
     return std::isfinite(low) ? low : 0;
   }
 
+  bool HasMesh(const std::vector<int>& bodies) const {
+    return std::ranges::any_of(bodies, [this](int body) {
+      return std::ranges::any_of(movable_.bodies[Index(body)].parts,
+                                 [](const Part& part) { return !part.mesh_file.empty(); });
+    });
+  }
+
   /// Under its base, turned like the movable or, without a pose of its own, its only body.
   Pose FrameOf(const Model& model, bool is_fixed) const {
     const Body& base = movable_.bodies[Index(model.bodies.front())];
     const double heading = Heading(movable_.is_robot ? movable_.X_WM.q : base.X_WB.q);
     Vector3 p = base.X_WB.p;
-    p.z() = is_fixed ? 0 : Lowest(model.bodies);
+    // How far a mesh reaches down stands in its file, which nobody has read yet: it stays where it is.
+    p.z() = is_fixed || HasMesh(model.bodies) ? 0 : Lowest(model.bodies);
     return {p, FromRollPitchYaw(0, 0, heading)};
   }
 

@@ -19,6 +19,7 @@ struct Part {
   double mass_kg = 0;
   std::string colour;  // "r g b"; empty: its body's
   int line = 0;
+  std::string mesh_file{};  // of a Mesh, whose data nobody has read yet
 };
 
 struct Body {
@@ -57,7 +58,7 @@ struct DriveTrain {
 };
 
 struct Joint {
-  enum class Kind { kHinge, kSlider, kBall, kFixed };
+  enum class Kind { kHinge, kSlider, kBall, kFixed, kSixAxis };
   static constexpr int kWorld = -1;
 
   std::string name;
@@ -72,6 +73,9 @@ struct Joint {
   std::optional<std::pair<double, double>> limit;  // least and most position, rad or m
   double friction = 0, damping = 0, stiffness = 0, rest = 0;
   std::optional<DriveTrain> drive_train;  // then it has no friction besides
+  /// Of a kSixAxis, from the source on: hinges and sliders called x, y, z, rx, ry, rz, along the axes of
+  /// X_WJ.
+  std::vector<Joint> axes{};
   int line = 0;
 };
 
@@ -105,8 +109,9 @@ struct Mapped {
 /// A value that a client sets.
 struct MotorValue {
   std::string name;
-  int joint = 0;     // index into Movable::joints
-  std::string mode;  // velocity, direct, effort, pwm
+  int joint = 0;          // index into Movable::joints
+  std::string axis = {};  // of a joint that has several
+  std::string mode;       // velocity, direct, effort, pwm
   Mapped mapped = {};
   int line = 0;
 };
@@ -114,9 +119,10 @@ struct MotorValue {
 /// Values that a client gets, of one sensor.
 struct SensorValue {
   std::string name;
-  int sensor = -1;  // index into Movable::sensors, or
-  int joint = -1;   // into Movable::joints, or
-  int body = -1;    // into Movable::bodies, at X_WN; none of them: of the world
+  int sensor = -1;        // index into Movable::sensors, or
+  int joint = -1;         // into Movable::joints, or
+  std::string axis = {};  // of a joint that has several
+  int body = -1;          // into Movable::bodies, at X_WN; none of them: of the world
   Pose X_WN = {};
   std::vector<std::string> of = {};  // position, vx, …; of a sensor nothing
   bool in_body = false;              // velocities along its own axes

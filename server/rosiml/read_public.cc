@@ -10,6 +10,7 @@
 #include "server/base/words.h"
 #include "server/rosiml/lines.h"
 #include "server/rosiml/reader.h"
+#include "server/rosiml/six_axis.h"
 
 namespace coopdyn::rosiml {
 
@@ -74,7 +75,7 @@ class PublicReader : Reader {
       } else if (kind == "ambientLight") {
         experiment_.simulation.push_back(
             {"ambient_light " + Exact(Number(child, "brightness", 0)), child.GetLineNum()});
-      } else if (IsObject(kind) && kind != "ply") {
+      } else if (IsObject(kind)) {
         Movable all;  // a macro may have several
         ReadObject(child, Pose{}, "", all, 0);
         for (Body& body : all.bodies) {
@@ -141,11 +142,14 @@ class PublicReader : Reader {
   }
 
   Part PartOf(const Element& object, const Pose& X_BG) {
-    if (std::string_view(object.Name()) == "ply")
-      Error(object, "a mesh is not read: write a shape of its size instead, for example <box>");
     Part part;
     const Element* lengths = Child(object, "dimension");
-    if (lengths != nullptr) part.shape = ShapeOf(object.Name(), *lengths);
+    if (std::string_view(object.Name()) == "ply") {
+      part.shape = Mesh{};
+      part.mesh_file = Text(object, "filename");
+    } else if (lengths != nullptr) {
+      part.shape = ShapeOf(object.Name(), *lengths);
+    }
     part.X_BG = X_BG;
     const Element* physics = Child(object, "physics");
     part.mass_kg = physics == nullptr ? 1 : NumberIn(*physics, "mass", "kg", 1);
@@ -216,13 +220,14 @@ class PublicReader : Reader {
 
   void ReadActuator(const Element& element, Movable& robot) {
     const std::string_view kind = element.Name();
-    if (kind != "hinge" && kind != "slider" && kind != "fixed") return;
+    if (kind != "hinge" && kind != "slider" && kind != "fixed" && kind != "generic") return;
     Joint joint;
     joint.name = Text(element, "name");
     joint.line = element.GetLineNum();
     joint.kind = kind == "hinge"    ? Joint::Kind::kHinge
                  : kind == "slider" ? Joint::Kind::kSlider
-                                    : Joint::Kind::kFixed;
+                 : kind == "fixed"  ? Joint::Kind::kFixed
+                                    : Joint::Kind::kSixAxis;
     const Element* destination = Child(element, "destination");
     const Named* const source = Find(robot, TextIn(element, "source", "name"), element);
     const Named* const to =
@@ -233,18 +238,30 @@ class PublicReader : Reader {
     joint.X_WJ = source->X_WN;
     if (const Element* pose = Child(element, "pose"))
       joint.X_WJ = Flag(*pose, "global", false) ? PoseOf(*pose) : source->X_WN * PoseOf(*pose);
-    if (joint.kind != Joint::Kind::kFixed) ReadMotor(element, joint);
+    if (joint.kind == Joint::Kind::kSixAxis) {
+      joint.axes = ReadGenericAxes(element, *this);
+    } else if (joint.kind != Joint::Kind::kFixed) {
+      ReadMotor(element, joint);
+    }
     const Joint added = joint;
     const std::size_t before = robot.joints.size();
     AddJoint(robot, std::move(joint), element);
-    if (added.is_driven && robot.joints.size() > before) AddMotorValue(element, added, robot);
+    if (robot.joints.size() == before) return;
+    if (added.is_driven) AddMotorValue(element, added, "", robot);
+    for (const Joint& axis : added.axes) {
+      const Element* kind = Child(element, axis.name.front() == 'r' ? "rotational" : "translational");
+      const Element* one =
+          kind == nullptr ? nullptr : Child(*kind, axis.name.substr(axis.name.size() - 1).c_str());
+      if (axis.is_driven && one != nullptr) AddMotorValue(*one, axis, added.name, robot);
+    }
   }
 
-  /// What a client sets of the joint added last.
-  void AddMotorValue(const Element& element, const Joint& joint, Movable& robot) {
+  /// What a client sets of the joint added last, or of its axis `joint` if it is `whole`.
+  void AddMotorValue(const Element& element, const Joint& joint, const std::string& whole, Movable& robot) {
     const std::string type = Text(element, "type");
-    MotorValue motor{.name = joint.name,
+    MotorValue motor{.name = whole.empty() ? joint.name : whole + "_" + joint.name,
                      .joint = static_cast<int>(robot.joints.size()) - 1,
+                     .axis = whole.empty() ? "" : joint.name,
                      .mode = "velocity",
                      .line = element.GetLineNum()};
     const double fastest = joint.max_velocity, most = joint.max_effort;

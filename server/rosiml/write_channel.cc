@@ -33,8 +33,9 @@ std::string WordsOf(const Mapped& mapped) {
 MadeText WriteChannel(const Movable& movable, const ChannelPlaces& places) {
   MadeText inside, out;
   for (const MotorValue& motor : movable.motors) {
-    const std::string joint = places.joint(motor.joint);
+    std::string joint = places.joint(motor.joint);
     if (joint.empty()) continue;
+    if (!motor.axis.empty()) joint += "." + motor.axis;
     inside.Add(motor.line, "<coopdyn:motor" + Attribute("name", PlainName(motor.name)) +
                                Attribute("joint", joint) + Attribute("mode", motor.mode) +
                                WordsOf(motor.mapped) + "/>");
@@ -50,8 +51,9 @@ MadeText WriteChannel(const Movable& movable, const ChannelPlaces& places) {
       continue;
     }
     if (value.joint >= 0) {
-      const std::string joint = places.joint(value.joint);
+      std::string joint = places.joint(value.joint);
       if (joint.empty()) continue;
+      if (!value.axis.empty()) joint += "." + value.axis;
       where = Attribute("joint", joint);
     } else if (value.body >= 0) {
       where = places.place(value.body, value.X_WN);
