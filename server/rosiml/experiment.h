@@ -75,6 +75,18 @@ struct Joint {
   int line = 0;
 };
 
+/// Hill's: pulls a point of one body towards a point of another.
+struct Muscle {
+  std::string name;
+  int source = 0, destination = 0;  // index into Movable::bodies
+  Vector3 p_W_source, p_W_destination;
+  double max_force_n = 0;
+  double optimal_length_m = 0, width = 0, c = 0;
+  double max_velocity_m_s = 0, eccentric = 0, curvature = 0;
+  bool use_length = true, use_velocity = true;
+  int line = 0;
+};
+
 struct Sensor {
   enum class Kind { kProximity, kLight, kAmbient, kCompass, kContact, kImu, kSharp, kCamera, kNeighbours };
   enum class Pattern { kCross, kFan, kCone };
@@ -139,6 +151,7 @@ struct Movable {
   std::vector<Body> bodies;
   std::vector<Named> names;
   std::vector<Joint> joints;
+  std::vector<Muscle> muscles;
   std::vector<Sensor> sensors;
   std::vector<MotorValue> motors;   // what a client exchanges, in this order
   std::vector<SensorValue> values;  // likewise

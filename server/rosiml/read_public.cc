@@ -216,6 +216,7 @@ class PublicReader : Reader {
 
   void ReadActuator(const Element& element, Movable& robot) {
     const std::string_view kind = element.Name();
+    if (kind == "muscle") return ReadMuscle(element, robot);
     if (kind != "hinge" && kind != "slider" && kind != "fixed") return;
     Joint joint;
     joint.name = Text(element, "name");
@@ -271,6 +272,49 @@ class PublicReader : Reader {
     robot.motors.push_back(std::move(motor));
   }
 
+  /// The point of an anchor: its object is a mark, not a body.
+  static Vector3 AnchorOf(const Element& element, const char* name, const Pose& X_WN) {
+    const Element* anchor = Child(element, name);
+    if (anchor == nullptr) return X_WN.p;
+    Pose X_NA;
+    ForEachChild(*anchor, [&X_NA](const Element& object) {
+      if (IsObject(object.Name())) X_NA = PoseIn(object);
+    });
+    return Text(*anchor, "coordinateSystem") == "global" ? X_NA.p : (X_WN * X_NA).p;
+  }
+
+  void ReadMuscle(const Element& element, Movable& robot) {
+    const Named* const source = Find(robot, TextIn(element, "source", "name"), element);
+    const Named* const to = Find(robot, TextIn(element, "destination", "name"), element);
+    if (source == nullptr || to == nullptr) return;
+    Muscle muscle;
+    muscle.name = Text(element, "name");
+    muscle.line = element.GetLineNum();
+    muscle.source = source->body;
+    muscle.destination = to->body;
+    muscle.p_W_source = AnchorOf(element, "srcAnchor", source->X_WN);
+    muscle.p_W_destination = AnchorOf(element, "dstAnchor", to->X_WN);
+    muscle.max_force_n = NumberIn(element, "force", "max", 0);
+    if (const Element* length = Child(element, "lengthComponent")) {
+      muscle.optimal_length_m = Number(*length, "optimalLength", 1);
+      muscle.width = Number(*length, "w", 1);
+      muscle.c = Number(*length, "c", 1);
+      muscle.use_length = Flag(*length, "use", true);
+    }
+    if (const Element* velocity = Child(element, "velocityComponent")) {
+      // There it is negative: muscles shorten at negative speeds.
+      muscle.max_velocity_m_s = std::abs(Number(*velocity, "maxVelocity", 1));
+      muscle.eccentric = Number(*velocity, "N", 1.5);
+      muscle.curvature = Number(*velocity, "K", 5);
+      muscle.use_velocity = Flag(*velocity, "use", true);
+    }
+    if (muscle.source == muscle.destination) {
+      Error(element, "the muscle '" + Printable(muscle.name) + "' joins one body with itself");
+      return;
+    }
+    robot.muscles.push_back(std::move(muscle));
+  }
+
   void ReadMotor(const Element& element, Joint& joint) {
     const std::string type = Text(element, "type");
     const bool is_active = Text(element, "mode") == "active";
@@ -307,6 +351,7 @@ class PublicReader : Reader {
     const std::string_view kind = element.Name();
     const std::string object = TextIn(element, "object", "name");
     if (kind == "velocity" || kind == "deflection") return ReadJointSensor(element, object, robot);
+    if (kind == "muscle") return CheckMuscle(element, object, robot);
     const bool is_sharp = kind == "sharpGP2D12_37" || kind == "sharpDM2Y3A003K0F";
     const bool is_known = is_sharp || kind == "proximity" || kind == "ldr" || kind == "binaryContact" ||
                           kind == "camera" || kind == "position" || kind == "orientation" || kind == "ov" ||
@@ -378,6 +423,14 @@ class PublicReader : Reader {
       robot.values.push_back(std::move(value));
     }
     robot.sensors.push_back(std::move(sensor));
+  }
+
+  /// The module `muscles` tells them.
+  void CheckMuscle(const Element& element, const std::string& name, const Movable& robot) {
+    std::vector<std::string> names;
+    for (const Muscle& muscle : robot.muscles) names.push_back(muscle.name);
+    if (!name.empty() && std::ranges::find(names, name) == names.end())
+      Warn(element, "there is no muscle '" + Printable(name) + "'" + DidYouMean(name, names));
   }
 
   /// Those of x, y and z that <coordinates> wants.

@@ -47,6 +47,7 @@ class SdfWriter {
     WriteStill();
     for (std::size_t i = 0; i < model_.links.size(); ++i) WriteJoint(i);
     WriteDrive();
+    for (const Muscle& muscle : movable_.muscles) WriteMuscle(muscle);
     WriteSensors();
     WriteExchange();
     Module(movable_.line, "pose", "pose");
@@ -217,6 +218,33 @@ class SdfWriter {
     Module(line, "motors", "motors");
   }
 
+  void WriteMuscle(const Muscle& muscle) {
+    if (!links_.contains(muscle.source)) return;
+    const auto point = [this](int body, const Vector3& p_W) {
+      return Places(Vector3(BodyOf(body).X_WB.Inverse() * p_W));
+    };
+    std::string text = "<coopdyn:muscle name=\"" + names_.New(muscle.name) + "\" from=\"" +
+                       links_[muscle.source] + "\" from_point=\"" + point(muscle.source, muscle.p_W_source) +
+                       "\" to=\"" + links_[muscle.destination] + "\" to_point=\"" +
+                       point(muscle.destination, muscle.p_W_destination) + "\"";
+    const auto write = [&text](const char* name, double value) {
+      text += std::string(" ") + name + "=\"" + Exact(value) + "\"";
+    };
+    write("max_force_n", muscle.max_force_n);
+    write("optimal_length_m", muscle.optimal_length_m);
+    write("width", muscle.width);
+    write("c", muscle.c);
+    if (muscle.use_velocity) {
+      write("max_velocity_m_s", muscle.max_velocity_m_s);
+      write("eccentric", muscle.eccentric);
+      write("curvature", muscle.curvature);
+    }
+    if (!muscle.use_length) text += " use_length=\"false\"";
+    if (!muscle.use_velocity) text += " use_velocity=\"false\"";
+    Add(muscle.line, text + "/>");
+    written_.has_modules = true;
+  }
+
   bool IsHere(const Sensor& sensor) const { return links_.contains(sensor.body); }
 
   /// link="…" pose="…" of a sensor.
@@ -373,7 +401,7 @@ class SdfWriter {
   Diagnostics& diagnostics_;
   WrittenModel written_;
   Names names_{"world"};
-  Names modules_{"motors", "distance", "sonar", "light", "pose", "joints", "channel"};
+  Names modules_{"motors", "distance", "sonar", "light", "pose", "joints", "muscles", "channel"};
   std::map<const Sensor*, std::pair<std::string, int>> readings_;  // module, and which of its values
   std::map<int, std::string> links_;                               // names, by body
   std::vector<std::string> joint_names_;                           // of model_.links
