@@ -117,10 +117,11 @@ struct Mapped {
 /// A value that a client sets.
 struct MotorValue {
   std::string name;
-  int joint = 0;     // index into Movable::joints
+  int joint = 0;     // index into Movable::joints; -1: it is a muscle
   std::string mode;  // velocity, direct, effort, pwm
   Mapped mapped = {};
   int line = 0;
+  int muscle = -1;  // index into Movable::muscles
 };
 
 /// Values that a client gets, of one sensor.
@@ -128,6 +129,7 @@ struct SensorValue {
   std::string name;
   int sensor = -1;  // index into Movable::sensors, or
   int joint = -1;   // into Movable::joints, or
+  int muscle = -1;  // into Movable::muscles, or
   int body = -1;    // into Movable::bodies, at X_WN; none of them: of the world
   Pose X_WN = {};
   std::vector<std::string> of = {};  // position, vx, …; of a sensor nothing

@@ -56,9 +56,9 @@ constexpr Rule kPublic[] = {
      "&driven"},
     {"muscle", "name!:s -visualise:b -friction:n -erp:n -cfm:n",
      "source=reference! destination=reference! srcAnchor=anchor! dstAnchor=anchor! force=most! -velocity "
-     "-deflection ~mapping lengthComponent! velocityComponent! -regular -limit -orthogonal -visualisation "
-     "~noise "
-     "~filter"},
+     "-deflection mapping=ends? lengthComponent! velocityComponent! -regular -limit -orthogonal "
+     "-visualisation "
+     "noise? ~filter"},
     {"anchor", "coordinateSystem:local|global", "&objects"},
     {"lengthComponent", "optimalLength!:+ w!:+ c!:0 use!:b", ""},
     {"velocityComponent", "maxVelocity!:n N!:n K!:+ use!:b", ""},

@@ -312,6 +312,10 @@ class PublicReader : Reader {
       Error(element, "the muscle '" + Printable(muscle.name) + "' joins one body with itself");
       return;
     }
+    MotorValue motor{.name = muscle.name, .joint = -1, .mode = "pwm", .line = muscle.line};
+    motor.muscle = static_cast<int>(robot.muscles.size());
+    motor.mapped = MappedOf(element, std::pair(0.0, 1.0));
+    robot.motors.push_back(std::move(motor));
     robot.muscles.push_back(std::move(muscle));
   }
 
@@ -351,7 +355,7 @@ class PublicReader : Reader {
     const std::string_view kind = element.Name();
     const std::string object = TextIn(element, "object", "name");
     if (kind == "velocity" || kind == "deflection") return ReadJointSensor(element, object, robot);
-    if (kind == "muscle") return CheckMuscle(element, object, robot);
+    if (kind == "muscle") return ReadMuscleSensor(element, object, robot);
     const bool is_sharp = kind == "sharpGP2D12_37" || kind == "sharpDM2Y3A003K0F";
     const bool is_known = is_sharp || kind == "proximity" || kind == "ldr" || kind == "binaryContact" ||
                           kind == "camera" || kind == "position" || kind == "orientation" || kind == "ov" ||
@@ -425,12 +429,22 @@ class PublicReader : Reader {
     robot.sensors.push_back(std::move(sensor));
   }
 
-  /// The module `muscles` tells them.
-  void CheckMuscle(const Element& element, const std::string& name, const Movable& robot) {
+  /// Force, velocity and length; the module `muscles` tells the factors, too.
+  void ReadMuscleSensor(const Element& element, const std::string& name, Movable& robot) {
     std::vector<std::string> names;
     for (const Muscle& muscle : robot.muscles) names.push_back(muscle.name);
-    if (!name.empty() && std::ranges::find(names, name) == names.end())
-      Warn(element, "there is no muscle '" + Printable(name) + "'" + DidYouMean(name, names));
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end()) {
+      if (!name.empty())
+        Warn(element, "there is no muscle '" + Printable(name) + "'" + DidYouMean(name, names));
+      return;
+    }
+    SensorValue value{.name = Text(element, "name"),
+                      .muscle = static_cast<int>(found - names.begin()),
+                      .of = {"effort", "velocity", "position"},
+                      .line = element.GetLineNum()};
+    value.mapped = MappedOf(element, std::nullopt);
+    robot.values.push_back(std::move(value));
   }
 
   /// Those of x, y and z that <coordinates> wants.

@@ -47,7 +47,7 @@ class SdfWriter {
     WriteStill();
     for (std::size_t i = 0; i < model_.links.size(); ++i) WriteJoint(i);
     WriteDrive();
-    for (const Muscle& muscle : movable_.muscles) WriteMuscle(muscle);
+    for (std::size_t i = 0; i < movable_.muscles.size(); ++i) WriteMuscle(static_cast<int>(i));
     WriteSensors();
     WriteExchange();
     Module(movable_.line, "pose", "pose");
@@ -218,14 +218,16 @@ class SdfWriter {
     Module(line, "motors", "motors");
   }
 
-  void WriteMuscle(const Muscle& muscle) {
+  void WriteMuscle(int index) {
+    const Muscle& muscle = movable_.muscles[Index(index)];
     if (!links_.contains(muscle.source)) return;
+    const std::string& name = muscle_names_.emplace(index, names_.New(muscle.name)).first->second;
     const auto point = [this](int body, const Vector3& p_W) {
       return Places(Vector3(BodyOf(body).X_WB.Inverse() * p_W));
     };
-    std::string text = "<coopdyn:muscle name=\"" + names_.New(muscle.name) + "\" from=\"" +
-                       links_[muscle.source] + "\" from_point=\"" + point(muscle.source, muscle.p_W_source) +
-                       "\" to=\"" + links_[muscle.destination] + "\" to_point=\"" +
+    std::string text = "<coopdyn:muscle name=\"" + name + "\" from=\"" + links_[muscle.source] +
+                       "\" from_point=\"" + point(muscle.source, muscle.p_W_source) + "\" to=\"" +
+                       links_[muscle.destination] + "\" to_point=\"" +
                        point(muscle.destination, muscle.p_W_destination) + "\"";
     const auto write = [&text](const char* name, double value) {
       text += std::string(" ") + name + "=\"" + Exact(value) + "\"";
@@ -340,6 +342,11 @@ class SdfWriter {
                                       }
                                       return std::string();
                                     },
+                                .muscle =
+                                    [this](int muscle) {
+                                      const auto found = muscle_names_.find(muscle);
+                                      return found == muscle_names_.end() ? std::string() : found->second;
+                                    },
                                 .place =
                                     [this](int body, const Pose& X_WN) {
                                       if (!links_.contains(body)) return std::string();
@@ -403,6 +410,7 @@ class SdfWriter {
   Names names_{"world"};
   Names modules_{"motors", "distance", "sonar", "light", "pose", "joints", "muscles", "channel"};
   std::map<const Sensor*, std::pair<std::string, int>> readings_;  // module, and which of its values
+  std::map<int, std::string> muscle_names_;                        // of those in this model
   std::map<int, std::string> links_;                               // names, by body
   std::vector<std::string> joint_names_;                           // of model_.links
 };

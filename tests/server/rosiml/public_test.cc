@@ -287,6 +287,7 @@ TEST(PublicTest, AMuscleHoldsItsBodiesTogether) {
              "<coopdyn:muscle name=\"m\" from=\"a\" from_point=\"0 0 -0.1\" to=\"b\" to_point=\"0 0 0.5\" "
              "max_force_n=\"2\" optimal_length_m=\"1\" width=\"1.5\" c=\"5\" max_velocity_m_s=\"3.5\" "
              "eccentric=\"1.4\" curvature=\"6\"/>");
+  EXPECT_HAS(made.models[0].sdf.text, "<coopdyn:motor name=\"m\" joint=\"m\" mode=\"pwm\" internal=\"0 1\"");
   EXPECT_HAS_NOT(made.scenario.text, "sockets no");
 }
 
