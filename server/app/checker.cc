@@ -108,7 +108,7 @@ std::vector<std::string> DescribeModel(const RobotModel& model) {
   for (const ModuleModel& module : model.modules()) {
     std::string text = "  module " + module.name + " (" + module.type + ")";
     for (const ActuatorModel& actuator : model.actuators) {
-      if (!actuator.is_board() || actuator.module != module.name) continue;
+      if (actuator.is_drive() || actuator.module != module.name) continue;
       for (std::size_t i = 0; i < actuator.joints.size(); ++i)
         text += (i == 0 ? ": " : ", ") + model.joints[static_cast<std::size_t>(actuator.joints[i])].name;
     }

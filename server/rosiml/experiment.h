@@ -79,6 +79,18 @@ struct Joint {
   int line = 0;
 };
 
+/// Hill's: pulls a point of one body towards a point of another.
+struct Muscle {
+  std::string name;
+  int source = 0, destination = 0;  // index into Movable::bodies
+  Vector3 p_W_source, p_W_destination;
+  double max_force_n = 0;
+  double optimal_length_m = 0, width = 0, c = 0;
+  double max_velocity_m_s = 0, eccentric = 0, curvature = 0;
+  bool use_length = true, use_velocity = true;
+  int line = 0;
+};
+
 struct Sensor {
   enum class Kind { kProximity, kLight, kAmbient, kCompass, kContact, kImu, kSharp, kCamera, kNeighbours };
   enum class Pattern { kCross, kFan, kCone };
@@ -109,11 +121,12 @@ struct Mapped {
 /// A value that a client sets.
 struct MotorValue {
   std::string name;
-  int joint = 0;          // index into Movable::joints
+  int joint = 0;          // index into Movable::joints; -1: it is a muscle
   std::string axis = {};  // of a joint that has several
   std::string mode;       // velocity, direct, effort, pwm
   Mapped mapped = {};
   int line = 0;
+  int muscle = -1;  // index into Movable::muscles
 };
 
 /// Values that a client gets, of one sensor.
@@ -122,6 +135,7 @@ struct SensorValue {
   int sensor = -1;        // index into Movable::sensors, or
   int joint = -1;         // into Movable::joints, or
   std::string axis = {};  // of a joint that has several
+  int muscle = -1;        // into Movable::muscles, or
   int body = -1;          // into Movable::bodies, at X_WN; none of them: of the world
   Pose X_WN = {};
   std::vector<std::string> of = {};  // position, vx, …; of a sensor nothing
@@ -145,6 +159,7 @@ struct Movable {
   std::vector<Body> bodies;
   std::vector<Named> names;
   std::vector<Joint> joints;
+  std::vector<Muscle> muscles;
   std::vector<Sensor> sensors;
   std::vector<MotorValue> motors;   // what a client exchanges, in this order
   std::vector<SensorValue> values;  // likewise

@@ -51,11 +51,19 @@ constexpr Rule kPublic[] = {
     {"coordinates", "x!:b y!:b z!:b", ""},
     {"noise", "module!:gauss|white", "parameter"},
     {"body", "~selfCollide:b", "&objects"},
-    {"actuators", "", "hinge slider fixed generic ~muscle"},
+    {"actuators", "", "hinge slider fixed generic muscle"},
     {"hinge",
      "name!:s type!:velocity|angular|force|force_and_velocity|force_and_angle mode!:active|passive "
      "friction:0",
      "&driven"},
+    {"muscle", "name!:s -visualise:b -friction:n -erp:n -cfm:n",
+     "source=reference! destination=reference! srcAnchor=anchor! dstAnchor=anchor! force=most! -velocity "
+     "-deflection mapping=ends? lengthComponent! velocityComponent! -regular -limit -orthogonal "
+     "-visualisation "
+     "noise? ~filter"},
+    {"anchor", "coordinateSystem:local|global", "&objects"},
+    {"lengthComponent", "optimalLength!:+ w!:+ c!:0 use!:b", ""},
+    {"velocityComponent", "maxVelocity!:n N!:n K!:+ use!:b", ""},
     {"slider", "name!:s type!:positional|velocity|force|force_and_velocity mode!:active|passive friction:0",
      "&driven"},
     {"fixed", "name!:s", "source=reference! destination=reference? -pose"},
@@ -76,13 +84,14 @@ constexpr Rule kPublic[] = {
      "proximity position=coordinate_sensor orientation=coordinate_sensor ov=coordinate_sensor "
      "oav=coordinate_sensor "
      "velocity=joint_sensor deflection=joint_sensor ldr binaryContact camera=camera_sensor "
-     "ambientLight=ambient_sensor sharpDM2Y3A003K0F=sharp sharpGP2D12_37=sharp ~generic ~muscle "
+     "ambientLight=ambient_sensor sharpDM2Y3A003K0F=sharp sharpGP2D12_37=sharp ~generic muscle=muscle_sensor "
      "~internalEnergy ~feedback ~signal"},
     {"proximity", "name!:s", "pose! distance! openingAngles! &sensed"},
     {"distance", "meter!:+", ""},
     {"openingAngles", "x!:0 y!:0", ""},
     {"coordinate_sensor", "name!:s global:b", "coordinates? domain=ends? &sensed"},
     {"joint_sensor", "name!:s", "domain=ends? &sensed"},
+    {"muscle_sensor", "name!:s", "-pose domain=ends? &sensed"},
     {"ldr", "name!:s opening!:0", "pose! colour=seen_colour? &sensed"},
     {"seen_colour", "value!:c", ""},
     {"camera_sensor", "name!:s", "pose! openingAngles! &sensed"},
@@ -177,7 +186,6 @@ constexpr NotYet kNotYet[] = {
     {"angularDamping", "bodies turn without it"},
     {"selfCollide", "parts of one robot do not touch each other"},
     {"generic", "sensors of joints of six axes are left out: motors tell positions and velocities"},
-    {"muscle", "muscles and their sensors are left out, and their bodies are loose"},
     {"noise", "values have none"},
     {"filter", "values are not filtered"},
     {"pid", "the motor reaches its velocity within its force"},

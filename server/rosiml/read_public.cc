@@ -220,6 +220,7 @@ class PublicReader : Reader {
 
   void ReadActuator(const Element& element, Movable& robot) {
     const std::string_view kind = element.Name();
+    if (kind == "muscle") return ReadMuscle(element, robot);
     if (kind != "hinge" && kind != "slider" && kind != "fixed" && kind != "generic") return;
     Joint joint;
     joint.name = Text(element, "name");
@@ -288,6 +289,53 @@ class PublicReader : Reader {
     robot.motors.push_back(std::move(motor));
   }
 
+  /// The point of an anchor: its object is a mark, not a body.
+  static Vector3 AnchorOf(const Element& element, const char* name, const Pose& X_WN) {
+    const Element* anchor = Child(element, name);
+    if (anchor == nullptr) return X_WN.p;
+    Pose X_NA;
+    ForEachChild(*anchor, [&X_NA](const Element& object) {
+      if (IsObject(object.Name())) X_NA = PoseIn(object);
+    });
+    return Text(*anchor, "coordinateSystem") == "global" ? X_NA.p : (X_WN * X_NA).p;
+  }
+
+  void ReadMuscle(const Element& element, Movable& robot) {
+    const Named* const source = Find(robot, TextIn(element, "source", "name"), element);
+    const Named* const to = Find(robot, TextIn(element, "destination", "name"), element);
+    if (source == nullptr || to == nullptr) return;
+    Muscle muscle;
+    muscle.name = Text(element, "name");
+    muscle.line = element.GetLineNum();
+    muscle.source = source->body;
+    muscle.destination = to->body;
+    muscle.p_W_source = AnchorOf(element, "srcAnchor", source->X_WN);
+    muscle.p_W_destination = AnchorOf(element, "dstAnchor", to->X_WN);
+    muscle.max_force_n = NumberIn(element, "force", "max", 0);
+    if (const Element* length = Child(element, "lengthComponent")) {
+      muscle.optimal_length_m = Number(*length, "optimalLength", 1);
+      muscle.width = Number(*length, "w", 1);
+      muscle.c = Number(*length, "c", 1);
+      muscle.use_length = Flag(*length, "use", true);
+    }
+    if (const Element* velocity = Child(element, "velocityComponent")) {
+      // There it is negative: muscles shorten at negative speeds.
+      muscle.max_velocity_m_s = std::abs(Number(*velocity, "maxVelocity", 1));
+      muscle.eccentric = Number(*velocity, "N", 1.5);
+      muscle.curvature = Number(*velocity, "K", 5);
+      muscle.use_velocity = Flag(*velocity, "use", true);
+    }
+    if (muscle.source == muscle.destination) {
+      Error(element, "the muscle '" + Printable(muscle.name) + "' joins one body with itself");
+      return;
+    }
+    MotorValue motor{.name = muscle.name, .joint = -1, .mode = "pwm", .line = muscle.line};
+    motor.muscle = static_cast<int>(robot.muscles.size());
+    motor.mapped = MappedOf(element, std::pair(0.0, 1.0));
+    robot.motors.push_back(std::move(motor));
+    robot.muscles.push_back(std::move(muscle));
+  }
+
   void ReadMotor(const Element& element, Joint& joint) {
     const std::string type = Text(element, "type");
     const bool is_active = Text(element, "mode") == "active";
@@ -324,6 +372,7 @@ class PublicReader : Reader {
     const std::string_view kind = element.Name();
     const std::string object = TextIn(element, "object", "name");
     if (kind == "velocity" || kind == "deflection") return ReadJointSensor(element, object, robot);
+    if (kind == "muscle") return ReadMuscleSensor(element, object, robot);
     const bool is_sharp = kind == "sharpGP2D12_37" || kind == "sharpDM2Y3A003K0F";
     const bool is_known = is_sharp || kind == "proximity" || kind == "ldr" || kind == "binaryContact" ||
                           kind == "camera" || kind == "position" || kind == "orientation" || kind == "ov" ||
@@ -395,6 +444,24 @@ class PublicReader : Reader {
       robot.values.push_back(std::move(value));
     }
     robot.sensors.push_back(std::move(sensor));
+  }
+
+  /// Force, velocity and length; the module `muscles` tells the factors, too.
+  void ReadMuscleSensor(const Element& element, const std::string& name, Movable& robot) {
+    std::vector<std::string> names;
+    for (const Muscle& muscle : robot.muscles) names.push_back(muscle.name);
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end()) {
+      if (!name.empty())
+        Warn(element, "there is no muscle '" + Printable(name) + "'" + DidYouMean(name, names));
+      return;
+    }
+    SensorValue value{.name = Text(element, "name"),
+                      .muscle = static_cast<int>(found - names.begin()),
+                      .of = {"effort", "velocity", "position"},
+                      .line = element.GetLineNum()};
+    value.mapped = MappedOf(element, std::nullopt);
+    robot.values.push_back(std::move(value));
   }
 
   /// Those of x, y and z that <coordinates> wants.

@@ -33,7 +33,7 @@ std::string WordsOf(const Mapped& mapped) {
 MadeText WriteChannel(const Movable& movable, const ChannelPlaces& places) {
   MadeText inside, out;
   for (const MotorValue& motor : movable.motors) {
-    std::string joint = places.joint(motor.joint);
+    std::string joint = motor.joint < 0 ? places.muscle(motor.muscle) : places.joint(motor.joint);
     if (joint.empty()) continue;
     if (!motor.axis.empty()) joint += "." + motor.axis;
     inside.Add(motor.line, "<coopdyn:motor" + Attribute("name", PlainName(motor.name)) +
@@ -50,8 +50,8 @@ MadeText WriteChannel(const Movable& movable, const ChannelPlaces& places) {
       if (!where.empty()) inside.Add(value.line, begin + where + end);
       continue;
     }
-    if (value.joint >= 0) {
-      std::string joint = places.joint(value.joint);
+    if (value.joint >= 0 || value.muscle >= 0) {
+      std::string joint = value.joint < 0 ? places.muscle(value.muscle) : places.joint(value.joint);
       if (joint.empty()) continue;
       if (!value.axis.empty()) joint += "." + value.axis;
       where = Attribute("joint", joint);

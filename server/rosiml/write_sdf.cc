@@ -60,6 +60,7 @@ class SdfWriter {
     WriteStill();
     for (std::size_t i = 0; i < model_.links.size(); ++i) WriteJoint(i);
     WriteDrive();
+    for (std::size_t i = 0; i < movable_.muscles.size(); ++i) WriteMuscle(static_cast<int>(i));
     WriteSensors();
     WriteExchange();
     Module(movable_.line, "pose", "pose");
@@ -289,6 +290,35 @@ class SdfWriter {
     Module(line, "motors", "motors");
   }
 
+  void WriteMuscle(int index) {
+    const Muscle& muscle = movable_.muscles[Index(index)];
+    if (!links_.contains(muscle.source)) return;
+    const std::string& name = muscle_names_.emplace(index, names_.New(muscle.name)).first->second;
+    const auto point = [this](int body, const Vector3& p_W) {
+      return Places(Vector3(BodyOf(body).X_WB.Inverse() * p_W));
+    };
+    std::string text = "<coopdyn:muscle name=\"" + name + "\" from=\"" + links_[muscle.source] +
+                       "\" from_point=\"" + point(muscle.source, muscle.p_W_source) + "\" to=\"" +
+                       links_[muscle.destination] + "\" to_point=\"" +
+                       point(muscle.destination, muscle.p_W_destination) + "\"";
+    const auto write = [&text](const char* name, double value) {
+      text += std::string(" ") + name + "=\"" + Exact(value) + "\"";
+    };
+    write("max_force_n", muscle.max_force_n);
+    write("optimal_length_m", muscle.optimal_length_m);
+    write("width", muscle.width);
+    write("c", muscle.c);
+    if (muscle.use_velocity) {
+      write("max_velocity_m_s", muscle.max_velocity_m_s);
+      write("eccentric", muscle.eccentric);
+      write("curvature", muscle.curvature);
+    }
+    if (!muscle.use_length) text += " use_length=\"false\"";
+    if (!muscle.use_velocity) text += " use_velocity=\"false\"";
+    Add(muscle.line, text + "/>");
+    written_.has_modules = true;
+  }
+
   bool IsHere(const Sensor& sensor) const { return links_.contains(sensor.body); }
 
   /// link="…" pose="…" of a sensor.
@@ -384,6 +414,11 @@ class SdfWriter {
                                       }
                                       return std::string();
                                     },
+                                .muscle =
+                                    [this](int muscle) {
+                                      const auto found = muscle_names_.find(muscle);
+                                      return found == muscle_names_.end() ? std::string() : found->second;
+                                    },
                                 .place =
                                     [this](int body, const Pose& X_WN) {
                                       if (!links_.contains(body)) return std::string();
@@ -445,8 +480,9 @@ class SdfWriter {
   Diagnostics& diagnostics_;
   WrittenModel written_;
   Names names_{"world"};
-  Names modules_{"motors", "distance", "sonar", "light", "pose", "joints", "channel"};
+  Names modules_{"motors", "distance", "sonar", "light", "pose", "joints", "muscles", "channel"};
   std::map<const Sensor*, std::pair<std::string, int>> readings_;  // module, and which of its values
+  std::map<int, std::string> muscle_names_;                        // of those in this model
   std::map<int, std::string> links_;                               // names, by body
   std::vector<std::string> joint_names_;                           // of model_.links
 };

@@ -256,11 +256,51 @@ TEST(PublicTest, LightAndContactSensorsAreModules) {
 
 TEST(PublicTest, WhatIsNotSimulatedYetIsSaidOnceAndTheRestLoads) {
   const std::string two = Ball("a", "<pose z=\"1\"/>", "0") + Ball("b", "<pose z=\"2\"/>");
-  const std::string xml = Public("", Robot(two, "<muscle name=\"m\"/><muscle name=\"n\"/>"));
+  const std::string xml = Public("", Robot(two, "<generic name=\"m\"/><generic name=\"n\"/>"));
   const std::string said = Said(xml);
-  EXPECT_HAS(said, "warning: <muscle> is not simulated yet: ");
+  EXPECT_HAS(said, "warning: <generic> is not simulated yet: ");
   EXPECT_HAS(said, "(2 in this file)");
   EXPECT_EQ(Made(xml).models.size(), 2u);  // its bodies are loose
+}
+
+/// A muscle between two balls; `more` are its components.
+std::string MuscleOf(const std::string& more) {
+  const auto anchor = [](const std::string& name, const std::string& attributes, const std::string& pose) {
+    return "<" + name + attributes + "><sphere name=\"" + name + "\"><dimension radius=\"0.01\"/>" + pose +
+           "<physics/></sphere></" + name + ">";
+  };
+  return "<muscle name=\"m\"><source name=\"a\"/><destination name=\"b\"/>" +
+         anchor("srcAnchor", "", "<pose z=\"-0.1\"/>") +
+         anchor("dstAnchor", " coordinateSystem=\"global\"", "<pose z=\"1.5\"/>") + "<force max=\"2\"/>" +
+         more + "</muscle>";
+}
+
+TEST(PublicTest, AMuscleHoldsItsBodiesTogether) {
+  const std::string two = Ball("a", "<pose z=\"2\"/>", "0") + Ball("b", "<pose z=\"1\"/>");
+  const std::string xml = Public(
+      "", Robot(two, MuscleOf("<lengthComponent optimalLength=\"1\" w=\"1.5\" c=\"5\" use=\"true\"/>"
+                              "<velocityComponent maxVelocity=\"-3.5\" N=\"1.4\" K=\"6\" use=\"true\"/>")));
+  EXPECT_EQ(Said(xml), "");
+  const Translation made = Made(xml);
+  ASSERT_EQ(made.models.size(), 1u);
+  EXPECT_HAS(made.models[0].sdf.text,
+             "<coopdyn:muscle name=\"m\" from=\"a\" from_point=\"0 0 -0.1\" to=\"b\" to_point=\"0 0 0.5\" "
+             "max_force_n=\"2\" optimal_length_m=\"1\" width=\"1.5\" c=\"5\" max_velocity_m_s=\"3.5\" "
+             "eccentric=\"1.4\" curvature=\"6\"/>");
+  EXPECT_HAS(made.models[0].sdf.text, "<coopdyn:motor name=\"m\" joint=\"m\" mode=\"pwm\" internal=\"0 1\"");
+  EXPECT_HAS_NOT(made.scenario.text, "sockets no");
+}
+
+TEST(PublicTest, APartOfAMuscleThatIsNotUsedIsLeftOut) {
+  const std::string two = Ball("a", "<pose z=\"2\"/>", "0") + Ball("b", "<pose z=\"1\"/>");
+  EXPECT_HAS(
+      Made(Public("",
+                  Robot(two, MuscleOf("<lengthComponent optimalLength=\"1\" w=\"1.5\" c=\"5\" use=\"false\"/>"
+                                      "<velocityComponent maxVelocity=\"-3.5\" N=\"1.4\" K=\"6\" "
+                                      "use=\"false\"/>"))))
+          .models.at(0)
+          .sdf.text,
+      "c=\"5\" use_length=\"false\" use_velocity=\"false\"/>");
 }
 
 TEST(PublicTest, AMeshIsAFileBesideTheExperiment) {
