@@ -16,6 +16,9 @@ inline constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 Experiment ReadPublic(const Element& root, const std::string& file, Diagnostics& diagnostics);
 Experiment ReadPaper(const Element& root, const std::string& file, Diagnostics& diagnostics);
+/// Adds the joints and muscles of a robot of the public grammar, which has all its bodies.
+void ReadActuators(const Element& actuators, Movable& robot, const std::string& file,
+                   Diagnostics& diagnostics);
 /// Adds the joints of a body of the paper's grammar to `movable`, which has all its objects.
 void ReadConnectors(const Element& body, Movable& movable, const std::string& file, Diagnostics& diagnostics);
 
