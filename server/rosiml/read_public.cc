@@ -99,13 +99,6 @@ class PublicReader : Reader {
     experiment_.simulation.push_back({"gravity " + Exact(-z), gravity.GetLineNum()});
   }
 
-  static bool IsObject(std::string_view kind) {
-    for (const char* object : {"box", "sphere", "cylinder", "capsule", "ply", "composite", "macro"}) {
-      if (kind == object) return true;
-    }
-    return false;
-  }
-
   /// A body, or those of a macro, moved by X_WO; their names begin with `prefix`.
   void ReadObject(const Element& object, const Pose& X_WO, const std::string& prefix, Movable& movable,
                   int depth) {

@@ -35,6 +35,14 @@ class Reader {
     diagnostics_.Warning({file_, at.GetLineNum()}, std::move(text));
   }
 
+  /// Whether an element of the public grammar is a body, or stands for some.
+  static bool IsObject(std::string_view kind) {
+    for (const char* object : {"box", "sphere", "cylinder", "capsule", "ply", "composite", "macro"}) {
+      if (kind == object) return true;
+    }
+    return false;
+  }
+
   /// box, sphere, cylinder or capsule with the lengths that `lengths` has.
   static Shape ShapeOf(std::string_view kind, const Element& lengths);
   /// Its orientation looks along `direction`, level if it can.

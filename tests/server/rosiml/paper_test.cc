@@ -195,12 +195,6 @@ TEST(PaperTest, WhatAConnectorOfSeveralAxesCannotHaveIsAnError) {
   EXPECT_HAS(said("hinge", "<axis name=\"rx\"/>"), "only a connector of type universal, hinge2 or sixAxis");
 }
 
-TEST(PaperTest, ConnectorsOfOtherTypesAreNotSimulatedYet) {
-  const std::string xml = Paper("", Movable("type=\"active\"", Connector("hinge2")));
-  EXPECT_HAS(Said(xml), "warning: a connector of type 'hinge2' is not simulated yet");
-  EXPECT_EQ(Made(xml).models.size(), 2u);
-}
-
 TEST(PaperTest, AComplexHingeIsAJointWithADriveTrain) {
   const std::string inside =
       "<pwm duty=\"0.5\" noLoadSpeed=\"20\" stallTorque=\"0.1\"/><pwm duty=\"1\" noLoadSpeed=\"50\" "
