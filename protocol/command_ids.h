@@ -50,7 +50,7 @@ inline constexpr Id kGetJoints = 203, kSetPositions = 204, kSetPositionsDirect =
                     kGetGains = 215, kGetJointLimits = 216, kGetMotion = 217, kGetReferences = 218,
                     kHold = 219, kGetChain = 220, kGetBoard = 221, kSetPwm = 222, kGetDriveTrains = 223;
 // /R/muscles
-inline constexpr Id kSetActivations = 350, kGetMuscles = 351, kGetMuscleLimits = 352;
+inline constexpr Id kSetActivations = 224, kGetMuscles = 225, kGetMuscleLimits = 226;
 // /swarm
 inline constexpr Id kStepAll = 110, kSelectReadings = 111, kReadAll = 112, kGetTeam = 113, kStopTeam = 114;
 // /simulation
