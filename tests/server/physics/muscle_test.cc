@@ -78,7 +78,7 @@ class MuscleTest : public ::testing::Test {
     scene_.setpoints.assign(model.joints.size(), {0, ControlMode::kIdle});
   }
   void Activate(double activation) { scene_.setpoints.back() = {activation, ControlMode::kPwm}; }
-  ChannelState muscle() { return scene_.Capture()->channels.back(); }
+  ChannelState Pulled() { return scene_.Capture()->channels.back(); }
 
   PhysicsScene scene_;
 };
@@ -92,8 +92,8 @@ TEST_F(MuscleTest, HeldFastItPullsByItsLength) {
     scene_.RunFor(0.1);
     const double off = std::abs(length_m - kOptimal_m) / (0.56 * kOptimal_m);
     const double wanted_n = 0.7 * kForce_n * std::exp(std::log(0.05) * std::pow(off, 3));
-    EXPECT_NEAR(muscle().effort, wanted_n, 0.01 * wanted_n) << length_m;
-    EXPECT_NEAR(muscle().position, length_m, 1e-4);
+    EXPECT_NEAR(Pulled().effort, wanted_n, 0.01 * wanted_n) << length_m;
+    EXPECT_NEAR(Pulled().position, length_m, 1e-4);
   }
 }
 
@@ -104,7 +104,7 @@ TEST_F(MuscleTest, WithoutTheFactorOfLengthEachLengthIsTheOptimum) {
   scene_.setpoints[0] = {0, ControlMode::kVelocity};
   Activate(1);
   scene_.RunFor(0.1);
-  EXPECT_NEAR(muscle().effort, kForce_n, 0.01);
+  EXPECT_NEAR(Pulled().effort, kForce_n, 0.01);
 }
 
 TEST_F(MuscleTest, ShorteningItPullsLess) {
@@ -117,8 +117,8 @@ TEST_F(MuscleTest, ShorteningItPullsLess) {
     Activate(1);
     scene_.RunFor(0.1);
     const double wanted_n = kForce_n * (kFastest_m_s - speed_m_s) / (kFastest_m_s + 5 * speed_m_s);
-    EXPECT_NEAR(muscle().effort, wanted_n, 0.01 * kForce_n) << speed_m_s;
-    EXPECT_NEAR(muscle().velocity, -speed_m_s, 1e-3);
+    EXPECT_NEAR(Pulled().effort, wanted_n, 0.01 * kForce_n) << speed_m_s;
+    EXPECT_NEAR(Pulled().velocity, -speed_m_s, 1e-3);
   }
 }
 
@@ -133,7 +133,7 @@ TEST_F(MuscleTest, LengtheningItPullsMore) {
     scene_.RunFor(0.1);
     const double v = -speed_m_s;
     const double wanted_n = kForce_n * (1.5 + 0.5 * (kFastest_m_s + v) / (7.56 * 5 * v - kFastest_m_s));
-    EXPECT_NEAR(muscle().effort, wanted_n, 0.01 * kForce_n) << speed_m_s;
+    EXPECT_NEAR(Pulled().effort, wanted_n, 0.01 * kForce_n) << speed_m_s;
   }
 }
 
@@ -144,7 +144,7 @@ TEST_F(MuscleTest, AtItsGreatestSpeedItDoesNotPull) {
   scene_.setpoints[0] = {-3.5, ControlMode::kVelocity};
   Activate(1);
   scene_.RunFor(0.1);
-  EXPECT_EQ(muscle().effort, 0);
+  EXPECT_EQ(Pulled().effort, 0);
 }
 
 TEST_F(MuscleTest, AMassMovesAsTheReference) {
@@ -172,7 +172,7 @@ TEST_F(MuscleTest, AMassMovesAsTheReference) {
       slope(y, d);
       for (int j = 0; j < 2; ++j) x[j] += h / 6 * (a[j] + 2 * b[j] + 2 * c[j] + d[j]);
     }
-    ASSERT_NEAR(muscle().position, x[0], 0.01 * 0.2) << i;
+    ASSERT_NEAR(Pulled().position, x[0], 0.01 * 0.2) << i;
   }
   EXPECT_LT(x[0], 0.55);
 }
@@ -185,16 +185,16 @@ TEST_F(MuscleTest, AMuscleAloneHoldsABobWhereItCarriesItsWeight) {
     scene_.RunFor(4);
     const double factor = kMass_kg * kG / (0.6 * kForce_n);
     const double off = std::cbrt(std::log(factor) / std::log(0.05));
-    EXPECT_NEAR(muscle().position, kOptimal_m * (1 - 0.56 * off), 0.005) << step_ms;
-    EXPECT_NEAR(muscle().effort, kMass_kg * kG, 0.01 * kMass_kg * kG) << step_ms;
+    EXPECT_NEAR(Pulled().position, kOptimal_m * (1 - 0.56 * off), 0.005) << step_ms;
+    EXPECT_NEAR(Pulled().effort, kMass_kg * kG, 0.01 * kMass_kg * kG) << step_ms;
   }
 }
 
 TEST_F(MuscleTest, WithoutActivationTheBobFalls) {
   Add(Hanging(Biceps(), 0.4));
   scene_.RunFor(0.3);
-  EXPECT_NEAR(muscle().position, 0.4 + kG * 0.09 / 2, 0.01);
-  EXPECT_EQ(muscle().effort, 0);
+  EXPECT_NEAR(Pulled().position, 0.4 + kG * 0.09 / 2, 0.01);
+  EXPECT_EQ(Pulled().effort, 0);
 }
 
 TEST_F(MuscleTest, ARestoredFrameGoesOnWithTheSameBits) {
