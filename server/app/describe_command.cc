@@ -25,6 +25,12 @@ namespace coopdyn {
 
 namespace {
 
+/// The type of a robot, with a link to its page if it has one: those of an experiment have none.
+std::string LinkTo(const RobotModel& model) {
+  if (model.file.ends_with(".xml")) return model.type;
+  return "[" + model.type + "](../robots/" + model.type + ".md)";
+}
+
 using tinyxml2::XMLElement;
 namespace fs = std::filesystem;
 
@@ -241,8 +247,8 @@ std::string ScenarioPage(const Scenario& scenario) {
   page += "\n## Robots\n" + TableHead({"name", "type", "position m", "heading °", "driven by", "fidelity"});
   const auto row = [&page](const std::string& name, const RobotEntry& robot, const std::string& position,
                            const std::string& heading) {
-    page += TableRow({name, "[" + robot.model->type + "](../robots/" + robot.model->type + ".md)", position,
-                      heading, robot.controller.empty() ? "clients" : "controller " + robot.controller.name,
+    page += TableRow({name, LinkTo(*robot.model), position, heading,
+                      robot.controller.empty() ? "clients" : "controller " + robot.controller.name,
                       ToString(robot.fidelity)});
   };
   std::set<std::size_t> in_swarms;

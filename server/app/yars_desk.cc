@@ -12,13 +12,12 @@ namespace coopdyn {
 
 void YarsDesk::Open(Endpoint& simulation) {
   simulation_ = &simulation;
-  id_ = net_.NextClient();
-  simulation.OnOpen(*this);
 }
 
 void YarsDesk::Close() {
   if (simulation_ == nullptr) return;
-  std::exchange(simulation_, nullptr)->OnClosed(*this);
+  Endpoint& simulation = *std::exchange(simulation_, nullptr);
+  if (!jobs_.empty()) simulation.OnClosed(*this);
   for (Job& job : std::exchange(jobs_, {}))
     job.done(ErrorReply(0, Error::kNotPossible, "the daemon is stopping"));
 }
@@ -65,7 +64,11 @@ void YarsDesk::Take(const YarsOrder& order, std::function<void(const Message&)> 
       break;
   }
   jobs_.push_back(std::move(job));
-  if (jobs_.size() == 1) Begin();
+  if (jobs_.size() > 1) return;
+  // A client as long as it has something to ask.
+  id_ = net_.NextClient();
+  simulation_->OnOpen(*this);
+  Begin();
 }
 
 void YarsDesk::Begin() {
@@ -84,6 +87,7 @@ void YarsDesk::OnReply(const Message& reply) {
   if ((reply.error == 0 || was_reload) && !jobs_.front().requests.empty()) return Begin();
   const std::function<void(const Message&)> done = std::move(jobs_.front().done);
   jobs_.pop_front();
+  if (jobs_.empty() && simulation_ != nullptr) simulation_->OnClosed(*this);
   done(reply);
   if (!jobs_.empty()) Begin();
 }

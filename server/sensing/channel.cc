@@ -22,7 +22,8 @@ struct JointState {
 /// Velocity of a point that is fixed to a link, in the world.
 Vector3 PointVelocity(const Frame& frame, int robot, int link, const Vector3& p_W) {
   const SceneRobot& of = frame.scene->robots[static_cast<std::size_t>(robot)];
-  const BodyState& body = frame.bodies[static_cast<std::size_t>(of.first_body + (of.one_body() ? 0 : link))];
+  const BodyState& body = frame.bodies[static_cast<std::size_t>(of.first_body) +
+                                       static_cast<std::size_t>(of.one_body() ? 0 : link)];
   return body.v_WB + body.w_WB.cross(p_W - body.p_WB);
 }
 
@@ -49,7 +50,7 @@ JointState StateOf(const Frame& frame, int robot, const JointModel& joint) {
 const ChannelState* FindChannel(const Frame& frame, int robot, std::size_t joint) {
   const SceneRobot& of = frame.scene->robots[static_cast<std::size_t>(robot)];
   for (int i = 0; i < of.channel_count; ++i) {
-    const auto channel = static_cast<std::size_t>(of.first_channel + i);
+    const auto channel = static_cast<std::size_t>(of.first_channel) + static_cast<std::size_t>(i);
     if (frame.scene->channels[channel].joint == static_cast<int>(joint)) return &frame.channels[channel];
   }
   return nullptr;

@@ -238,7 +238,6 @@ class MeshTest(RecordingTestCase):
         self.mesh.write_text(PLY)
 
     def test_a_mesh_hangs_on_the_spring_of_a_joint_with_several_axes(self):
-        self.assertIn("joint hold.rz: hinge", tool("check", self.xml)[1])
         with Daemon(None, "--mode", "free", name=str(self.xml)) as daemon:
             simulation, joints, pose = (daemon.text(f"/{name}") for name in ("simulation", "wedge/joints", "wedge/pose"))
             simulation.must("pause")

@@ -19,7 +19,7 @@ WRITES = re.compile(r"std::(cout|cerr|clog)|\b(printf|fprintf|puts|fputs|fwrite|
 ONLY_IN = {
     r"ode/": ["server/physics"],
     r"(GL|EGL|GLES\d?)/": ["server/render"],
-    r"boost/(asio|beast)": ["server/net", "server/naming", "server/robot", "server/yarp", "server/control", "server/web", "server/app", "clients/cpp"],
+    r"boost/(asio|beast)": ["server/net", "server/naming", "server/robot", "server/yarp", "server/yars", "server/control", "server/web", "server/app", "clients/cpp"],
     r"sdf/": ["server/model"],
     r"assimp/": ["server/model"],
     r"sqlite3": ["server/record", "clients/cpp"],
