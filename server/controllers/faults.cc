@@ -17,7 +17,7 @@ namespace coopdyn {
 namespace {
 
 const char* ModeName(std::size_t mode) {
-  constexpr std::array kNames = {"off", "position", "direct", "velocity", "effort"};
+  constexpr std::array kNames = {"off", "position", "direct", "velocity", "effort", "pwm"};
   return kNames[mode];
 }
 
@@ -76,13 +76,13 @@ std::string Fault(const coopdyn_command& command) {
 
 std::string Fault(const coopdyn_setpoint& setpoint, const coopdyn_joint& joint) {
   const std::string channel = fmt::format("{}/{}", joint.module, joint.name);
-  if (setpoint.mode > COOPDYN_EFFORT) {
+  if (setpoint.mode > COOPDYN_PWM) {
     return fmt::format("returned mode {} for {}: there is no such mode, use enum coopdyn_mode", setpoint.mode,
                        channel);
   }
   if ((joint.modes >> setpoint.mode & 1) == 0) {
     std::string modes;
-    for (std::size_t mode = 0; mode <= COOPDYN_EFFORT; ++mode) {
+    for (std::size_t mode = 0; mode <= COOPDYN_PWM; ++mode) {
       if ((joint.modes >> mode & 1) != 0) modes += (modes.empty() ? "" : ", ") + std::string(ModeName(mode));
     }
     return fmt::format("returned mode {} for {}, which takes: {}", ModeName(setpoint.mode), channel, modes);

@@ -21,7 +21,7 @@ inline bool IsFine(const coopdyn_command& command) {
 
 /// Whether a channel that takes `modes` can carry it out.
 inline bool IsFine(const coopdyn_setpoint& setpoint, std::uint32_t modes) {
-  return setpoint.mode <= COOPDYN_EFFORT && (modes >> setpoint.mode & 1) != 0 &&
+  return setpoint.mode <= COOPDYN_PWM && (modes >> setpoint.mode & 1) != 0 &&
          std::isfinite(setpoint.reference);
 }
 
