@@ -56,10 +56,15 @@ bool IsExperiment(const std::string& text, const std::string& file) {
 }
 
 std::vector<Section> ReadExperiment(const std::string& text, const std::string& file, const std::string& name,
-                                    RobotLibrary& library, Diagnostics& diagnostics) {
+                                    const std::optional<std::filesystem::path>& beside, RobotLibrary& library,
+                                    Diagnostics& diagnostics) {
   const std::size_t size = XmlSize(text);
   const std::string prefix = rosiml::Simple(name, 40) + ".";
-  auto made = rosiml::Translate(std::string_view(text).substr(0, size), file, prefix, diagnostics);
+  const auto has_controller = [&](const std::string& controller) {
+    return library.path().FindController(controller, beside.value_or(std::filesystem::path())).has_value();
+  };
+  auto made =
+      rosiml::Translate(std::string_view(text).substr(0, size), file, prefix, diagnostics, has_controller);
   if (!made) return {};
   for (const rosiml::MadeModel& model : made->models) {
     // A recording has its own.

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,9 +21,11 @@ namespace coopdyn {
 bool IsExperiment(const std::string& text, const std::string& file);
 
 /// The sections of the scenario that `text` is, with the lines of the XML, and of what stands behind it:
-/// [SET]. Its robots' models go to `library`; their types begin with `name`.
+/// [SET]. Its robots' models go to `library`; their types begin with `name`. Controllers are looked for
+/// `beside`, then on the search path.
 std::vector<Section> ReadExperiment(const std::string& text, const std::string& file, const std::string& name,
-                                    RobotLibrary& library, Diagnostics& diagnostics);
+                                    const std::optional<std::filesystem::path>& beside, RobotLibrary& library,
+                                    Diagnostics& diagnostics);
 
 /// The models of an experiment's file, by the names of their robots.
 std::map<std::string, std::shared_ptr<const RobotModel>> ReadExperimentModels(
