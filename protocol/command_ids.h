@@ -49,6 +49,8 @@ inline constexpr Id kGetJoints = 203, kSetPositions = 204, kSetPositionsDirect =
                     kGetCompliance = 211, kSetProfile = 212, kGetProfile = 213, kSetGains = 214,
                     kGetGains = 215, kGetJointLimits = 216, kGetMotion = 217, kGetReferences = 218,
                     kHold = 219, kGetChain = 220, kGetBoard = 221, kSetPwm = 222, kGetDriveTrains = 223;
+// /R/muscles
+inline constexpr Id kSetActivations = 224, kGetMuscles = 225, kGetMuscleLimits = 226;
 // /swarm
 inline constexpr Id kStepAll = 110, kSelectReadings = 111, kReadAll = 112, kGetTeam = 113, kStopTeam = 114;
 // /simulation

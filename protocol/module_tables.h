@@ -13,6 +13,7 @@ namespace coopdyn {
 
 CommandTable MotorsTable();      // /R/motors
 CommandTable JointsTable();      // /R/joints, or the name of the group
+CommandTable MusclesTable();     // /R/muscles
 CommandTable DistanceTable();    // /R/distance
 CommandTable TargetTable();      // /R/target
 CommandTable PoseTable();        // /R/pose

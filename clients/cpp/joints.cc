@@ -14,7 +14,7 @@
 namespace coopdyn::client {
 namespace {
 
-constexpr std::array kJointModes = {"idle", "position", "direct", "velocity", "effort"};
+constexpr std::array kJointModes = {"idle", "position", "direct", "velocity", "effort", "pwm"};
 
 /// One value for each of the joints: as many, or one for all.
 template <class T>

@@ -82,7 +82,7 @@ enum coopdyn_mode {
   COOPDYN_DIRECT = 2,   /* rad or m: is there at the end of this step */
   COOPDYN_VELOCITY = 3, /* rad/s or m/s */
   COOPDYN_EFFORT = 4,   /* N m or N */
-  COOPDYN_PWM = 5       /* of a drive train: the duty of its motor, -1 to 1; 0 brakes */
+  COOPDYN_PWM = 5 /* a drive train: its motor's duty, -1 to 1, 0 brakes; a muscle: its activation, 0 to 1 */
 };
 
 /* A channel: a joint axis that a module drives. A wheel is one. */

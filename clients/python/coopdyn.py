@@ -54,7 +54,7 @@ PROTOCOL = 1
 DEFAULT_PORT = 10000
 
 MODES = ("realtime", "lockstep", "free")
-JOINT_MODES = ("idle", "position", "direct", "velocity", "effort")
+JOINT_MODES = ("idle", "position", "direct", "velocity", "effort", "pwm")
 _LOCKSTEP = 1
 
 # Numbers of the commands that this file uses; docs/protocol.md is the whole table.

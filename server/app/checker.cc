@@ -76,8 +76,10 @@ std::vector<std::string> DescribeModel(const RobotModel& model) {
   for (std::size_t i = model.fixed_base ? 1 : 0; i < model.links.size(); ++i)
     mass_kg += model.links[i].mass_kg;
   const auto number = [](double value) { return FormatNumber(std::round(value * 1e4) / 1e4); };
+  const auto carriers =
+      static_cast<std::size_t>(std::ranges::count(model.links, true, &LinkModel::is_carrier));
   std::vector<std::string> lines = {
-      "robot " + model.type + ", " + CountOf(model.links.size(), "link") + ", " +
+      "robot " + model.type + ", " + CountOf(model.links.size() - carriers, "link") + ", " +
       CountOf(model.joints.size(), "joint") + ", " + CountOf(model.sector_count(), "distance sensor") + ", " +
       CountOf(model.modules().size(), "module") + "; " +
       (model.fixed_base ? "fixed to the world, moving mass " : "mass ") + number(mass_kg) +
@@ -106,7 +108,7 @@ std::vector<std::string> DescribeModel(const RobotModel& model) {
   for (const ModuleModel& module : model.modules()) {
     std::string text = "  module " + module.name + " (" + module.type + ")";
     for (const ActuatorModel& actuator : model.actuators) {
-      if (!actuator.is_board() || actuator.module != module.name) continue;
+      if (actuator.is_drive() || actuator.module != module.name) continue;
       for (std::size_t i = 0; i < actuator.joints.size(); ++i)
         text += (i == 0 ? ": " : ", ") + model.joints[static_cast<std::size_t>(actuator.joints[i])].name;
     }

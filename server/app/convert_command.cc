@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
@@ -11,6 +13,7 @@
 #include "server/app/options.h"
 #include "server/app/print.h"
 #include "server/model/readers.h"
+#include "server/model/resources.h"
 #include "server/model/text_file.h"
 #include "server/rosiml/translate.h"
 
@@ -64,8 +67,19 @@ int Convert(const ConvertOptions& options) {
   const fs::path out = options.out.empty() ? fs::path(name) : fs::path(options.out);
   const fs::path scenario = out / (name + ".scenario");
   std::vector<std::pair<fs::path, std::string>> files;
-  for (rosiml::MadeModel& model : made->models)
-    files.emplace_back(out / "robots" / model.name / "model.sdf", std::move(model.sdf.text));
+  std::map<fs::path, fs::path> meshes;
+  for (rosiml::MadeModel& model : made->models) {
+    const fs::path folder = (out / "robots" / model.name).lexically_normal();
+    files.emplace_back(folder / "model.sdf", std::move(model.sdf.text));
+    for (const std::string& mesh : model.mesh_files) {
+      const fs::path target = (folder / mesh).lexically_normal();
+      const auto [in_folder, in_target] = std::ranges::mismatch(folder, target);
+      if (in_folder != folder.end())
+        return Refuse("the mesh '" + mesh + "' does not lie beside the experiment: move it there");
+      std::string why;
+      if (const auto source = Resources(path.folders, file).Find(mesh, file, why)) meshes[target] = *source;
+    }
+  }
   files.emplace_back(scenario, std::move(made->scenario.text));
   for (const auto& [target, content] : files) {
     std::error_code error;
@@ -81,6 +95,11 @@ int Convert(const ConvertOptions& options) {
     const fs::path target = out / "controllers" / controller.filename();
     if (!fs::copy_file(controller, target, fs::copy_options::skip_existing, error) && error)
       return Refuse(target.string() + " cannot be written");
+  }
+  for (const auto& [target, source] : meshes) {
+    std::error_code error;
+    fs::create_directories(target.parent_path(), error);
+    if (!fs::copy_file(source, target, error)) return Refuse(target.string() + " cannot be written");
   }
   Print("wrote {0}; go on with\n  coopdyn serve {0}\n", scenario.string());
   return kExitOk;

@@ -196,6 +196,7 @@ std::string RobotPage(const RobotModel& robot, const std::string& type) {
   page += TableRow({"radius of its footprint", ShortNumber(robot.footprint_radius_m) + " m"});
   page += TableRow({"height", ShortNumber(robot.height_m) + " m"});
   for (const LinkModel& link : robot.links) {
+    if (link.is_carrier) continue;
     page += TableRow({"link " + CodeSpan(link.name), ShortNumber(link.mass_kg) + " kg"});
   }
   if (!robot.joints.empty()) {

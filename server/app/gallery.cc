@@ -108,7 +108,8 @@ std::vector<std::string> Gallery::NamesOf(GalleryKind kind) const {
 fs::path Gallery::FileOf(GalleryKind kind, const std::string& name) const {
   if (kind == GalleryKind::kRobot) return path_.FindRobot(name).value_or("");
   if (kind == GalleryKind::kWorld) return path_.FindWorld(name + ".world", {}).value_or("");
-  return path_.FindScenario(name + ".scenario").value_or("");
+  const auto scenario = path_.FindScenario(name + ".scenario");
+  return scenario ? *scenario : path_.FindScenario(name + ".xml").value_or("");
 }
 
 const Gallery::Known& Gallery::Look(GalleryKind kind, const std::string& name, const fs::path& file,

@@ -59,7 +59,7 @@ std::string Uploads::Objection(const std::string& name) {
         kMaxName, Printable(name));
   }
   if (extension == ".world" || extension == ".sdf" || extension == ".urdf") return {};
-  if (extension == ".scenario")
+  if (extension == ".scenario" || extension == ".xml")
     return "a scenario needs no upload: send its text to /simulation with load_scenario";
   return "only .world, .sdf and .urdf can be sent, and the text of a scenario to /simulation: not '" +
          Printable(name) + "'";

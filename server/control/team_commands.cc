@@ -70,7 +70,8 @@ TeamCommands::Refusal NotFinite(const std::string& word, const std::string& robo
 }  // namespace
 
 bool TeamCommands::Word::sets(const ActuatorModel& actuator) const {
-  return actuator.is_board() == sets_joints() && (group.empty() || group == actuator.module);
+  return (sets_joints() ? actuator.is_board() : actuator.is_drive()) &&
+         (group.empty() || group == actuator.module);
 }
 
 std::optional<TeamCommands::Refusal> TeamCommands::Read(std::string_view text) {
@@ -207,7 +208,7 @@ std::optional<TeamCommands::Refusal> TeamCommands::TranslateWheels(const Scene& 
       drive = model->drive();
       before = 0;
       for (const ActuatorModel& actuator : model->actuators) {
-        if (!actuator.is_board()) break;
+        if (actuator.is_drive()) break;
         before += actuator.joints.size();
       }
     }

@@ -83,7 +83,9 @@ std::vector<coopdyn_joint> JointsOf(const RobotModel& model) {
     if (actuator.is_board()) {
       modes |= 1u << COOPDYN_POSITION | 1u << COOPDYN_DIRECT | 1u << COOPDYN_EFFORT;
     }
-    if (!actuator.module.empty()) modes |= 1u << COOPDYN_VELOCITY;
+    const bool is_muscles = !actuator.is_board() && !actuator.is_drive();
+    if (is_muscles) modes |= 1u << COOPDYN_PWM;
+    if (!actuator.module.empty() && !is_muscles) modes |= 1u << COOPDYN_VELOCITY;
     const auto* drive = std::get_if<DriveModel>(&actuator.kind);
     for (const int index : actuator.joints) {
       const JointModel& of = model.joints[static_cast<std::size_t>(index)];
@@ -91,7 +93,7 @@ std::vector<coopdyn_joint> JointsOf(const RobotModel& model) {
                         .name = nullptr,
                         .modes = modes | (of.drive_train && actuator.is_board() ? 1u << COOPDYN_PWM : 0u),
                         .max_velocity = drive != nullptr ? drive->max_wheel_speed_rad_s : of.max_velocity,
-                        .slides = of.kind == JointModel::Kind::kSlider ? 1u : 0u,
+                        .slides = of.slides() ? 1u : 0u,
                         .lower = of.lower,
                         .upper = of.upper,
                         .max_effort = of.max_effort,

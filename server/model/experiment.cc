@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "server/model/resources.h"
 #include "server/model/text_file.h"
 #include "server/model/values.h"
 #include "server/rosiml/translate.h"
@@ -33,9 +34,9 @@ std::size_t XmlSize(const std::string& text) {
 
 /// Reads the model that `made` is; what is wrong in it is said at the lines of the experiment.
 std::shared_ptr<const RobotModel> ReadMade(const rosiml::MadeModel& made, const std::string& file,
-                                           Diagnostics& diagnostics) {
+                                           const Resources* resources, Diagnostics& diagnostics) {
   Diagnostics found;
-  auto model = ReadRobotModelText(made.sdf.text, file, made.type, found);
+  auto model = ReadRobotModelText(made.sdf.text, file, made.type, found, resources);
   for (const Diagnostic& one : found.all()) {
     const SourceLine where{file, LineIn(made.sdf.lines, one.where.line)};
     std::string text = "robot '" + made.name + "': " + one.text;
@@ -56,21 +57,23 @@ bool IsExperiment(const std::string& text, const std::string& file) {
 }
 
 std::vector<Section> ReadExperiment(const std::string& text, const std::string& file, const std::string& name,
-                                    const std::optional<std::filesystem::path>& beside, RobotLibrary& library,
-                                    Diagnostics& diagnostics) {
+                                    bool has_files, RobotLibrary& library, Diagnostics& diagnostics) {
   const std::size_t size = XmlSize(text);
   const std::string prefix = rosiml::Simple(name, 40) + ".";
+  const std::filesystem::path beside = has_files ? std::filesystem::absolute(file).parent_path() : "";
   const auto has_controller = [&](const std::string& controller) {
-    return library.path().FindController(controller, beside.value_or(std::filesystem::path())).has_value();
+    return library.path().FindController(controller, beside).has_value();
   };
   auto made =
       rosiml::Translate(std::string_view(text).substr(0, size), file, prefix, diagnostics, has_controller);
   if (!made) return {};
+  std::optional<Resources> resources;
+  if (has_files) resources.emplace(library.path().folders, file);
   for (const rosiml::MadeModel& model : made->models) {
     // A recording has its own.
     if (library.Embedded("robot", model.type) != nullptr || library.IsMade(model.type, model.sdf.text))
       continue;
-    if (auto read = ReadMade(model, file, diagnostics))
+    if (auto read = ReadMade(model, file, resources ? &*resources : nullptr, diagnostics))
       library.AddMade(model.type, model.sdf.text, std::move(read));
   }
   if (diagnostics.has_errors()) return {};  // robots without a model would be more mistakes
@@ -86,7 +89,7 @@ std::vector<Section> ReadExperiment(const std::string& text, const std::string& 
 }
 
 std::map<std::string, std::shared_ptr<const RobotModel>> ReadExperimentModels(
-    const std::filesystem::path& file, Diagnostics& diagnostics) {
+    const std::filesystem::path& file, const SearchPath& path, Diagnostics& diagnostics) {
   const std::string name = file.string();
   const auto text = ReadTextFile(name, {name, 0}, diagnostics);
   if (!text) return {};
@@ -94,7 +97,9 @@ std::map<std::string, std::shared_ptr<const RobotModel>> ReadExperimentModels(
       rosiml::Translate(std::string_view(*text).substr(0, XmlSize(*text)), name, "", diagnostics);
   std::map<std::string, std::shared_ptr<const RobotModel>> models;
   if (!made) return models;
-  for (const rosiml::MadeModel& model : made->models) models[model.name] = ReadMade(model, name, diagnostics);
+  const Resources resources(path.folders, file);
+  for (const rosiml::MadeModel& model : made->models)
+    models[model.name] = ReadMade(model, name, &resources, diagnostics);
   return models;
 }
 

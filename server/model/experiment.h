@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,14 +20,13 @@ namespace coopdyn {
 bool IsExperiment(const std::string& text, const std::string& file);
 
 /// The sections of the scenario that `text` is, with the lines of the XML, and of what stands behind it:
-/// [SET]. Its robots' models go to `library`; their types begin with `name`. Controllers are looked for
-/// `beside`, then on the search path.
+/// [SET]. Its robots' models go to `library`; their types begin with `name`. Not `has_files`: the text came
+/// without the meshes and controllers that it names.
 std::vector<Section> ReadExperiment(const std::string& text, const std::string& file, const std::string& name,
-                                    const std::optional<std::filesystem::path>& beside, RobotLibrary& library,
-                                    Diagnostics& diagnostics);
+                                    bool has_files, RobotLibrary& library, Diagnostics& diagnostics);
 
 /// The models of an experiment's file, by the names of their robots.
 std::map<std::string, std::shared_ptr<const RobotModel>> ReadExperimentModels(
-    const std::filesystem::path& file, Diagnostics& diagnostics);
+    const std::filesystem::path& file, const SearchPath& path, Diagnostics& diagnostics);
 
 }  // namespace coopdyn

@@ -209,9 +209,9 @@ std::optional<ModelMesh> LoadMesh(const std::filesystem::path& file, const Vecto
   std::string extension = ToLower(file.extension().string());
   if (!extension.empty()) extension.erase(0, 1);
   if (extension != "stl" && extension != "obj" && extension != "dae" && extension != "glb" &&
-      extension != "gltf")
+      extension != "gltf" && extension != "ply")
     return fail(
-        "meshes are read from .stl, .obj, .dae, .glb and .gltf: convert it, for example with Blender");
+        "meshes are read from .stl, .obj, .dae, .glb, .gltf and .ply: convert it, for example with Blender");
   std::error_code code;
   const auto size = std::filesystem::file_size(file, code);
   if (code) return fail("it cannot be read");

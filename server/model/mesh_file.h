@@ -26,7 +26,7 @@ struct ModelMesh {
 
 class Resources;
 
-/// The mesh of a .stl, .obj, .dae, .glb or .gltf file, each vertex times `scale`; of its part called
+/// The mesh of a .stl, .obj, .dae, .glb, .gltf or .ply file, each vertex times `scale`; of its part called
 /// `submesh` alone if that is not empty. What else the file names is looked up in `resources`. Nothing with
 /// an error at `where`.
 std::optional<ModelMesh> LoadMesh(const std::filesystem::path& file, const Vector3& scale,

@@ -94,18 +94,19 @@ void MeasureModel(ModelReading& reading) {
     reading.Warn(1, "no shape of the robot collides with anything: write a <collision>" +
                         std::string(robot.fixed_base ? "" : ", or it falls through the floor"));
   }
+  const bool lifts = reading.source.foreign || (reading.source.lifts && !robot.fixed_base);
   double low_m = JointModel::kInfinity;  // of what moves
   for (const LinkModel& link : robot.links) {
     if (robot.fixed_base && &link == robot.links.data()) continue;
     for (const LinkShape& shape : Body(link, collides)) {
       const double low = HeightsOf(shape.shape, link.X_RL * shape.X_LG).first;
       if (low < low_m) low_m = low;
-      if (robot.fixed_base || reading.source.foreign || low >= -1e-6) continue;
+      if (robot.fixed_base || lifts || low >= -1e-6) continue;
       reading.Error(0, "a collision of link '" + link.name + "' reaches " +
                            FormatNumber(std::round(-low * 1e6) * 1e-3) + " mm below the floor z = 0");
     }
   }
-  if (reading.source.foreign && low_m < 0) Lift(reading, low_m);
+  if (lifts && low_m < 0) Lift(reading, low_m);
   for (const LinkModel& link : robot.links) {
     for (const LinkShape& shape : Body(link, collides)) {
       const Pose X_RG = link.X_RL * shape.X_LG;

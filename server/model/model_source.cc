@@ -273,9 +273,10 @@ std::optional<ModelSource> ComposeModel(const std::string& given, const std::str
     return std::nullopt;
   }
   source.foreign = root->Attribute("coopdyn:foreign") == "true" || !HasOwnElements(*root);
+  source.lifts = root->Attribute("coopdyn:lift") == "true";
   const bool plain = !source.foreign && *minor >= 7 && *minor <= 9 && !HasAny(*root, "include") &&
                      !HasAny(*root, "mesh") && !HasAny(*root, "heightmap") && !HasAny(*root, "pbr") &&
-                     !HasAny(*root, "mimic") && !HasAny(*root, "screw_thread_pitch");
+                     !HasAny(*root, "mimic") && !HasAny(*root, "screw_thread_pitch") && !HasChains(*root);
   if (plain && !root->Has("xmlns:coopdyn")) {
     diagnostics.Error(root->where,
                       "write xmlns:coopdyn=\"https://coopdyn.dev/sdf\" in <sdf>: a robot needs elements "
@@ -293,6 +294,7 @@ void ComposeTree(XmlNode root, const Resources* resources, ModelSource& source, 
   Upgrade(root, root.Attribute("version"));
   root.Set("xmlns:coopdyn", "https://coopdyn.dev/sdf");
   ExpandIncludes(root, resources, diagnostics);
+  ExpandChains(*root.Child("model"), diagnostics);
   GatherMimics(*root.Child("model"));
   FreeNames(*root.Child("model"), diagnostics);
   CheckNames(*root.Child("model"), diagnostics);

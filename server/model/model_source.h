@@ -27,6 +27,7 @@ struct ModelSource {
   /// Made for other programs: what cannot be used is left out with a warning, and defaults fill the gaps.
   bool foreign = false;
   bool in_world = false;  // a world says where it stands
+  bool lifts = false;     // what reaches below the floor is put on it (coopdyn:lift)
 };
 
 /// `resources`: null for a text that came without files. Nothing if the text is hopeless (then reported).
@@ -51,6 +52,11 @@ void Upgrade(XmlNode& root, const std::string& version);
 /// a
 /// `<coopdyn:mimic>` of the model, `<screw_thread_pitch>` as the older `<thread_pitch>`.
 void GatherMimics(XmlNode& model);
+
+/// Writes joints of several axes in `model` (`<model>`) as chains of joints with one axis each:
+/// `<coopdyn:six_axis>`, and SDF's revolute2. Between them stand links without shapes (`coopdyn:carrier`).
+void ExpandChains(XmlNode& model, Diagnostics& diagnostics);
+bool HasChains(const XmlNode& node);
 
 /// Gives what libsdformat refuses other names: joints that are called like a link or `world` (`coopdyn:name`
 /// has what they are called), and shapes of one name in a link. A link `world` is the world itself.

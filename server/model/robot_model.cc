@@ -7,6 +7,10 @@
 namespace coopdyn {
 
 Setpoint Limit(const JointModel& joint, Setpoint setpoint) {
+  if (joint.muscle) {
+    if (setpoint.mode != ControlMode::kPwm) return {0, ControlMode::kIdle};
+    return {std::clamp(setpoint.reference, 0.0, 1.0), ControlMode::kPwm};
+  }
   switch (setpoint.mode) {
     case ControlMode::kPosition:
     case ControlMode::kDirect:
@@ -41,6 +45,8 @@ const char* ToString(JointModel::Kind kind) {
       return "universal";
     case JointModel::Kind::kScrew:
       return "screw";
+    case JointModel::Kind::kMuscle:
+      return "muscle";
   }
   return "";
 }

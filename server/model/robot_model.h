@@ -16,6 +16,7 @@
 
 #include "server/geometry/shape.h"
 #include "server/model/drive_train.h"
+#include "server/model/muscle.h"
 #include "server/model/sensor_models.h"
 #include "server/model/world_model.h"
 
@@ -39,6 +40,7 @@ struct LinkModel {
   Vector3 inertia_kg_m2;  // principal moments about the axes of I
   std::vector<LinkShape> collisions;
   std::vector<LinkShape> visuals;
+  bool is_carrier = false;  // between the axes of one joint: next to no mass, no shape
 };
 
 /// A link of the model's file. Fixed joints may have made it a part of another.
@@ -50,9 +52,10 @@ struct FrameModel {
 
 /// An axis about which (hinge: rad, N m), or along which (slider: m, N), the child moves against its parent.
 /// A screw turns about its axis (rad, N m) and moves along it by `pitch_m_rad`. Ball and universal joints
-/// turn freely about a point; nothing drives them.
+/// turn freely about a point; nothing drives them. A muscle joins nothing: it pulls two links together, and
+/// its position is its length (m, N).
 struct JointModel {
-  enum class Kind { kHinge, kSlider, kBall, kUniversal, kScrew };
+  enum class Kind { kHinge, kSlider, kBall, kUniversal, kScrew, kMuscle };
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
   std::string name;
@@ -72,14 +75,16 @@ struct JointModel {
   double pitch_m_rad = 0;                                     // of a screw: way along the axis per radian
   std::optional<DriveTrainModel> drive_train = std::nullopt;  // of a hinge of a control board
 
-  bool slides() const { return kind == Kind::kSlider; }
-  bool has_axis() const { return kind != Kind::kBall && kind != Kind::kUniversal; }
+  std::optional<MuscleModel> muscle = std::nullopt;  // if it is one
+
+  bool slides() const { return kind == Kind::kSlider || kind == Kind::kMuscle; }
+  bool has_axis() const { return kind != Kind::kBall && kind != Kind::kUniversal && kind != Kind::kMuscle; }
   /// A spring, a damper or friction works on it.
   bool is_resisted() const { return damping > 0 || friction > 0 || stiffness > 0; }
   bool has_stop() const { return lower > -kInfinity || upper < kInfinity; }
 };
 
-/// hinge, slider, ball, universal or screw.
+/// hinge, slider, ball, universal, screw or muscle.
 const char* ToString(JointModel::Kind kind);
 
 /// Gears, belts and URDF's <mimic>: the position of joints[follower] is multiplier · that of joints[leader] +
@@ -121,6 +126,9 @@ struct BoardModel {
   double encoder_noise_stddev = 0;
 };
 
+/// Muscles, by their activations.
+struct MusclesModel {};
+
 /// What an actuator does with a joint; the numbers are those of the wire. kKeep stands in commands alone: the
 /// channel goes on as it does.
 enum class ControlMode : std::uint8_t {
@@ -129,13 +137,13 @@ enum class ControlMode : std::uint8_t {
   kDirect = 2,
   kVelocity = 3,
   kEffort = 4,
-  kPwm = 5,  // the duty of the motor of a drive train
+  kPwm = 5,  // the duty of the motor of a drive train, the activation of a muscle
   kKeep = 255
 };
 inline constexpr int kControlModes = 6;  // that can be in force
 
 /// What is wanted of one channel: a joint axis. rad, rad/s or N m; of a sliding joint m, m/s or N; a duty
-/// from -1 to 1.
+/// from -1 to 1, an activation from 0 to 1.
 struct Setpoint {
   double reference = 0;
   ControlMode mode = ControlMode::kVelocity;
@@ -153,18 +161,19 @@ struct Setpoint {
   bool operator==(const Setpoint&) const = default;
 };
 
-/// Within the limits of a joint of a control board. Without a drive train a duty is idle.
+/// Within the limits of a joint of a control board, or of a muscle. Without a drive train a duty is idle.
 Setpoint Limit(const JointModel& joint, Setpoint setpoint);
 
 /// What moves joints on command. Its module is a slot of the command board.
 struct ActuatorModel {
   std::string module;       // its module's name; empty: it has none, and its joints are at rest
   std::vector<int> joints;  // index into joints: one channel each; of a drive the left and the right wheel
-  std::variant<DriveModel, BoardModel> kind;
+  std::variant<DriveModel, BoardModel, MusclesModel> kind;
 
   bool is_board() const { return std::holds_alternative<BoardModel>(kind); }
+  bool is_drive() const { return std::holds_alternative<DriveModel>(kind); }
   /// The word for such a module in a robot's SDF.
-  const char* type() const { return is_board() ? "joints" : "motors"; }
+  const char* type() const { return is_board() ? "joints" : is_drive() ? "motors" : "muscles"; }
 };
 
 /// A hardware module: its socket is /ROBOT/name.

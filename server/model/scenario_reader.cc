@@ -84,7 +84,7 @@ class ScenarioReader {
     scenario_->text = std::move(*decoded);
     if (by_socket_ || label_ == kPipe) scenario_->name = NameInText(scenario_->text);
     sections_ = IsExperiment(scenario_->text, label_)
-                    ? ReadExperiment(scenario_->text, label_, scenario_->name, FolderOf(label_, by_socket_),
+                    ? ReadExperiment(scenario_->text, label_, scenario_->name, !by_socket_ && label_ != kPipe,
                                      library_, diagnostics_)
                     : ReadSections(scenario_->text, label_, diagnostics_);
     ApplySettings(sections_, label_, diagnostics_);

@@ -109,10 +109,10 @@ class ExtensionReader {
       : file_(file), assembly_(assembly), robot_(robot), diagnostics_(diagnostics) {}
 
   void Read(const XMLElement& model) {
-    std::vector<std::string> known = {"coopdyn:drive", "coopdyn:group", "coopdyn:module"};
+    std::vector<std::string> known = {"coopdyn:drive", "coopdyn:group", "coopdyn:module", "coopdyn:muscle"};
     for (const std::string& element : SensorReader::Elements()) known.push_back(element);
     const XMLElement* drive = nullptr;
-    std::vector<const XMLElement*> modules, groups, sensors;
+    std::vector<const XMLElement*> modules, groups, muscles, sensors;
     for (const XMLElement* child = model.FirstChildElement(); child != nullptr;
          child = child->NextSiblingElement()) {
       const std::string name = child->Name();
@@ -125,6 +125,8 @@ class ExtensionReader {
         drive = child;
       } else if (name == "coopdyn:group") {
         groups.push_back(child);
+      } else if (name == "coopdyn:muscle") {
+        muscles.push_back(child);
       } else {
         sensors.push_back(child);
       }
@@ -140,6 +142,7 @@ class ExtensionReader {
       ReadGroup(attributes, robot_, diagnostics_);
     }
     if (groups.empty()) AddDefaultGroup(robot_);
+    for (const XMLElement* muscle : muscles) ReadMuscle(*muscle, file_, robot_, diagnostics_);
     for (const XMLElement* module : modules) ReadModule(*module);
     const XMLElement* root = model.Parent() == nullptr ? nullptr : model.Parent()->ToElement();
     const bool foreign = root != nullptr && root->Attribute("coopdyn:foreign") != nullptr;
@@ -307,7 +310,7 @@ class ExtensionReader {
 
   ActuatorModel* Drive() {
     for (ActuatorModel& actuator : robot_.actuators) {
-      if (!actuator.is_board()) return &actuator;
+      if (actuator.is_drive()) return &actuator;
     }
     return nullptr;
   }
@@ -331,6 +334,10 @@ class ExtensionReader {
     }
     if (*type == "joints") {
       attributes.Error("joints need no module: <coopdyn:group name=\"arm\" joints=\"…\"/> makes one");
+      return;
+    }
+    if (*type == "muscles") {
+      attributes.Error("muscles need no module: <coopdyn:muscle …/> makes one");
       return;
     }
     if (*type != "motors") {

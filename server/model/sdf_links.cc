@@ -71,7 +71,10 @@ class LinkReader {
         reading_.Error(line, "there are two links '" + out.name + "': give one another name");
       const std::vector<std::string> names = ReadCollisions(link, out);
       ReadVisuals(link, xml_link, out);
-      ReadInertial(link, out);
+      out.is_carrier = xml_link != nullptr && xml_link->Attribute("coopdyn:carrier") != nullptr;
+      const tinyxml2::XMLElement* inertial =
+          xml_link == nullptr ? nullptr : xml_link->FirstChildElement("inertial");
+      ReadInertial(link, inertial != nullptr && inertial->Attribute("coopdyn:solid") != nullptr, out);
       reading_.robot.links.push_back(std::move(out));
       reading_.assembly.links.push_back({reading_.robot.links.back().name, names});
       if (xml_link != nullptr) xml_link = xml_link->NextSiblingElement("link");
@@ -221,7 +224,8 @@ class LinkReader {
     out.inertia_kg_m2 = SolidInertia(shape, mass_kg).cwiseMax(1e-7 * mass_kg);
   }
 
-  void ReadInertial(const sdf::Link& link, LinkModel& out) {
+  /// `is_solid`: its moments are those of its first shape.
+  void ReadInertial(const sdf::Link& link, bool is_solid, LinkModel& out) {
     const std::string what = "link '" + out.name + "'";
     const int line = LineOf(link.Element());
     const bool foreign = reading_.source.foreign;
@@ -245,7 +249,8 @@ class LinkReader {
       reading_.Warn(inertial_line, what + " has no mass: it gets 10 g; write <mass> above 0");
       return GiveMass(kLight_kg, out);
     }
-    if (!std::isfinite(out.mass_kg) || out.mass_kg < (foreign ? 1e-9 : 1e-6) || out.mass_kg > 1e6) {
+    if (!std::isfinite(out.mass_kg) || out.mass_kg < (foreign || out.is_carrier ? 1e-9 : 1e-6) ||
+        out.mass_kg > 1e6) {
       reading_.Error(foreign ? inertial_line : line,
                      "the mass of " + what + " must be a positive number of kg, at most 1e6");
       return;
@@ -257,13 +262,18 @@ class LinkReader {
       GiveMass(out.mass_kg, out);
       out.X_LI = X_LI;
     };
+    if (is_solid) {
+      GiveMass(out.mass_kg, out);
+      out.X_LI = X_LI;
+      return;
+    }
     // SDF's default is 1 kg m^2, whatever the mass.
     if (!link.Element()->GetElement("inertial")->HasElement("inertia"))
       return take_solid(what + " needs <inertia>");
     const Vector3 principal = ToVector(matrix.PrincipalMoments());
     const double largest = principal.maxCoeff();
-    if (!principal.allFinite() || !(principal.minCoeff() > (foreign ? 0 : 1e-12)) || largest > 1e9 ||
-        principal.sum() - largest < largest * (1 - 1e-3)) {
+    if (!principal.allFinite() || !(principal.minCoeff() > (foreign || out.is_carrier ? 0 : 1e-12)) ||
+        largest > 1e9 || principal.sum() - largest < largest * (1 - 1e-3)) {
       const std::string wrong =
           "the inertia of " + what +
           " is not that of a body: moments must be positive, and no one above the sum of the others";

@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "server/base/diagnostics.h"
@@ -100,11 +101,14 @@ void ReadCouplings(const tinyxml2::XMLElement& model, std::span<const Gearbox> g
 struct ModelLines {
   std::vector<int> links, joints;
 };
+/// The two links of each muscle in `model` (`<model>`), index into the links of `robot`, before they are
+/// welded; what names others is left out.
+std::vector<std::pair<int, int>> TiesOf(const tinyxml2::XMLElement& model, const RobotModel& robot);
 /// Makes one link of those that `fixed` holds together, and the base the first of all: what is fixed to the
-/// world, else the first link that is no joint's child. Reports what does not hang together. `lines`: of
-/// `robot` as given.
-void WeldLinks(std::span<const FixedJoint> fixed, const ModelLines& lines, const std::string& file,
-               RobotModel& robot, Diagnostics& diagnostics);
+/// world, else the first link that is no joint's child. Reports what does not hang together, be it by `ties`.
+/// `lines`: of `robot` as given.
+void WeldLinks(std::span<const FixedJoint> fixed, std::vector<std::pair<int, int>> ties,
+               const ModelLines& lines, const std::string& file, RobotModel& robot, Diagnostics& diagnostics);
 
 /// A link of the model's file, before fixed joints made it a part of another.
 struct FileLink {
@@ -141,6 +145,9 @@ void ReadExtension(const tinyxml2::XMLElement& model, const std::string& file, c
 /// Reads a `<coopdyn:drivetrain>` of `joint`, whose axis is complete.
 void ReadDriveTrain(const tinyxml2::XMLElement& element, const std::string& file, JointModel& joint,
                     Diagnostics& diagnostics);
+/// Reads a `<coopdyn:muscle>` of `robot`, whose joints, links and groups are complete.
+void ReadMuscle(const tinyxml2::XMLElement& element, const std::string& file, RobotModel& robot,
+                Diagnostics& diagnostics);
 
 /// The attributes of one XML element, each asked for by name; what nobody asked for is reported. `element`
 /// and `diagnostics` outlive it. One thread.

@@ -42,7 +42,8 @@ class RobotReader {
     ReadLinks(scopes, reading);
     ReadJoints(scopes, reading);
     ReadAssembly(scopes, reading);
-    if (!diagnostics_.has_errors()) WeldLinks(reading.fixed, reading.lines, file_, *robot_, diagnostics_);
+    if (!diagnostics_.has_errors())
+      WeldLinks(reading.fixed, TiesOf(xml_model, *robot_), reading.lines, file_, *robot_, diagnostics_);
     if (!diagnostics_.has_errors()) FindCollisions(*robot_, reading.assembly);
     if (!diagnostics_.has_errors()) MakeHulls(reading);
     if (!diagnostics_.has_errors())

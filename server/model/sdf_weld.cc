@@ -42,8 +42,13 @@ void Merge(const LinkModel& from, LinkModel& to) {
 
 class Welder {
  public:
-  Welder(ModelLines lines, const std::string& file, RobotModel& robot, Diagnostics& diagnostics)
-      : lines_(std::move(lines)), file_(file), robot_(robot), diagnostics_(diagnostics) {}
+  Welder(ModelLines lines, std::vector<std::pair<int, int>> ties, const std::string& file, RobotModel& robot,
+         Diagnostics& diagnostics)
+      : lines_(std::move(lines)),
+        ties_(std::move(ties)),
+        file_(file),
+        robot_(robot),
+        diagnostics_(diagnostics) {}
 
   void Weld(std::span<const FixedJoint> fixed) {
     const std::vector<int> holders = Holders(fixed);
@@ -115,6 +120,10 @@ class Welder {
       joint.child = numbers[Index(joint.child)];
     }
     for (FrameModel& frame : robot_.frames) frame.link = numbers[Index(frame.link)];
+    for (auto& [from, to] : ties_) {
+      from = numbers[Index(from)];
+      to = numbers[Index(to)];
+    }
   }
 
   /// Keeps the links that are their own roots, the base first.
@@ -144,11 +153,14 @@ class Welder {
       if (joint.parent != joint.child) continue;
       Error(lines_.joints[i], "joint '" + joint.name + "' joins links that fixed joints hold together");
     }
-    for (std::size_t round = 0; round < robot_.joints.size(); ++round) {
+    for (std::size_t round = 0; round < robot_.joints.size() + ties_.size(); ++round) {
       for (const JointModel& joint : robot_.joints) {
         std::uint8_t& parent = reached[Index(joint.parent)];
         std::uint8_t& child = reached[Index(joint.child)];
         parent = child = parent | child;
+      }
+      for (const auto& [from, to] : ties_) {
+        reached[Index(from)] = reached[Index(to)] = reached[Index(from)] | reached[Index(to)];
       }
     }
     for (std::size_t i = 1; i < reached.size(); ++i) {
@@ -157,7 +169,8 @@ class Welder {
     }
   }
 
-  ModelLines lines_;  // of robot_'s links and joints
+  ModelLines lines_;                       // of robot_'s links and joints
+  std::vector<std::pair<int, int>> ties_;  // links that a muscle joins
   const std::string& file_;
   RobotModel& robot_;
   Diagnostics& diagnostics_;
@@ -165,10 +178,11 @@ class Welder {
 
 }  // namespace
 
-void WeldLinks(std::span<const FixedJoint> fixed, const ModelLines& lines, const std::string& file,
-               RobotModel& robot, Diagnostics& diagnostics) {
+void WeldLinks(std::span<const FixedJoint> fixed, std::vector<std::pair<int, int>> ties,
+               const ModelLines& lines, const std::string& file, RobotModel& robot,
+               Diagnostics& diagnostics) {
   if (robot.links.empty()) return;
-  Welder(lines, file, robot, diagnostics).Weld(fixed);
+  Welder(lines, std::move(ties), file, robot, diagnostics).Weld(fixed);
 }
 
 }  // namespace coopdyn

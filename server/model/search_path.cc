@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <fstream>
 #include <map>
 #include <set>
 #include <string_view>
@@ -70,6 +71,18 @@ std::vector<std::string> Stems(const std::vector<fs::path>& folders, std::initia
     if (path.extension() == extension) names.insert(path.stem().string());
   });
   return {names.begin(), names.end()};
+}
+
+/// Much else ends in .xml, too.
+bool IsExperimentFile(const fs::path& path) {
+  constexpr std::size_t kHead = 16'384;
+  std::error_code code;
+  if (!fs::is_regular_file(path, code)) return false;
+  std::ifstream stream(path, std::ios::binary);
+  std::string head(kHead, '\0');
+  stream.read(head.data(), static_cast<std::streamsize>(kHead));
+  head.resize(static_cast<std::size_t>(stream.gcount()));
+  return IsExperiment(head, "");
 }
 
 /// ExistingFile() in the first subfolder of a folder that has it.
@@ -192,7 +205,13 @@ std::vector<std::string> SearchPath::ControllerNames(const fs::path& beside) con
 }
 
 std::vector<std::string> SearchPath::ScenarioNames() const {
-  return Stems(folders, {".", "scenarios"}, ".scenario");
+  std::set<std::string> names;
+  ForAll(folders, {".", "scenarios"}, [&names](const fs::path& path) {
+    const fs::path extension = path.extension();
+    if (extension == ".scenario" || (extension == ".xml" && IsExperimentFile(path)))
+      names.insert(path.stem().string());
+  });
+  return {names.begin(), names.end()};
 }
 
 std::vector<std::string> SearchPath::WorldNames() const {
@@ -255,7 +274,7 @@ std::optional<std::map<std::string, std::shared_ptr<const RobotModel>>> ModelsOf
                                                                                  const SearchPath& path,
                                                                                  Diagnostics& diagnostics) {
   if (ToLower(world.extension().string()) == ".xml") {
-    auto models = ReadExperimentModels(world, diagnostics);
+    auto models = ReadExperimentModels(world, path, diagnostics);
     if (diagnostics.has_errors()) return std::nullopt;
     return models;
   }

@@ -173,6 +173,8 @@ void Forest::Measure(Node& node) {
       node.q_rel = q;
       for (int i = 0; i < 3; ++i) rates[i] = w[i];
       break;
+    case Kind::kMuscle:  // in no tree
+      break;
   }
 }
 
@@ -210,6 +212,8 @@ void Forest::AddAxes(const Node& node) {
     }
     case Kind::kBall:
       for (int i = 0; i < 3; ++i) axes[i] = turning(Vector3::Unit(i));
+      break;
+    case Kind::kMuscle:
       break;
   }
 }

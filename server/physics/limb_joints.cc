@@ -54,6 +54,7 @@ double LimbSolver::PositionOf(const Member& member, int joint) const {
   const Hinge hinge = HingeOf(member, joint);
   const JointModel& model = *member.mechanism->joints[static_cast<std::size_t>(joint)].model;
   if (hinge.node != kNone) return model.start + forest_.Position(hinge.node);
+  if (model.muscle) return PullOf(member, joint).length_m;
   if (model.kind == Kind::kSlider) {
     const Vector3 way = forest_.Point(hinge.child, model.p_RJ) - forest_.Point(hinge.parent, model.p_RJ);
     return model.start + way.dot(forest_.Axis(hinge.parent, model.axis_R));
@@ -141,7 +142,9 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
     const Joint& joint = mechanism.joints[i];
     const JointModel& model = *joint.model;
     const int index = static_cast<int>(i);
-    if (joint.control >= 0) {
+    if (model.muscle) {
+      AddMuscle(member, index, dt_s);
+    } else if (joint.control >= 0) {
       const JointRow& row = rows[static_cast<std::size_t>(joint.control)];
       if (!row.shares.empty()) {
         DriveByTrain(member, index, row.shares, dt_s);
@@ -249,6 +252,13 @@ double LimbSolver::JointRate(std::uint32_t thing, std::size_t joint) const {
   if (hinge.node != kNone) return rates_[static_cast<std::size_t>(forest_.FirstDof(hinge.node))];
   const JointModel& model = *member.mechanism->joints[joint].model;
   const BodyState &child = forest_.body(hinge.child), &parent = forest_.body(hinge.parent);
+  if (model.muscle) {
+    const Pull pull = PullOf(member, static_cast<int>(joint));
+    const auto velocity = [](const BodyState& body, const Vector3& p_W) -> Vector3 {
+      return body.v_WB + body.w_WB.cross(p_W - body.p_WB);
+    };
+    return pull.direction_W.dot(velocity(child, pull.p_to_W) - velocity(parent, pull.p_from_W));
+  }
   const Vector3 axis = forest_.Axis(hinge.parent, model.axis_R);
   if (model.kind != Kind::kSlider) return axis.dot(child.w_WB - parent.w_WB);
   const Vector3 p = forest_.Point(hinge.child, model.p_RJ);

@@ -108,6 +108,14 @@ class LimbSolver {
   void CloseLoop(const Member& member, int joint, double dt_s);
   void Couple(const Member& member, double dt_s);
   double PositionOf(const Member& member, int joint) const;
+  /// A muscle: where it pulls, between which nodes.
+  struct Pull {
+    int from = kNone, to = kNone;
+    Vector3 p_from_W, p_to_W, direction_W;  // from `from` to `to`
+    double length_m = 0;
+  };
+  Pull PullOf(const Member& member, int joint) const;
+  void AddMuscle(const Member& member, int joint, double dt_s);
   /// Adds scale times a joint's rate to a row.
   void AddRate(const Member& member, int joint, double scale, Row& row);
 

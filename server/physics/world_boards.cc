@@ -16,6 +16,7 @@ struct JointMotion {
   double rate = 0;
 };
 JointMotion MotionOf(const JointModel& joint, std::span<const RigidBody> rigid, const BodyState* bodies) {
+  if (joint.muscle) return {Vector3::Zero(), Vector3::Zero(), 0};  // no motor does its work
   const auto child = static_cast<std::size_t>(joint.child), parent = static_cast<std::size_t>(joint.parent);
   const Quaternion R_WR = bodies[child].orientation() * rigid[child].X_RB.q.conjugate();
   JointMotion motion;

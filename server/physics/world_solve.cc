@@ -317,7 +317,8 @@ void PhysicsWorld::ReadChannels(std::uint32_t thing, const Solver& solver, doubl
       [[maybe_unused]] const double last = channel.position;
       Turn(channel, solver.JointRate(thing, i), dt_s);
       if constexpr (std::is_same_v<Solver, LimbSolver>) {
-        if (joint.board != nullptr) channel.position = solver.JointPosition(thing, i, last);
+        if (joint.board != nullptr || joint.model->muscle)
+          channel.position = solver.JointPosition(thing, i, last);
       }
       channel.effort = solver.JointEffort(thing, i);
       if (joint.control < 0 || board_trains_.empty()) continue;

@@ -45,9 +45,9 @@ const JointModel& JointOf(const Scene& scene, std::size_t channel) {
   return model.joints[static_cast<std::size_t>(of.joint)];
 }
 
-/// Of its position. All joints are hinges; a sliding one would have "m".
-const char* UnitOf(const JointModel& /*joint*/) {
-  return "rad";
+/// Of its position.
+const char* UnitOf(const JointModel& joint) {
+  return joint.muscle ? "m" : "rad";
 }
 
 using Meta = std::unordered_map<std::string, std::string>;

@@ -25,7 +25,7 @@ struct RobotHostOptions {
   std::chrono::microseconds spin{0};  // IoThread
   std::size_t cores = 0;              // 0: those of this machine
   PortPlan* channel_ports = nullptr;  // of modules for clients of YARS; null: as all others
-  std::string channel_ports_file;     // begins the names of files that have these ports; empty: none
+  std::string channel_ports_file{};   // begins the names of files that have these ports; empty: none
 };
 
 class RobotHost {

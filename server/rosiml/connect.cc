@@ -45,7 +45,7 @@ class Connector {
  private:
   bool IsStill(int body) const { return movable_.bodies[Index(body)].mass_kg <= 0; }
 
-  /// The bodies that joints join to `first`, in the file's order.
+  /// The bodies that joints and muscles join to `first`, in the file's order.
   std::vector<int> Together(int first) {
     std::vector<int> found = {first};
     std::vector<bool> seen(movable_.bodies.size());
@@ -57,6 +57,13 @@ class Connector {
           seen[Index(end)] = true;
           found.push_back(end);
         }
+      }
+      for (const Muscle& muscle : movable_.muscles) {
+        if (muscle.source != found[i] && muscle.destination != found[i]) continue;
+        const int end = muscle.source == found[i] ? muscle.destination : muscle.source;
+        if (seen[Index(end)]) continue;
+        seen[Index(end)] = true;
+        found.push_back(end);
       }
     }
     std::ranges::sort(found);
@@ -76,6 +83,9 @@ class Connector {
     if (!is_fixed) X_WR = FindDrive(bodies, roots);
     if (roots.empty()) roots.push_back(first);
     Walk(roots, model);
+    for (const int body : bodies) {
+      if (!is_reached_[Index(body)]) Walk({body}, model);  // it hangs on a muscle alone
+    }
     if (X_WR) {
       OrderWheels(*X_WR, model);
       model.X_WR = *X_WR;
@@ -101,9 +111,10 @@ class Connector {
 
   /// Turns all joints away from the roots.
   void Walk(const std::vector<int>& roots, Model& model) {
-    model.bodies = roots;
+    std::size_t i = model.bodies.size();
+    model.bodies.insert(model.bodies.end(), roots.begin(), roots.end());
     for (const int root : roots) is_reached_[Index(root)] = true;
-    for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    for (; i < model.bodies.size(); ++i) {
       const int parent = model.bodies[i];
       for (const std::size_t j : joints_of_[Index(parent)]) {
         if (is_used_[j]) continue;
@@ -203,12 +214,20 @@ class Connector {
     return std::isfinite(low) ? low : 0;
   }
 
+  bool HasMesh(const std::vector<int>& bodies) const {
+    return std::ranges::any_of(bodies, [this](int body) {
+      return std::ranges::any_of(movable_.bodies[Index(body)].parts,
+                                 [](const Part& part) { return !part.mesh_file.empty(); });
+    });
+  }
+
   /// Under its base, turned like the movable or, without a pose of its own, its only body.
   Pose FrameOf(const Model& model, bool is_fixed) const {
     const Body& base = movable_.bodies[Index(model.bodies.front())];
     const double heading = Heading(movable_.is_robot ? movable_.X_WM.q : base.X_WB.q);
     Vector3 p = base.X_WB.p;
-    p.z() = is_fixed ? 0 : Lowest(model.bodies);
+    // How far a mesh reaches down stands in its file, which nobody has read yet: it stays where it is.
+    p.z() = is_fixed || HasMesh(model.bodies) ? 0 : Lowest(model.bodies);
     return {p, FromRollPitchYaw(0, 0, heading)};
   }
 

@@ -19,6 +19,7 @@ struct Part {
   double mass_kg = 0;
   std::string colour;  // "r g b"; empty: its body's
   int line = 0;
+  std::string mesh_file{};  // of a Mesh, whose data nobody has read yet
 };
 
 struct Body {
@@ -57,7 +58,7 @@ struct DriveTrain {
 };
 
 struct Joint {
-  enum class Kind { kHinge, kSlider, kBall, kFixed };
+  enum class Kind { kHinge, kSlider, kBall, kFixed, kSixAxis };
   static constexpr int kWorld = -1;
 
   std::string name;
@@ -72,6 +73,21 @@ struct Joint {
   std::optional<std::pair<double, double>> limit;  // least and most position, rad or m
   double friction = 0, damping = 0, stiffness = 0, rest = 0;
   std::optional<DriveTrain> drive_train;  // then it has no friction besides
+  /// Of a kSixAxis, from the source on: hinges and sliders called x, y, z, rx, ry, rz, along the axes of
+  /// X_WJ.
+  std::vector<Joint> axes{};
+  int line = 0;
+};
+
+/// Hill's: pulls a point of one body towards a point of another.
+struct Muscle {
+  std::string name;
+  int source = 0, destination = 0;  // index into Movable::bodies
+  Vector3 p_W_source, p_W_destination;
+  double max_force_n = 0;
+  double optimal_length_m = 0, width = 0, c = 0;
+  double max_velocity_m_s = 0, eccentric = 0, curvature = 0;
+  bool use_length = true, use_velocity = true;
   int line = 0;
 };
 
@@ -105,18 +121,22 @@ struct Mapped {
 /// A value that a client sets.
 struct MotorValue {
   std::string name;
-  int joint = 0;     // index into Movable::joints
-  std::string mode;  // velocity, direct, effort, pwm
+  int joint = 0;          // index into Movable::joints; -1: it is a muscle
+  std::string axis = {};  // of a joint that has several
+  std::string mode;       // velocity, direct, effort, pwm
   Mapped mapped = {};
   int line = 0;
+  int muscle = -1;  // index into Movable::muscles
 };
 
 /// Values that a client gets, of one sensor.
 struct SensorValue {
   std::string name;
-  int sensor = -1;  // index into Movable::sensors, or
-  int joint = -1;   // into Movable::joints, or
-  int body = -1;    // into Movable::bodies, at X_WN; none of them: of the world
+  int sensor = -1;        // index into Movable::sensors, or
+  int joint = -1;         // into Movable::joints, or
+  std::string axis = {};  // of a joint that has several
+  int muscle = -1;        // into Movable::muscles, or
+  int body = -1;          // into Movable::bodies, at X_WN; none of them: of the world
   Pose X_WN = {};
   std::vector<std::string> of = {};  // position, vx, …; of a sensor nothing
   bool in_body = false;              // velocities along its own axes
@@ -139,6 +159,7 @@ struct Movable {
   std::vector<Body> bodies;
   std::vector<Named> names;
   std::vector<Joint> joints;
+  std::vector<Muscle> muscles;
   std::vector<Sensor> sensors;
   std::vector<MotorValue> motors;   // what a client exchanges, in this order
   std::vector<SensorValue> values;  // likewise

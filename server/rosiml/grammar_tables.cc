@@ -6,13 +6,14 @@ namespace coopdyn::rosiml {
 namespace {
 
 constexpr Rule kPublic[] = {
-    {"&objects", "", "box sphere cylinder capsule ~ply composite macro"},
+    {"&objects", "", "box sphere cylinder capsule ply composite macro"},
     {"&parts", "", "pose? -visualisation physics!"},
     {"&sensed", "", "object=reference! mapping=ends? noise? ~filter"},
     {"&driven", "",
      "source=reference! destination=reference? force=most! velocity=most! pose! deflection? mapping=ends? "
      "-regular -limit "
      "-orthogonal ~pid noise? ~filter"},
+    {"&axis", "", "force=most! velocity=most! deflection? mapping=ends? -limit spring? ~pid noise? ~filter"},
     {"rosiml", "version!:s",
      "-comment simulator! ~screens? macros? environment? robots? ~traces? ~logging? ~signals?"},
     {"simulator", "frequency!:+", "-solver? control?"},
@@ -29,8 +30,9 @@ constexpr Rule kPublic[] = {
     {"sphere", "name!:s -visualise:b", "dimension=sphere_dimension! &parts"},
     {"cylinder", "name!:s -visualise:b", "dimension=round_dimension! &parts"},
     {"capsule", "name!:s -visualise:b", "dimension=round_dimension! &parts"},
+    {"ply", "name!:s filename!:s -convex:b -soft:b -visualise:b", "-dimension &parts"},
     {"composite", "name!:s -visualise:b", "geometry! &parts"},
-    {"geometry", "", "box=box sphere=sphere cylinder=cylinder capsule=capsule ~ply"},
+    {"geometry", "", "box=box sphere=sphere cylinder=cylinder capsule=capsule ply=ply"},
     {"box_dimension", "width!:+ depth!:+ height!:+", ""},
     {"sphere_dimension", "radius!:+", ""},
     {"round_dimension", "radius!:+ height!:+", ""},
@@ -49,14 +51,32 @@ constexpr Rule kPublic[] = {
     {"coordinates", "x!:b y!:b z!:b", ""},
     {"noise", "module!:gauss|white", "parameter"},
     {"body", "~selfCollide:b", "&objects"},
-    {"actuators", "", "hinge slider fixed ~generic ~muscle"},
+    {"actuators", "", "hinge slider fixed generic muscle"},
     {"hinge",
      "name!:s type!:velocity|angular|force|force_and_velocity|force_and_angle mode!:active|passive "
      "friction:0",
      "&driven"},
+    {"muscle", "name!:s -visualise:b -friction:n -erp:n -cfm:n",
+     "source=reference! destination=reference! srcAnchor=anchor! dstAnchor=anchor! force=most! -velocity "
+     "-deflection mapping=ends? lengthComponent! velocityComponent! -regular -limit -orthogonal "
+     "-visualisation "
+     "noise? ~filter"},
+    {"anchor", "coordinateSystem:local|global", "&objects"},
+    {"lengthComponent", "optimalLength!:+ w!:+ c!:0 use!:b", ""},
+    {"velocityComponent", "maxVelocity!:n N!:n K!:+ use!:b", ""},
     {"slider", "name!:s type!:positional|velocity|force|force_and_velocity mode!:active|passive friction:0",
      "&driven"},
     {"fixed", "name!:s", "source=reference! destination=reference? -pose"},
+    {"generic", "name!:s spring:b",
+     "source=reference! destination=reference? pose! rotational? translational?"},
+    {"rotational", "", "x=turning? y=turning? z=turning?"},
+    {"translational", "", "-limit x=sliding? y=sliding? z=sliding?"},
+    {"turning",
+     "type!:velocity|angular|force|force_and_velocity|force_and_angle mode!:active|passive friction:0",
+     "&axis"},
+    {"sliding", "type!:positional|velocity|force|force_and_velocity mode!:active|passive friction:0",
+     "&axis"},
+    {"spring", "stiffness!:0 damping!:0", ""},
     {"reference", "name!:s", ""},
     {"most", "max!:0 ~scaling:n", ""},
     {"deflection", "min!:n max!:n", ""},
@@ -64,13 +84,14 @@ constexpr Rule kPublic[] = {
      "proximity position=coordinate_sensor orientation=coordinate_sensor ov=coordinate_sensor "
      "oav=coordinate_sensor "
      "velocity=joint_sensor deflection=joint_sensor ldr binaryContact camera=camera_sensor "
-     "ambientLight=ambient_sensor sharpDM2Y3A003K0F=sharp sharpGP2D12_37=sharp ~generic ~muscle "
+     "ambientLight=ambient_sensor sharpDM2Y3A003K0F=sharp sharpGP2D12_37=sharp ~generic muscle=muscle_sensor "
      "~internalEnergy ~feedback ~signal"},
     {"proximity", "name!:s", "pose! distance! openingAngles! &sensed"},
     {"distance", "meter!:+", ""},
     {"openingAngles", "x!:0 y!:0", ""},
     {"coordinate_sensor", "name!:s global:b", "coordinates? domain=ends? &sensed"},
     {"joint_sensor", "name!:s", "domain=ends? &sensed"},
+    {"muscle_sensor", "name!:s", "-pose domain=ends? &sensed"},
     {"ldr", "name!:s opening!:0", "pose! colour=seen_colour? &sensed"},
     {"seen_colour", "value!:c", ""},
     {"camera_sensor", "name!:s", "pose! openingAngles! &sensed"},
@@ -132,9 +153,12 @@ constexpr Rule kPaper[] = {
     {"sharp", "name!:s model!:gp2d12|dm2y3a003k0f &exchanged", "pose? domain=ends? &exchanged"},
     {"camera_sensor", "name!:s width:i height:i opening:+", "pose?"},
     {"neighbours", "name!:s range!:+", ""},
-    {"connector", "name!:s type!:hinge|slider|ball|fixed|hinge2|complexHinge source!:s destination:s",
-     "pose? limit? drive? spring? damper=joint_factor? friction=joint_friction? read backlash? rotor? "
+    {"connector",
+     "name!:s type!:hinge|slider|ball|fixed|universal|hinge2|sixAxis|complexHinge source!:s destination:s",
+     "pose? axis limit? drive? spring? damper=joint_factor? friction=joint_friction? read backlash? rotor? "
      "coupling? pwm ~noise"},
+    {"axis", "name!:x|y|z|rx|ry|rz",
+     "limit? drive? spring? damper=joint_factor? friction=joint_factor? read"},
     {"limit", "min!:n max!:n", ""},
     {"drive", "type:velocity|position|force maxForce!:+ maxVelocity!:+", "mapping=ends? noise=value_noise?"},
     {"spring", "stiffness!:0 rest:n", ""},
@@ -157,13 +181,11 @@ constexpr NotYet kNotYet[] = {
     {"logging", "record the run, and export it: coopdyn serve --record, coopdyn export", kOther},
     {"signals", "they are left out"},
     {"reset", "reset the run with coopdyn reset, or a new seed"},
-    {"ply", "meshes of this form are not read: what one is in the environment is left out"},
     {"rollingFriction", "friction of sliding alone counts"},
     {"linearDamping", "bodies move without it"},
     {"angularDamping", "bodies turn without it"},
     {"selfCollide", "parts of one robot do not touch each other"},
-    {"generic", "joints of six axes and their sensors are left out, and their bodies are loose"},
-    {"muscle", "muscles and their sensors are left out, and their bodies are loose"},
+    {"generic", "sensors of joints of six axes are left out: motors tell positions and velocities"},
     {"noise", "values have none"},
     {"filter", "values are not filtered"},
     {"pid", "the motor reaches its velocity within its force"},

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The connectors of RoSiML as the YARS paper tells it.
+#include <algorithm>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "server/base/printable.h"
 #include "server/rosiml/reader.h"
+#include "server/rosiml/six_axis.h"
 
 namespace coopdyn::rosiml {
 
@@ -25,18 +28,14 @@ class PaperConnectors : Reader {
  private:
   void ReadConnector(const Element& element, Movable& movable) {
     const std::string type = Text(element, "type");
-    if (type == "hinge2") {
-      Warn(element, "a connector of type '" + type +
-                        "' is not simulated yet: it is left out, and its objects are loose");
-      return;
-    }
     Joint joint;
     joint.name = Text(element, "name");
     joint.line = element.GetLineNum();
-    joint.kind = type == "slider"  ? Joint::Kind::kSlider
-                 : type == "ball"  ? Joint::Kind::kBall
-                 : type == "fixed" ? Joint::Kind::kFixed
-                                   : Joint::Kind::kHinge;
+    joint.kind = type == "slider"                            ? Joint::Kind::kSlider
+                 : type == "ball"                            ? Joint::Kind::kBall
+                 : type == "fixed"                           ? Joint::Kind::kFixed
+                 : type == "hinge" || type == "complexHinge" ? Joint::Kind::kHinge
+                                                             : Joint::Kind::kSixAxis;
     const std::string destination = Text(element, "destination");
     const Named* const source = Find(movable, Text(element, "source"), element);
     const Named* const to = destination.empty() ? nullptr : Find(movable, destination, element);
@@ -45,15 +44,14 @@ class PaperConnectors : Reader {
     if (to != nullptr) joint.destination = to->body;
     joint.counts_source = to == nullptr;
     joint.X_WJ = source->X_WN * PoseIn(element);
-    if (const Element* drive = Child(element, "drive")) {
-      joint.is_driven = joint.kind == Joint::Kind::kHinge || joint.kind == Joint::Kind::kSlider;
-      if (!joint.is_driven) Error(*drive, "only a hinge or a slider has a <drive>");
-      const std::string kind = Text(*drive, "type");
-      joint.is_wheel = kind.empty() || kind == "velocity";
-      joint.max_effort = Number(*drive, "maxForce", 0);
-      joint.max_velocity = Number(*drive, "maxVelocity", 0);
+    ReadDrive(element, joint);
+    if (joint.kind == Joint::Kind::kSixAxis) {
+      ReadAxes(element, type, joint);
+    } else {
+      ReadResistance(element, joint);
+      if (const Element* axis = Child(element, "axis"))
+        Error(*axis, "only a connector of type universal, hinge2 or sixAxis has an <axis>");
     }
-    ReadResistance(element, joint);
     if (type == "complexHinge") {
       ReadDriveTrain(element, joint);
     } else {
@@ -62,17 +60,63 @@ class PaperConnectors : Reader {
     const Joint added = joint;
     const std::size_t before = movable.joints.size();
     AddJoint(movable, std::move(joint), element);
-    if (movable.joints.size() > before) AddExchange(element, added, movable);
+    if (movable.joints.size() == before) return;
+    AddExchange(element, added, "", movable);
+    ForEachChild(element, [&](const Element& child) {
+      if (std::string_view(child.Name()) != "axis") return;
+      const std::string name = Text(child, "name");
+      const auto axis = std::ranges::find(added.axes, name, &Joint::name);
+      if (axis != added.axes.end()) AddExchange(child, *axis, added.name, movable);
+    });
   }
 
-  /// What is set and read of the joint added last.
-  void AddExchange(const Element& element, const Joint& joint, Movable& movable) {
+  void ReadDrive(const Element& element, Joint& joint) {
+    const Element* drive = Child(element, "drive");
+    if (drive == nullptr) return;
+    joint.is_driven = joint.kind == Joint::Kind::kHinge || joint.kind == Joint::Kind::kSlider;
+    if (!joint.is_driven) Error(*drive, "only a hinge, a slider or an <axis> has a <drive>");
+    const std::string kind = Text(*drive, "type");
+    joint.is_wheel = kind.empty() || kind == "velocity";
+    joint.max_effort = Number(*drive, "maxForce", 0);
+    joint.max_velocity = Number(*drive, "maxVelocity", 0);
+  }
+
+  /// Of a joint of several axes.
+  void ReadAxes(const Element& element, const std::string& type, Joint& joint) {
+    for (const char* word : {"limit", "spring", "damper", "friction"}) {
+      if (const Element* child = Child(element, word))
+        Error(*child, std::string("<") + word + "> of a connector of type '" + type +
+                          "' stands in its <axis name=\"rx\">, ...");
+    }
+    joint.axes = AxesOfType(type);
+    for (Joint& axis : joint.axes) axis.line = joint.line;
+    std::vector<std::string> known;
+    ForEachChild(element, [&](const Element& child) {
+      if (std::string_view(child.Name()) != "axis") return;
+      const std::string name = Text(child, "name");
+      Joint* const axis = FindAxis(joint.axes, type, name);
+      if (axis == nullptr || std::ranges::find(known, name) != known.end()) {
+        Error(child, "a connector of type '" + type + "' has no further axis '" + Printable(name) + "'");
+        return;
+      }
+      known.push_back(name);
+      axis->line = child.GetLineNum();
+      ReadDrive(child, *axis);
+      ReadResistance(child, *axis);
+    });
+  }
+
+  /// What is set and read of the joint added last, or of its axis `joint` if it is `whole`.
+  void AddExchange(const Element& element, const Joint& joint, const std::string& whole, Movable& movable) {
     const int index = static_cast<int>(movable.joints.size()) - 1;
+    const std::string axis = whole.empty() ? "" : joint.name;
+    const std::string called = whole.empty() ? joint.name : whole + "_" + joint.name;
     const Element* const drive = Child(element, "drive");
     if (joint.is_driven) {
       const Element& at = drive == nullptr ? element : *drive;
       const std::string type = drive == nullptr ? "" : Text(*drive, "type");
-      MotorValue motor{.name = joint.name, .joint = index, .mode = "velocity", .line = at.GetLineNum()};
+      MotorValue motor{
+          .name = called, .joint = index, .axis = axis, .mode = "velocity", .line = at.GetLineNum()};
       std::optional<std::pair<double, double>> internal{{-joint.max_velocity, joint.max_velocity}};
       if (joint.drive_train && (type.empty() || Child(element, "pwm") != nullptr)) {
         motor.mode = "pwm";
@@ -97,8 +141,9 @@ class PaperConnectors : Reader {
       if ((what == "current" || what == "energy") && !joint.drive_train)
         return Warn(read, "<read what=\"" + what + "\"/> is told of a complexHinge alone: it is left out");
       const bool is_angle = what == "position" && joint.kind == Joint::Kind::kHinge;
-      SensorValue value{.name = joint.name + "_" + what,
+      SensorValue value{.name = called + "_" + what,
                         .joint = index,
+                        .axis = axis,
                         .of = {what == "force" ? "effort" : what},
                         .auxiliary = Flag(read, "auxiliary", false),
                         .line = read.GetLineNum()};

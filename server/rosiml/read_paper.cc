@@ -9,6 +9,7 @@
 #include "server/base/words.h"
 #include "server/rosiml/lines.h"
 #include "server/rosiml/reader.h"
+#include "server/rosiml/six_axis.h"
 
 namespace coopdyn::rosiml {
 
@@ -157,6 +158,7 @@ class PaperReader : Reader {
     if (type == "passive" || type == "moving") {
       for (Joint& joint : movable.joints) {
         joint.is_driven = false;
+        for (Joint& axis : joint.axes) axis.is_driven = false;
         if (joint.drive_train) joint.friction = joint.drive_train->dynamic_friction_nm;
       }
     }

@@ -10,6 +10,7 @@
 #include "server/base/words.h"
 #include "server/rosiml/lines.h"
 #include "server/rosiml/reader.h"
+#include "server/rosiml/six_axis.h"
 
 namespace coopdyn::rosiml {
 
@@ -75,7 +76,7 @@ class PublicReader : Reader {
       } else if (kind == "ambientLight") {
         experiment_.simulation.push_back(
             {"ambient_light " + Exact(Number(child, "brightness", 0)), child.GetLineNum()});
-      } else if (IsObject(kind) && kind != "ply") {
+      } else if (IsObject(kind)) {
         Movable all;  // a macro may have several
         ReadObject(child, Pose{}, "", all, 0);
         for (Body& body : all.bodies) {
@@ -97,13 +98,6 @@ class PublicReader : Reader {
       return;
     }
     experiment_.simulation.push_back({"gravity " + Exact(-z), gravity.GetLineNum()});
-  }
-
-  static bool IsObject(std::string_view kind) {
-    for (const char* object : {"box", "sphere", "cylinder", "capsule", "ply", "composite", "macro"}) {
-      if (kind == object) return true;
-    }
-    return false;
   }
 
   /// A body, or those of a macro, moved by X_WO; their names begin with `prefix`.
@@ -142,11 +136,14 @@ class PublicReader : Reader {
   }
 
   Part PartOf(const Element& object, const Pose& X_BG) {
-    if (std::string_view(object.Name()) == "ply")
-      Error(object, "a mesh is not read: write a shape of its size instead, for example <box>");
     Part part;
     const Element* lengths = Child(object, "dimension");
-    if (lengths != nullptr) part.shape = ShapeOf(object.Name(), *lengths);
+    if (std::string_view(object.Name()) == "ply") {
+      part.shape = Mesh{};
+      part.mesh_file = Text(object, "filename");
+    } else if (lengths != nullptr) {
+      part.shape = ShapeOf(object.Name(), *lengths);
+    }
     part.X_BG = X_BG;
     const Element* physics = Child(object, "physics");
     part.mass_kg = physics == nullptr ? 1 : NumberIn(*physics, "mass", "kg", 1);
@@ -200,7 +197,7 @@ class PublicReader : Reader {
     }
     if (robot.bodies.empty()) Error(element, "the robot has no body: write at least one <box>, <sphere>, …");
     if (const Element* actuators = Child(element, "actuators"))
-      ForEachChild(*actuators, [&](const Element& actuator) { ReadActuator(actuator, robot); });
+      ReadActuators(*actuators, robot, file(), diagnostics());
     if (const Element* sensors = Child(element, "sensors"))
       ForEachChild(*sensors, [&](const Element& sensor) { ReadSensor(sensor, robot); });
     if (const Element* controller = Child(element, "controller")) {
@@ -211,99 +208,11 @@ class PublicReader : Reader {
     experiment_.robots.push_back(std::move(robot));
   }
 
-  void ReadActuator(const Element& element, Movable& robot) {
-    const std::string_view kind = element.Name();
-    if (kind != "hinge" && kind != "slider" && kind != "fixed") return;
-    Joint joint;
-    joint.name = Text(element, "name");
-    joint.line = element.GetLineNum();
-    joint.kind = kind == "hinge"    ? Joint::Kind::kHinge
-                 : kind == "slider" ? Joint::Kind::kSlider
-                                    : Joint::Kind::kFixed;
-    const Element* destination = Child(element, "destination");
-    const Named* const source = Find(robot, TextIn(element, "source", "name"), element);
-    const Named* const to =
-        destination == nullptr ? nullptr : Find(robot, Text(*destination, "name"), *destination);
-    if (source == nullptr || (destination != nullptr && to == nullptr)) return;
-    joint.source = source->body;
-    if (to != nullptr) joint.destination = to->body;
-    joint.X_WJ = source->X_WN;
-    if (const Element* pose = Child(element, "pose"))
-      joint.X_WJ = Flag(*pose, "global", false) ? PoseOf(*pose) : source->X_WN * PoseOf(*pose);
-    if (joint.kind != Joint::Kind::kFixed) ReadMotor(element, joint);
-    const Joint added = joint;
-    const std::size_t before = robot.joints.size();
-    AddJoint(robot, std::move(joint), element);
-    if (added.is_driven && robot.joints.size() > before) AddMotorValue(element, added, robot);
-  }
-
-  /// What a client sets of the joint added last.
-  void AddMotorValue(const Element& element, const Joint& joint, Movable& robot) {
-    const std::string type = Text(element, "type");
-    MotorValue motor{.name = joint.name,
-                     .joint = static_cast<int>(robot.joints.size()) - 1,
-                     .mode = "velocity",
-                     .line = element.GetLineNum()};
-    const double fastest = joint.max_velocity, most = joint.max_effort;
-    std::optional<std::pair<double, double>> internal{{-fastest, fastest}};
-    if (type == "force and velocity" || type == "force and angle") {
-      MotorValue force = motor;
-      force.name += "_force";
-      force.mode = "ignored";
-      force.mapped = MappedOf(element, std::pair(0.0, most));
-      robot.motors.push_back(std::move(force));
-      if (!said_force_)
-        Warn(element, "the first value of '" + Printable(type) +
-                          "' changes nothing: the motor always has its greatest force");
-      said_force_ = true;
-    }
-    if (type == "force") {
-      motor.mode = "effort";
-      internal = {-most, most};
-    } else if (type == "angular" || type == "positional" || type == "force and angle") {
-      motor.mode = "direct";
-      internal = joint.limit;
-    }
-    motor.mapped = MappedOf(element, internal);
-    robot.motors.push_back(std::move(motor));
-  }
-
-  void ReadMotor(const Element& element, Joint& joint) {
-    const std::string type = Text(element, "type");
-    const bool is_active = Text(element, "mode") == "active";
-    const bool to_position = type == "angular" || type == "positional" || type == "force and angle";
-    // Its motor turns the source; its angle is that of the destination. One bound to the world has but one
-    // body.
-    joint.counts_source = joint.destination == Joint::kWorld || (is_active && !to_position);
-    joint.is_wheel = is_active && type == "velocity";
-    joint.max_effort = NumberIn(element, "force", "max", 0);
-    joint.max_velocity = NumberIn(element, "velocity", "max", 0);
-    joint.is_driven = is_active && joint.max_effort > 0 && joint.max_velocity > 0;
-    if (is_active && !joint.is_driven)
-      Warn(element, "the joint '" + Printable(joint.name) +
-                        "' has no motor: its force and its velocity must be above 0");
-    if (!is_active) joint.friction = Number(element, "friction", 0);
-    const Element* deflection = Child(element, "deflection");
-    if (deflection == nullptr) return;
-    const double unit = joint.kind == Joint::Kind::kHinge ? kRadPerDeg : 1;
-    double least = Number(*deflection, "min", 0) * unit, most = Number(*deflection, "max", 0) * unit;
-    if (least > most) {
-      Error(*deflection, "'min' of <deflection> must not lie above 'max'");
-      return;
-    }
-    // The stops are those of the angle of the destination, whatever the motor turns.
-    if (is_active && !to_position && joint.destination != Joint::kWorld) {
-      std::swap(least, most);
-      least = -least;
-      most = -most;
-    }
-    joint.limit = {least, most};
-  }
-
   void ReadSensor(const Element& element, Movable& robot) {
     const std::string_view kind = element.Name();
     const std::string object = TextIn(element, "object", "name");
     if (kind == "velocity" || kind == "deflection") return ReadJointSensor(element, object, robot);
+    if (kind == "muscle") return ReadMuscleSensor(element, object, robot);
     const bool is_sharp = kind == "sharpGP2D12_37" || kind == "sharpDM2Y3A003K0F";
     const bool is_known = is_sharp || kind == "proximity" || kind == "ldr" || kind == "binaryContact" ||
                           kind == "camera" || kind == "position" || kind == "orientation" || kind == "ov" ||
@@ -377,6 +286,24 @@ class PublicReader : Reader {
     robot.sensors.push_back(std::move(sensor));
   }
 
+  /// Force, velocity and length; the module `muscles` tells the factors, too.
+  void ReadMuscleSensor(const Element& element, const std::string& name, Movable& robot) {
+    std::vector<std::string> names;
+    for (const Muscle& muscle : robot.muscles) names.push_back(muscle.name);
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end()) {
+      if (!name.empty())
+        Warn(element, "there is no muscle '" + Printable(name) + "'" + DidYouMean(name, names));
+      return;
+    }
+    SensorValue value{.name = Text(element, "name"),
+                      .muscle = static_cast<int>(found - names.begin()),
+                      .of = {"effort", "velocity", "position"},
+                      .line = element.GetLineNum()};
+    value.mapped = MappedOf(element, std::nullopt);
+    robot.values.push_back(std::move(value));
+  }
+
   /// Those of x, y and z that <coordinates> wants.
   void AddPlace(const Element& element, const Named& at, std::vector<std::string> all, Movable& robot) {
     SensorValue value{.name = Text(element, "name"),
@@ -431,7 +358,6 @@ class PublicReader : Reader {
   std::map<std::string, const Element*> macros_;
   int uses_ = 0;          // of macros
   bool is_full_ = false;  // they go too deep, or make too many bodies
-  bool said_force_ = false;
   double frequency_hz_ = 100;
   HasController has_controller_;
 };

@@ -18,6 +18,9 @@ inline constexpr double kRadPerDeg = std::numbers::pi / 180;
 Experiment ReadPublic(const Element& root, const std::string& file, const HasController& has_controller,
                       Diagnostics& diagnostics);
 Experiment ReadPaper(const Element& root, const std::string& file, Diagnostics& diagnostics);
+/// Adds the joints and muscles of a robot of the public grammar, which has all its bodies.
+void ReadActuators(const Element& actuators, Movable& robot, const std::string& file,
+                   Diagnostics& diagnostics);
 /// Adds the joints of a body of the paper's grammar to `movable`, which has all its objects.
 void ReadConnectors(const Element& body, Movable& movable, const std::string& file, Diagnostics& diagnostics);
 
@@ -32,6 +35,14 @@ class Reader {
   }
   void Warn(const Element& at, std::string text) {
     diagnostics_.Warning({file_, at.GetLineNum()}, std::move(text));
+  }
+
+  /// Whether an element of the public grammar is a body, or stands for some.
+  static bool IsObject(std::string_view kind) {
+    for (const char* object : {"box", "sphere", "cylinder", "capsule", "ply", "composite", "macro"}) {
+      if (kind == object) return true;
+    }
+    return false;
   }
 
   /// box, sphere, cylinder or capsule with the lengths that `lengths` has.

@@ -19,6 +19,7 @@ struct MadeModel {
   std::string name;
   std::string type;  // as the scenario calls it
   MadeText sdf;
+  std::vector<std::string> mesh_files;  // as the experiment names them
 };
 
 struct Translation {

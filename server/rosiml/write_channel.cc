@@ -33,8 +33,9 @@ std::string WordsOf(const Mapped& mapped) {
 MadeText WriteChannel(const Movable& movable, const ChannelPlaces& places) {
   MadeText inside, out;
   for (const MotorValue& motor : movable.motors) {
-    const std::string joint = places.joint(motor.joint);
+    std::string joint = motor.joint < 0 ? places.muscle(motor.muscle) : places.joint(motor.joint);
     if (joint.empty()) continue;
+    if (!motor.axis.empty()) joint += "." + motor.axis;
     inside.Add(motor.line, "<coopdyn:motor" + Attribute("name", PlainName(motor.name)) +
                                Attribute("joint", joint) + Attribute("mode", motor.mode) +
                                WordsOf(motor.mapped) + "/>");
@@ -49,9 +50,10 @@ MadeText WriteChannel(const Movable& movable, const ChannelPlaces& places) {
       if (!where.empty()) inside.Add(value.line, begin + where + end);
       continue;
     }
-    if (value.joint >= 0) {
-      const std::string joint = places.joint(value.joint);
+    if (value.joint >= 0 || value.muscle >= 0) {
+      std::string joint = value.joint < 0 ? places.muscle(value.muscle) : places.joint(value.joint);
       if (joint.empty()) continue;
+      if (!value.axis.empty()) joint += "." + value.axis;
       where = Attribute("joint", joint);
     } else if (value.body >= 0) {
       where = places.place(value.body, value.X_WN);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "server/base/printable.h"
@@ -121,6 +122,7 @@ class ScenarioWriter {
     const bool is_moved =
         !body.parts.front().X_BG.p.isZero() || !body.parts.front().X_BG.q.isApprox(Quaternion::Identity());
     return !std::holds_alternative<Capsule>(body.parts.front().shape) &&
+           !std::holds_alternative<Mesh>(body.parts.front().shape) &&
            !(is_moved && !movable.random.ranges.empty());
   }
 
@@ -175,6 +177,16 @@ class ScenarioWriter {
     return true;
   }
 
+  static std::vector<std::string> MeshFilesOf(const Movable& movable, const Model& model) {
+    std::set<std::string> files;
+    for (const int body : model.bodies) {
+      for (const Part& part : movable.bodies[static_cast<std::size_t>(body)].parts) {
+        if (!part.mesh_file.empty()) files.insert(part.mesh_file);
+      }
+    }
+    return {files.begin(), files.end()};
+  }
+
   void WriteRobots(const Movable& movable) {
     const std::vector<Model> models = Connect(movable, file_, diagnostics_);
     for (std::size_t i = 0; i < models.size() && !IsFull(movable); ++i) {
@@ -195,7 +207,7 @@ class ScenarioWriter {
       if (!movable.colour.empty()) Add(line, "color " + movable.colour);
       if (i == 0 && !movable.controller.empty()) Add(line, "controller " + movable.controller);
       if (!written.has_modules) Add(line, "sockets no");
-      out_.models.push_back({name, prefix_ + name, std::move(written.sdf)});
+      out_.models.push_back({name, prefix_ + name, std::move(written.sdf), MeshFilesOf(movable, model)});
       if (i > 0) continue;
       RandomisePlace(section, movable.random, p, p.z() - base.X_WB.p.z());
       RandomiseHeading(section, movable.random, model.X_WR.q);

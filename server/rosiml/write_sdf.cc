@@ -18,9 +18,19 @@ std::string Tag(const char* tag, const std::string& text) {
   return std::string("<") + tag + ">" + text + "</" + tag + ">";
 }
 
-std::string GeometryOf(const Shape& shape) {
+std::string Escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text)
+    out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
+  return out;
+}
+
+std::string GeometryOf(const Part& part) {
+  const Shape& shape = part.shape;
   std::string inside;
-  if (const auto* box = std::get_if<Box>(&shape)) {
+  if (std::holds_alternative<Mesh>(shape)) {
+    inside = Tag("mesh", Tag("uri", Escaped(part.mesh_file)));
+  } else if (const auto* box = std::get_if<Box>(&shape)) {
     inside = Tag("box", Tag("size", Places(box->size_m)));
   } else if (const auto* sphere = std::get_if<Sphere>(&shape)) {
     inside = Tag("sphere", Tag("radius", Exact(sphere->radius_m)));
@@ -41,12 +51,16 @@ class SdfWriter {
       : movable_(movable), model_(model), file_(file), diagnostics_(diagnostics) {}
 
   WrittenModel Write(const std::string& name) {
-    Add(movable_.line, "<sdf version=\"1.9\" xmlns:coopdyn=\"https://coopdyn.dev/sdf\">");
+    // How far meshes reach down stands in their files.
+    const bool lifts = std::ranges::any_of(model_.bodies, [this](int body) { return HasMesh(BodyOf(body)); });
+    Add(movable_.line, std::string("<sdf version=\"1.9\" xmlns:coopdyn=\"https://coopdyn.dev/sdf\"") +
+                           (lifts ? " coopdyn:lift=\"true\">" : ">"));
     Add(movable_.line, "<model name=\"" + name + "\">");
     for (const int body : model_.bodies) WriteBody(body);
     WriteStill();
     for (std::size_t i = 0; i < model_.links.size(); ++i) WriteJoint(i);
     WriteDrive();
+    for (std::size_t i = 0; i < movable_.muscles.size(); ++i) WriteMuscle(static_cast<int>(i));
     WriteSensors();
     WriteExchange();
     Module(movable_.line, "pose", "pose");
@@ -58,6 +72,9 @@ class SdfWriter {
  private:
   static std::size_t Index(int i) { return static_cast<std::size_t>(i); }
   const Body& BodyOf(int body) const { return movable_.bodies[Index(body)]; }
+  static bool HasMesh(const Body& body) {
+    return std::ranges::any_of(body.parts, [](const Part& part) { return !part.mesh_file.empty(); });
+  }
   void Add(int line, const std::string& text) { written_.sdf.Add(line, text); }
   void Warn(int line, std::string text) { diagnostics_.Warning({file_, line}, std::move(text)); }
 
@@ -74,7 +91,7 @@ class SdfWriter {
     WriteInertia(body);
     int number = 0;
     for (const Part& part : body.parts) {
-      const std::string shape = Tag("pose", Places(part.X_BG)) + GeometryOf(part.shape);
+      const std::string shape = Tag("pose", Places(part.X_BG)) + GeometryOf(part);
       const std::string part_name = "\"s" + std::to_string(++number) + "\"";
       std::string surface = Tag("friction", Tag("ode", Tag("mu", Exact(body.friction))));
       if (body.restitution > 0)
@@ -105,10 +122,18 @@ class SdfWriter {
       const Part& part = body.parts[i];
       const Matrix3 R = part.X_BG.q.toRotationMatrix();
       const Vector3 d = part.X_BG.p - centre;
+      if (!part.mesh_file.empty()) continue;
       inertia += R * SolidInertia(part.shape, masses[i]).asDiagonal() * R.transpose() +
                  masses[i] * (d.squaredNorm() * Matrix3::Identity() - d * d.transpose());
     }
     if (body.centre_of_mass) centre = *body.centre_of_mass;
+    if (HasMesh(body)) {
+      // Who reads the file knows its shape.
+      Add(body.line, "<inertial coopdyn:solid=\"true\">" +
+                         Tag("pose", Places(Pose{centre, Quaternion::Identity()})) +
+                         Tag("mass", Exact(mass_kg)) + "</inertial>");
+      return;
+    }
     Add(body.line,
         "<inertial>" + Tag("pose", Places(Pose{centre, Quaternion::Identity()})) +
             Tag("mass", Exact(mass_kg)) +
@@ -141,6 +166,7 @@ class SdfWriter {
     }
     const std::string name = names_.New(joint.name);
     joint_names_.push_back(name);
+    if (joint.kind == Joint::Kind::kSixAxis) return WriteSixAxis(joint, link, name);
     const Body& child = BodyOf(link.child);
     Pose X_CJ = child.X_WB.Inverse() * joint.X_WJ;
     X_CJ.q = Quaternion::Identity();
@@ -184,16 +210,63 @@ class SdfWriter {
     Add(train.line, "</coopdyn:drivetrain>");
   }
 
-  std::string AxisOf(const Joint& joint, const Model::Link& link) {
-    Vector3 axis = model_.X_WR.q.conjugate() * (joint.X_WJ.q * Vector3::UnitX());
-    if (link.is_turned) axis = -axis;
-    std::string limit;
+  void WriteSixAxis(const Joint& joint, const Model::Link& link, const std::string& name) {
+    // Seen from the other end the axes follow in the other order, and point the other way.
+    const bool is_back = link.parent != Joint::kWorld && link.child == joint.source;
+    std::vector<Joint> axes = joint.axes;
+    if (is_back) std::ranges::reverse(axes);
+    Add(joint.line, "<coopdyn:six_axis name=\"" + name + "\" parent=\"" +
+                        (link.parent == Joint::kWorld ? "world" : links_[link.parent]) + "\" child=\"" +
+                        links_[link.child] + "\" relative_to=\"__model__\" pose=\"" +
+                        Places(model_.X_WR.Inverse() * joint.X_WJ) + "\">");
+    for (const Joint& axis : axes) {
+      std::string text = "<coopdyn:axis name=\"" + axis.name + "\"";
+      const auto word = [&text](const char* key, double value) {
+        text += std::string(" ") + key + "=\"" + Exact(value) + "\"";
+      };
+      if (axis.counts_source != is_back) {
+        const char letter = axis.name.back();
+        text += std::string(" xyz=\"") +
+                (letter == 'x'   ? "-1 0 0"
+                 : letter == 'y' ? "0 -1 0"
+                                 : "0 0 -1") +
+                "\"";
+      }
+      if (axis.limit && !IsFar(axis)) {
+        word("lower", axis.limit->first);
+        word("upper", axis.limit->second);
+      }
+      if (axis.is_driven) {
+        word("max_effort", axis.max_effort);
+        word("max_velocity", axis.max_velocity);
+      }
+      if (axis.damping > 0) word("damping", axis.damping);
+      if (axis.friction > 0) word("friction", axis.friction);
+      if (axis.stiffness > 0) {
+        word("rest", axis.rest);
+        word("stiffness", axis.stiffness);
+      }
+      Add(axis.line, text + "/>");
+      written_.has_modules = written_.has_modules || axis.is_driven;
+    }
+    Add(joint.line, "</coopdyn:six_axis>");
+  }
+
+  /// Whether it has stops that it cannot have.
+  bool IsFar(const Joint& joint) {
     const bool is_far = joint.limit && joint.kind == Joint::Kind::kHinge && !joint.is_driven &&
                         (joint.limit->first < -std::numbers::pi || joint.limit->second > std::numbers::pi);
     if (is_far)
       Warn(joint.line,
            "stops of '" + Printable(joint.name) + "' beyond 180 degrees need a motor: it has none");
-    if (joint.limit && !is_far)
+    return is_far;
+  }
+
+  std::string AxisOf(const Joint& joint, const Model::Link& link) {
+    Vector3 axis = model_.X_WR.q.conjugate() * (joint.X_WJ.q * Vector3::UnitX());
+    if (link.is_turned) axis = -axis;
+    std::string limit;
+    if (joint.limit && !IsFar(joint))
       limit += Tag("lower", Exact(joint.limit->first)) + Tag("upper", Exact(joint.limit->second));
     if (joint.is_driven && joint.max_effort > 0)
       limit += Tag("effort", Exact(joint.max_effort)) + Tag("velocity", Exact(joint.max_velocity));
@@ -215,6 +288,35 @@ class SdfWriter {
     Add(line, "<coopdyn:drive left_joint=\"" + joint_names_[Index(left)] + "\" right_joint=\"" +
                   joint_names_[Index(right)] + "\"/>");
     Module(line, "motors", "motors");
+  }
+
+  void WriteMuscle(int index) {
+    const Muscle& muscle = movable_.muscles[Index(index)];
+    if (!links_.contains(muscle.source)) return;
+    const std::string& name = muscle_names_.emplace(index, names_.New(muscle.name)).first->second;
+    const auto point = [this](int body, const Vector3& p_W) {
+      return Places(Vector3(BodyOf(body).X_WB.Inverse() * p_W));
+    };
+    std::string text = "<coopdyn:muscle name=\"" + name + "\" from=\"" + links_[muscle.source] +
+                       "\" from_point=\"" + point(muscle.source, muscle.p_W_source) + "\" to=\"" +
+                       links_[muscle.destination] + "\" to_point=\"" +
+                       point(muscle.destination, muscle.p_W_destination) + "\"";
+    const auto write = [&text](const char* name, double value) {
+      text += std::string(" ") + name + "=\"" + Exact(value) + "\"";
+    };
+    write("max_force_n", muscle.max_force_n);
+    write("optimal_length_m", muscle.optimal_length_m);
+    write("width", muscle.width);
+    write("c", muscle.c);
+    if (muscle.use_velocity) {
+      write("max_velocity_m_s", muscle.max_velocity_m_s);
+      write("eccentric", muscle.eccentric);
+      write("curvature", muscle.curvature);
+    }
+    if (!muscle.use_length) text += " use_length=\"false\"";
+    if (!muscle.use_velocity) text += " use_velocity=\"false\"";
+    Add(muscle.line, text + "/>");
+    written_.has_modules = true;
   }
 
   bool IsHere(const Sensor& sensor) const { return links_.contains(sensor.body); }
@@ -312,6 +414,11 @@ class SdfWriter {
                                       }
                                       return std::string();
                                     },
+                                .muscle =
+                                    [this](int muscle) {
+                                      const auto found = muscle_names_.find(muscle);
+                                      return found == muscle_names_.end() ? std::string() : found->second;
+                                    },
                                 .place =
                                     [this](int body, const Pose& X_WN) {
                                       if (!links_.contains(body)) return std::string();
@@ -373,8 +480,9 @@ class SdfWriter {
   Diagnostics& diagnostics_;
   WrittenModel written_;
   Names names_{"world"};
-  Names modules_{"motors", "distance", "sonar", "light", "pose", "joints", "channel"};
+  Names modules_{"motors", "distance", "sonar", "light", "pose", "joints", "muscles", "channel"};
   std::map<const Sensor*, std::pair<std::string, int>> readings_;  // module, and which of its values
+  std::map<int, std::string> muscle_names_;                        // of those in this model
   std::map<int, std::string> links_;                               // names, by body
   std::vector<std::string> joint_names_;                           // of model_.links
 };

@@ -17,8 +17,9 @@ constexpr double kLean = 1.02;
 constexpr double kWobble_m = 0.02;
 
 const JointModel* JointOf(const RobotModel& model, int link) {
-  const auto found = std::find_if(model.joints.begin(), model.joints.end(),
-                                  [link](const JointModel& joint) { return joint.child == link; });
+  const auto found = std::find_if(model.joints.begin(), model.joints.end(), [link](const JointModel& joint) {
+    return joint.child == link && !joint.muscle;
+  });
   return found == model.joints.end() ? nullptr : &*found;
 }
 

@@ -17,7 +17,8 @@ Pose BodyPose(const Frame& frame, int body) {
 double StartOf(const Scene& scene, std::size_t channel) {
   const Channel& of = scene.channels[channel];
   const RobotModel& model = *scene.robots[static_cast<std::size_t>(of.robot)].entry.model;
-  return model.joints[static_cast<std::size_t>(of.joint)].start;
+  const JointModel& joint = model.joints[static_cast<std::size_t>(of.joint)];
+  return joint.muscle ? (joint.muscle->p_to_R - joint.muscle->p_from_R).norm() : joint.start;
 }
 
 std::vector<JointControl> StartControls(const Scene& scene) {

@@ -77,18 +77,19 @@ std::size_t ValuesPerJoint(std::int32_t command) {
   return command == command::kSetProfile ? 2 : IsTuning(command) ? 3 : 1;
 }
 
-std::vector<std::size_t> JointsOf(const std::vector<std::int32_t>& ids, std::size_t count, std::string& why) {
+std::vector<std::size_t> JointsOf(const std::vector<std::int32_t>& ids, std::size_t count, std::string& why,
+                                  const char* what) {
   std::vector<std::size_t> joints(ids.empty() ? count : ids.size());
   std::iota(joints.begin(), joints.end(), std::size_t{0});
   for (std::size_t i = 0; i < ids.size(); ++i) {
     const bool is_joint = ids[i] >= 1 && static_cast<std::size_t>(ids[i]) <= count;
     if (!is_joint) {
-      why = fmt::format("there is no joint {}: this module has joints 1 to {}", ids[i], count);
+      why = fmt::format("there is no {0} {1}: this module has {0}s 1 to {2}", what, ids[i], count);
       return {};
     }
     if (std::find(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(i), ids[i]) !=
         ids.begin() + static_cast<std::ptrdiff_t>(i)) {
-      why = fmt::format("joint {} is named twice: name each joint once", ids[i]);
+      why = fmt::format("{0} {1} is named twice: name each {0} once", what, ids[i]);
       return {};
     }
     joints[i] = static_cast<std::size_t>(ids[i]) - 1;

@@ -327,8 +327,7 @@ YarsUdpTalk::Action YarsUdpTalk::Answer(const Message& reply) {
     channel_ = YarsChannel::Of(reply);
     knows_channel_ = true;
     NoteTree();
-    const std::string again = current_;
-    return GoOn(Begin(again));
+    return GoOn(Begin(std::string(current_)));
   }
   if (reply.error == static_cast<std::int32_t>(Error::kNotPossible) && waited == Waiting::kStep) {
     // A reset, of another robot's client, has ended the step: what is so now is the answer.

@@ -181,6 +181,97 @@ class ExperimentTest(RecordingTestCase):
         self.assertIn("a DOCTYPE and entities are not read", said)
 
 
+# A wedge that a joint of six axes holds to the world; its mesh lies beside the XML.
+WEDGE = """<rosiml version="0.8.41">
+  <simulator frequency="100"/>
+  <robots>
+    <robot name="wedge">
+      <body>
+        <ply name="all" filename="ply/wedge.ply" convex="true"><pose z="1"/><physics><mass kg="0.5"/></physics></ply>
+      </body>
+      <actuators>
+        <generic name="hold" spring="true">
+          <source name="all"/>
+          <pose/>
+          <rotational>
+            <z type="angular" mode="active"><force max="5"/><velocity max="2"/><deflection min="-90" max="90"/></z>
+          </rotational>
+          <translational>
+            <z type="positional" mode="passive"><force max="0"/><velocity max="0"/><deflection min="-1" max="1"/>
+              <spring stiffness="40" damping="4"/></z>
+          </translational>
+        </generic>
+      </actuators>
+    </robot>
+  </robots>
+</rosiml>
+"""
+PLY = """ply
+format ascii 1.0
+element vertex 4
+property float x
+property float y
+property float z
+element face 4
+property list uchar uint vertex_indices
+end_header
+-0.1 -0.1 -0.1
+0.1 -0.1 -0.1
+0 0.1 -0.1
+0 0 0.1
+3 0 2 1
+3 0 1 3
+3 1 2 3
+3 2 0 3
+"""
+
+
+class MeshTest(RecordingTestCase):
+    run_hash = ExperimentTest.run_hash
+
+    def setUp(self):
+        super().setUp()
+        self.xml = self.folder / "wedge.xml"
+        self.xml.write_text(WEDGE)
+        self.mesh = self.folder / "ply" / "wedge.ply"
+        self.mesh.parent.mkdir()
+        self.mesh.write_text(PLY)
+
+    def test_a_mesh_hangs_on_the_spring_of_a_joint_with_several_axes(self):
+        self.assertIn("joint hold.rz: hinge", tool("check", self.xml)[1])
+        with Daemon(None, "--mode", "free", name=str(self.xml)) as daemon:
+            simulation, joints, pose = (daemon.text(f"/{name}") for name in ("simulation", "wedge/joints", "wedge/pose"))
+            simulation.must("pause")
+            simulation.must("reset 1")
+            joints.must("set_positions 0.5")
+            simulation.must("step 500")
+            # The angle is that of the source, here all that moves, the other way round.
+            self.assertAlmostEqual(joints.must("get_joints").data[0], 0.5, delta=1e-3)
+            self.assertAlmostEqual(pose.must("get_pose").data[2], -0.5, delta=1e-3)
+
+    def test_a_recording_needs_the_file_no_more(self):
+        self.run_hash(self.xml, "--record", str(self.file))
+        self.mesh.unlink()
+        self.assertEqual(equal_steps(self.file), STEPS)
+
+    def test_a_converted_one_has_its_mesh_and_runs_alike(self):
+        out = self.folder / "out"
+        code, said = tool("convert", self.xml, "--out", out)
+        self.assertEqual(code, 0, said)
+        self.assertEqual(self.run_hash(self.xml), self.run_hash(out / "wedge.scenario"))
+
+    def test_a_missing_file_is_an_error_with_its_line(self):
+        self.mesh.unlink()
+        code, said = tool("check", self.xml)
+        self.assertEqual(code, 1)
+        self.assertRegex(said, r"wedge\.xml:6: error: robot 'wedge': mesh: there is no 'ply/wedge\.ply'")
+
+    def test_over_a_socket_no_file_is_read(self):
+        with Daemon() as daemon:
+            reply = daemon.text("/simulation").ask("load_scenario " + json.dumps(WEDGE + f"# file: {self.xml}\n"))
+            self.assertIn("is a file, and this model came without", reply.text)
+
+
 class ConvertTest(RecordingTestCase):
     run_hash = ExperimentTest.run_hash
 

@@ -52,20 +52,12 @@ class ExamplesTest(RecordingTestCase):
         self.assertEqual(len({run["hash"] for run in runs}), len(runs))
         self.same_twice("seeker", 5)
 
-    def test_what_the_seeker_has_learned_saves_reflexes(self):
-        # Without a lamp in reach it drives about for long.
-        stays = ("--set", "SCORE_1.until=", "--set", "LIGHT_1.power=0", "--set", "SCORE_1.limit=100")
-        reflexes = {learn: sum(self.run_once("seeker", 100, *stays, "--seed", seed, "--set",
-                                             f"ROBOT_1.controller=seeker learn={learn}")["logged"]["seeker.reflexes"]
-                               for seed in (1, 2, 3)) for learn in (0, 0.5)}
-        self.assertLess(reflexes[0.5], 0.7 * reflexes[0])
-
     def test_goals_are_made(self):
         goals = 0
-        for seed in range(1, 12):
+        for seed in range(1, 5):
             scores = self.run_once("soccer", 20, "--seed", seed)["scores"]
             goals += scores["blue_goals"] + scores["red_goals"]
-        self.assertGreaterEqual(goals, 2)
+        self.assertGreaterEqual(goals, 1)
         self.same_twice("soccer", 5)
 
 

@@ -89,6 +89,13 @@ test('a dropped scenario with mistakes shows them by line, and changes nothing',
   assert.equal((await daemon.status()).robots[0].name, 'ana');
 });
 
+test('an experiment of YARS stands among the scenarios, and a dropped one is loaded', async () => {
+  assert.equal(await page.locator('.thumb[data-kind="scenario"][data-name="double_pendulum"]').count(), 1);
+  await drop({'fall.xml': `<rosiml version="1.0"><movables><movable name="eve" type="active"><body>
+    <object name="all" mass="1"><pose z="0.1"/><sphere radius="0.1"/><compass name="north"/></object></body></movable></movables></rosiml>`});
+  await eventually(async () => (await daemon.status()).robots[0]?.name === 'eve');
+});
+
 test('a dropped world is loaded', async () => {
   await drop({'field.world': '[FLOOR]\nsize 6 6\n[PILLAR_1]\ntype cylinder\nsize 0.4 0.4 1\nposition 0 0\n'});
   await eventually(async () => (await world()).things.some(({name}) => name === 'PILLAR_1'));
@@ -116,7 +123,7 @@ test('a dropped robot model is inserted where it was dropped, and stands in the 
 
 test('another file is refused in words', async () => {
   await drop({'photo.jpg': 'x'});
-  await hasText(page, '#message.error', /^photo\.jpg: drop a \.scenario, \.world, \.sdf or \.urdf file$/);
+  await hasText(page, '#message.error', /^photo\.jpg: drop a \.scenario, \.xml, \.world, \.sdf or \.urdf file$/);
 });
 
 test('a scenario with a name of markup is text', async () => {

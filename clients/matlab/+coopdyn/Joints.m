@@ -276,7 +276,7 @@ classdef Joints < handle
 end
 
 function words = joint_modes()
-  words = {'idle', 'position', 'direct', 'velocity', 'effort'};
+  words = {'idle', 'position', 'direct', 'velocity', 'effort', 'pwm'};
 end
 
 function values = spread(values, n)

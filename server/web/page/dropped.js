@@ -3,7 +3,7 @@
 import {byId, say} from './dom.js';
 
 const MOST_BYTES = 12 * 2 ** 20;
-const KINDS = /\.(scenario|world|sdf|urdf|txt)$/i;
+const KINDS = /\.(scenario|xml|world|sdf|urdf|txt)$/i;
 
 /** The text of a file: UTF-8, else as Windows writes it. */
 export async function textOf(file) {
@@ -44,17 +44,17 @@ export class Dropped {
 
   async take(files, x, y) {
     const wrong = files.find((file) => !KINDS.test(file.name));
-    if (wrong) return say(`${wrong.name}: drop a .scenario, .world, .sdf or .urdf file`, true);
+    if (wrong) return say(`${wrong.name}: drop a .scenario, .xml, .world, .sdf or .urdf file`, true);
     const large = files.find((file) => file.size > MOST_BYTES);
     if (large) return say(`${large.name} is larger than 12 MB: put it into the daemon's folder instead`, true);
     // What others need comes first: a scenario may name a world or a robot that was dropped with it.
-    const rank = ({name}) => ['sdf', 'urdf', 'world', 'scenario', 'txt'].indexOf(name.split('.').at(-1).toLowerCase());
+    const rank = ({name}) => ['sdf', 'urdf', 'world', 'scenario', 'xml', 'txt'].indexOf(name.split('.').at(-1).toLowerCase());
     for (const file of files.sort((a, b) => rank(a) - rank(b))) await this.#takeOne(file, files.length === 1, x, y);
   }
 
   async #takeOne(file, alone, x, y) {
     const text = await textOf(file);
-    if (/\.(scenario|txt)$/i.test(file.name)) return this.#controls.loadText(text, file.name);
+    if (/\.(scenario|xml|txt)$/i.test(file.name)) return this.#controls.loadText(text, file.name);
     const answer = await fetch('api/upload', {method: 'POST', headers: {'Content-Type': 'application/json'},
       body: JSON.stringify({name: file.name, text, token: this.#connection.token || undefined})}).catch(() => null);
     if (!answer) return say('the daemon does not answer', true);

@@ -156,7 +156,8 @@ export class Editor {
   }
 
   #save() {
-    const name = this.#name.endsWith('.world') ? this.#name : this.#name.replace(/(\.\w+)?$/, '.scenario');
+    const ending = this.text.includes('<rosiml') ? '.xml' : '.scenario';
+    const name = this.#name.endsWith('.world') ? this.#name : this.#name.replace(/(\.\w+)?$/, ending);
     saveFile(name, new Blob([this.text], {type: 'text/plain'}));
   }
 }

@@ -60,7 +60,7 @@ export class Gallery {
     this.#edit = edit;
     this.#find.addEventListener('input', () => this.#show());
     this.#panel.append(make('div', {class: 'row'}, make('label', {class: 'grow'}, 'Find ', this.#find)),
-      make('p', {class: 'quiet'}, 'A .scenario, .world, .sdf or .urdf file can be dropped anywhere on the page.'), this.#groups);
+      make('p', {class: 'quiet'}, 'A .scenario, .xml (an experiment of YARS), .world, .sdf or .urdf file can be dropped anywhere on the page.'), this.#groups);
     this.#panel.addEventListener('shown', () => { if (!this.#asked) this.refresh(); });
   }
 

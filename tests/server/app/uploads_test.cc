@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "server/app/gallery.h"
 
 namespace coopdyn {
@@ -22,7 +24,7 @@ struct UploadsTest : testing::Test {
 
 TEST_F(UploadsTest, NamesWithFoldersOrOddSignsAreRefused) {
   for (const char* name : {"../x.world", "a/b.world", "/etc/x.world", "..", ".world", "a b.world",
-                           "a\n.world", "-x.world", "x.so", "x", "x.scenario", "<script>.world"}) {
+                           "a\n.world", "-x.world", "x.so", "x", "x.scenario", "x.xml", "<script>.world"}) {
     EXPECT_EQ(uploads.Keep(name, kWorld).status, 400U) << name;
   }
   EXPECT_FALSE(fs::exists(folder));
@@ -67,6 +69,19 @@ TEST(GalleryTitles, AreTheFirstSentenceOfTheFirstComment) {
   EXPECT_EQ(Gallery::TitleOf("# The room of Fig. 4 of the paper.\n"), "The room of Fig. 4 of the paper.");
   EXPECT_EQ(Gallery::TitleOf("<?xml?>\n<!-- SPDX-License -->\n<!-- A ball. It rolls. -->"), "A ball.");
   EXPECT_EQ(Gallery::TitleOf("[WALL_1]\n# not this\n"), "");
+}
+
+TEST_F(UploadsTest, TheGalleryHasExperimentsAmongItsScenarios) {
+  fs::create_directories(folder / "scenarios");
+  std::ofstream(folder / "scenarios" / "fall.xml")
+      << "<!-- A ball falls. It stops. -->\n<rosiml version=\"1.0\"><environment><sphere name=\"b\" "
+         "radius=\"0.1\" mass=\"1\"><pose z=\"1\"/></sphere></environment><movables/></rosiml>";
+  std::ofstream(folder / "scenarios" / "package.xml") << "<package/>";
+  Gallery gallery(path, nullptr);
+  const std::string list = gallery.List();
+  EXPECT_THAT(list, HasSubstr("\"name\":\"fall\",\"title\":\"A ball falls.\""));
+  EXPECT_THAT(list, testing::Not(HasSubstr("package")));
+  EXPECT_THAT(gallery.TextOf("scenario", "fall").value_or(""), HasSubstr("<rosiml"));
 }
 
 TEST_F(UploadsTest, TheGalleryShowsNoFilesOutsideItsLists) {

@@ -228,7 +228,7 @@ TEST(ControllerSetpointsTest, AChannelThatIsOffIsAtRest) {
 
 TEST(ControllerSetpointsTest, WhatCannotBeCarriedOutStopsTheRobot) {
   const std::pair<SetpointDeed, const char*> cases[] = {
-      {kNoSuchMode, "mode 6 for motors/right"},
+      {kNoSuchMode, "mode 9 for motors/right"},
       {kModeNotTaken, "mode effort for motors/right, which takes: off, velocity"},
       {kReferenceNotANumber, "reference = nan for motors/left"},
       {kOtherPointer, "changed a pointer of its command"},

@@ -5,14 +5,14 @@
 
 #include "tests/server/model/sensor_rig.h"
 
-namespace coopdyn {
+namespace coopdyn::channel_reader {
 namespace {
 
 using sensor_rig::ModuleOf;
 using sensor_rig::ReadRig;
 using sensor_rig::WrongElement;
 using ::testing::HasSubstr;
-using Quantity = ChannelModel::Quantity;
+using Measured = ChannelModel::Quantity;
 
 std::string ChannelOf(const std::string& inside, const std::string& attributes = "") {
   return "<coopdyn:channel" + attributes + ">\n" + inside + "\n</coopdyn:channel>";
@@ -57,12 +57,12 @@ TEST(ChannelReaderTest, AValueIsOfAModuleAJointAPlaceOrTheWorld) {
       "<coopdyn:value name=\"sun\" of=\"ambient_light\" auxiliary=\"true\"/>",
       "", ModuleOf("imu"));
   ASSERT_EQ(channel.values.size(), 4u);
-  EXPECT_EQ(channel.values[0].quantity, Quantity::kReading);
+  EXPECT_EQ(channel.values[0].quantity, Measured::kReading);
   EXPECT_EQ(channel.values[0].index, 9u);
-  EXPECT_EQ(channel.values[1].quantity, Quantity::kVelocity);
-  EXPECT_EQ(channel.values[2].quantity, Quantity::kVz);
+  EXPECT_EQ(channel.values[1].quantity, Measured::kVelocity);
+  EXPECT_EQ(channel.values[2].quantity, Measured::kVz);
   EXPECT_TRUE(channel.values[2].in_body);
-  EXPECT_EQ(channel.values[3].quantity, Quantity::kAmbientLight);
+  EXPECT_EQ(channel.values[3].quantity, Measured::kAmbientLight);
   EXPECT_TRUE(channel.values[3].auxiliary);
 }
 
@@ -122,4 +122,4 @@ TEST(ValueMapTest, WithoutRangesAValueStaysAsItIs) {
 }
 
 }  // namespace
-}  // namespace coopdyn
+}  // namespace coopdyn::channel_reader

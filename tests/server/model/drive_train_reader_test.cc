@@ -22,7 +22,9 @@ std::string TextWith(const std::string& train, const std::string& axis = "<xyz>0
   const auto link = [](const char* name, const char* pose) {
     return std::string("<link name=\"") + name + "\"><pose>" + pose +
            "</pose><inertial><mass>1</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia>"
-           "</inertial></link>";
+           "</inertial><collision name=\"c\"><geometry><box><size>0.1 0.1 "
+           "0.1</size></box></geometry></collision>"
+           "</link>";
   };
   return "<sdf version=\"1.9\" xmlns:coopdyn=\"https://coopdyn.dev/sdf\"><model name=\"rig\">\n" +
          link("a", "0 0 1 0 0 0") + link("b", "0 0 2 0 0 0") + "\n<joint name=\"j\" type=\"" + type +

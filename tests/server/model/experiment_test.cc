@@ -45,6 +45,24 @@ TEST(ExperimentTest, ItsTextAndSourcesGiveTheSameScenarioAgain) {
   EXPECT_EQ(again->robots[0].model->text, first->robots[0].model->text);
 }
 
+TEST(ExperimentTest, AMeshNeedsTheFilesThatAnExperimentWithoutThemCannotHave) {
+  RobotLibrary robots(Shipped());
+  Diagnostics diagnostics;
+  const std::string xml =
+      "<rosiml version=\"0.8.41\"><simulator frequency=\"100\"/><robots><robot name=\"r\"><body>"
+      "<ply name=\"m\" filename=\"m.ply\"><pose z=\"1\"/><physics/></ply></body></robot></robots></rosiml>";
+  EXPECT_EQ(ReadScenario(xml, "x.xml", robots, true, diagnostics), nullptr);
+  EXPECT_THAT(diagnostics.ToString(), HasSubstr("the mesh 'm.ply' is a file, and this model came without"));
+}
+
+TEST(ExperimentTest, ExperimentsAreListedAsScenariosAndOtherXmlIsNot) {
+  const auto names = Shipped().ScenarioNames();
+  EXPECT_THAT(names, ::testing::Contains("braitenberg"));
+  EXPECT_THAT(names, ::testing::Contains("corridor"));
+  EXPECT_THAT(SearchPath{{SourceDir() + "/tests/server/model/data"}}.ScenarioNames(),
+              ::testing::Not(::testing::Contains("package")));
+}
+
 TEST(ExperimentTest, AChangedTextOfOneNameHasItsNewRobot) {
   RobotLibrary robots(Shipped());
   Diagnostics diagnostics;

@@ -162,10 +162,37 @@ TEST(PaperTest, SpringsAndDampersWorkOnAConnector) {
       "<damping>2</damping><spring_reference>0.1</spring_reference><spring_stiffness>30</spring_stiffness>");
 }
 
-TEST(PaperTest, ConnectorsOfOtherTypesAreNotSimulatedYet) {
-  const std::string xml = Paper("", Movable("type=\"active\"", Connector("hinge2")));
-  EXPECT_HAS(Said(xml), "warning: a connector of type 'hinge2' is not simulated yet");
-  EXPECT_EQ(Made(xml).models.size(), 2u);
+TEST(PaperTest, AConnectorOfSeveralAxesIsAChain) {
+  const auto sdf = [](const std::string& type, const std::string& axes) {
+    return Made(Paper("", Movable("type=\"active\"", Connector(type, axes)))).models.at(0).sdf.text;
+  };
+  EXPECT_HAS(sdf("universal", ""),
+             "<coopdyn:axis name=\"rx\"/>\n<coopdyn:axis name=\"ry\"/>\n</coopdyn:six_axis>");
+  const std::string wheel =
+      sdf("hinge2",
+          "<axis name=\"ry\"><drive maxForce=\"3\" maxVelocity=\"9\"/></axis>"
+          "<axis name=\"x\"><spring stiffness=\"400\" rest=\"0.1\"/><damper value=\"30\"/>"
+          "<limit min=\"-0.1\" max=\"0.1\"/></axis>");
+  EXPECT_HAS(wheel,
+             "<coopdyn:axis name=\"x\" lower=\"-0.1\" upper=\"0.1\" damping=\"30\" rest=\"0.1\" "
+             "stiffness=\"400\"/>\n<coopdyn:axis name=\"rx\"/>\n<coopdyn:axis name=\"ry\" max_effort=\"3\" "
+             "max_velocity=\"9\"/>\n");
+  EXPECT_HAS(sdf("sixAxis", "<axis name=\"rz\"><limit min=\"-90\" max=\"90\"/></axis><axis name=\"x\"/>"),
+             "<coopdyn:axis name=\"rz\" lower=\"-1.5707963267948966\" upper=\"1.5707963267948966\"/>\n"
+             "<coopdyn:axis name=\"x\"/>\n");
+}
+
+TEST(PaperTest, WhatAConnectorOfSeveralAxesCannotHaveIsAnError) {
+  const auto said = [](const std::string& type, const std::string& inside) {
+    return Said(Paper("", Movable("type=\"active\"", Connector(type, inside))));
+  };
+  EXPECT_HAS(said("universal", "<axis name=\"z\"/>"), "type 'universal' has no further axis 'z'");
+  EXPECT_HAS(said("hinge2", "<axis name=\"rx\"/><axis name=\"rx\"/>"), "has no further axis 'rx'");
+  EXPECT_HAS(said("hinge2", "<spring stiffness=\"1\"/>"),
+             "<spring> of a connector of type 'hinge2' stands in");
+  EXPECT_HAS(said("hinge2", "<drive maxForce=\"1\" maxVelocity=\"1\"/>"),
+             "only a hinge, a slider or an <axis>");
+  EXPECT_HAS(said("hinge", "<axis name=\"rx\"/>"), "only a connector of type universal, hinge2 or sixAxis");
 }
 
 TEST(PaperTest, AComplexHingeIsAJointWithADriveTrain) {

@@ -256,19 +256,127 @@ TEST(PublicTest, LightAndContactSensorsAreModules) {
 
 TEST(PublicTest, WhatIsNotSimulatedYetIsSaidOnceAndTheRestLoads) {
   const std::string two = Ball("a", "<pose z=\"1\"/>", "0") + Ball("b", "<pose z=\"2\"/>");
-  const std::string xml = Public("", Robot(two, "<muscle name=\"m\"/><muscle name=\"n\"/>"));
+  const std::string xml = Public("", Robot(two, "<generic name=\"m\"/><generic name=\"n\"/>"));
   const std::string said = Said(xml);
-  EXPECT_HAS(said, "warning: <muscle> is not simulated yet: ");
+  EXPECT_HAS(said, "warning: <generic> is not simulated yet: ");
   EXPECT_HAS(said, "(2 in this file)");
   EXPECT_EQ(Made(xml).models.size(), 2u);  // its bodies are loose
 }
 
-TEST(PublicTest, AMeshOfARobotIsAnErrorAndOneOfTheEnvironmentIsLeftOut) {
+/// A muscle between two balls; `more` are its components.
+std::string MuscleOf(const std::string& more) {
+  const auto anchor = [](const std::string& name, const std::string& attributes, const std::string& pose) {
+    return "<" + name + attributes + "><sphere name=\"" + name + "\"><dimension radius=\"0.01\"/>" + pose +
+           "<physics/></sphere></" + name + ">";
+  };
+  return "<muscle name=\"m\"><source name=\"a\"/><destination name=\"b\"/>" +
+         anchor("srcAnchor", "", "<pose z=\"-0.1\"/>") +
+         anchor("dstAnchor", " coordinateSystem=\"global\"", "<pose z=\"1.5\"/>") + "<force max=\"2\"/>" +
+         more + "</muscle>";
+}
+
+TEST(PublicTest, AMuscleHoldsItsBodiesTogether) {
+  const std::string two = Ball("a", "<pose z=\"2\"/>", "0") + Ball("b", "<pose z=\"1\"/>");
+  const std::string xml = Public(
+      "", Robot(two, MuscleOf("<lengthComponent optimalLength=\"1\" w=\"1.5\" c=\"5\" use=\"true\"/>"
+                              "<velocityComponent maxVelocity=\"-3.5\" N=\"1.4\" K=\"6\" use=\"true\"/>")));
+  EXPECT_EQ(Said(xml), "");
+  const Translation made = Made(xml);
+  ASSERT_EQ(made.models.size(), 1u);
+  EXPECT_HAS(made.models[0].sdf.text,
+             "<coopdyn:muscle name=\"m\" from=\"a\" from_point=\"0 0 -0.1\" to=\"b\" to_point=\"0 0 0.5\" "
+             "max_force_n=\"2\" optimal_length_m=\"1\" width=\"1.5\" c=\"5\" max_velocity_m_s=\"3.5\" "
+             "eccentric=\"1.4\" curvature=\"6\"/>");
+  EXPECT_HAS(made.models[0].sdf.text, "<coopdyn:motor name=\"m\" joint=\"m\" mode=\"pwm\" internal=\"0 1\"");
+  EXPECT_HAS_NOT(made.scenario.text, "sockets no");
+}
+
+TEST(PublicTest, APartOfAMuscleThatIsNotUsedIsLeftOut) {
+  const std::string two = Ball("a", "<pose z=\"2\"/>", "0") + Ball("b", "<pose z=\"1\"/>");
+  EXPECT_HAS(
+      Made(Public("",
+                  Robot(two, MuscleOf("<lengthComponent optimalLength=\"1\" w=\"1.5\" c=\"5\" use=\"false\"/>"
+                                      "<velocityComponent maxVelocity=\"-3.5\" N=\"1.4\" K=\"6\" "
+                                      "use=\"false\"/>"))))
+          .models.at(0)
+          .sdf.text,
+      "c=\"5\" use_length=\"false\" use_velocity=\"false\"/>");
+}
+
+TEST(PublicTest, AMeshIsAFileBesideTheExperiment) {
   const std::string mesh =
-      "<ply name=\"m\" filename=\"m.ply\" convex=\"true\"><pose z=\"1\"/><physics/></ply>";
-  EXPECT_HAS(Said(Public("", Robot(mesh))), "error: a mesh is not read: write a shape of its size instead");
-  EXPECT_TRUE(Made(Public(mesh)).models.empty());
-  EXPECT_HAS(Said(Public(mesh)), "warning: <ply> is not simulated yet: ");
+      "<ply name=\"m\" filename=\"a&amp;b.ply\" convex=\"true\"><pose z=\"1\"/><physics>"
+      "<mass kg=\"3\"/></physics></ply>";
+  for (const std::string& xml : {Public("", Robot(mesh)), Public(mesh)}) {
+    const auto models = Made(xml).models;
+    ASSERT_EQ(models.size(), 1u);
+    EXPECT_HAS(models[0].sdf.text, "<mesh><uri>a&amp;b.ply</uri></mesh>");
+    EXPECT_HAS(models[0].sdf.text, "<inertial coopdyn:solid=\"true\"><pose>0 0 0 0 0 0</pose><mass>3</mass>");
+    EXPECT_EQ(models[0].mesh_files, std::vector<std::string>{"a&b.ply"});
+  }
+}
+
+/// A joint of six axes from a to b, or from b to the world.
+std::string Generic(const std::string& axes, bool to_world = false,
+                    const std::string& words = "spring=\"true\"") {
+  return "<generic name=\"g\" " + words + "><source name=\"" + (to_world ? "b" : "a") + "\"/>" +
+         (to_world ? "" : "<destination name=\"b\"/>") + "<pose/>" + axes + "</generic>";
+}
+
+std::string GenericAxis(const std::string& name, const std::string& attributes, const std::string& inside) {
+  return "<" + name + " " + attributes + "><force max=\"20\"/><velocity max=\"0.5\"/>" + inside + "</" +
+         name + ">";
+}
+
+TEST(PublicTest, AGenericJointHasTheAxesWithADeflection) {
+  const std::string axes =
+      "<rotational>" +
+      GenericAxis("x", "type=\"angular\" mode=\"active\"", "<deflection min=\"-90\" max=\"45\"/>") +
+      GenericAxis("z", "type=\"angular\" mode=\"passive\" friction=\"0.3\"",
+                  "<deflection min=\"1\" max=\"-1\"/>") +
+      GenericAxis("y", "type=\"angular\" mode=\"passive\"", "") + "</rotational><translational>" +
+      GenericAxis("y", "type=\"positional\" mode=\"passive\"",
+                  "<deflection min=\"-0.1\" max=\"0.2\"/><spring stiffness=\"50\" damping=\"2\"/>") +
+      "</translational>";
+  const std::string two = Ball("a", "<pose z=\"1\"/>", "0") + Ball("b", "<pose z=\"2\"/>");
+  const std::string sdf = Made(Public("", Robot(two, Generic(axes)))).models.at(0).sdf.text;
+  EXPECT_HAS(sdf,
+             "<coopdyn:six_axis name=\"g\" parent=\"a\" child=\"b\" relative_to=\"__model__\" pose=\"0 0 1 0 "
+             "0 0\">");
+  const std::size_t y = sdf.find(
+      "<coopdyn:axis name=\"y\" lower=\"-0.1\" upper=\"0.2\" damping=\"2\" rest=\"0\" "
+      "stiffness=\"50\"/>");
+  const std::size_t rz = sdf.find("<coopdyn:axis name=\"rz\" xyz=\"0 0 -1\" friction=\"0.3\"/>");
+  const std::size_t rx = sdf.find(
+      "<coopdyn:axis name=\"rx\" xyz=\"-1 0 0\" lower=\"-1.5707963267948966\" "
+      "upper=\"0.7853981633974483\" max_effort=\"20\" max_velocity=\"0.5\"/>");
+  EXPECT_TRUE(y < rz && rz < rx && rx != std::string::npos) << sdf;
+  EXPECT_HAS_NOT(sdf, "\"ry\"");
+}
+
+TEST(PublicTest, AGenericJointSeenFromItsDestinationTurnsTheOtherWayRound) {
+  const std::string axes =
+      "<rotational>" +
+      GenericAxis("x", "type=\"angular\" mode=\"active\"", "<deflection min=\"-9\" max=\"9\"/>") +
+      "</rotational><translational>" +
+      GenericAxis("z", "type=\"positional\" mode=\"passive\"", "<deflection min=\"0\" max=\"1\"/>") +
+      "</translational>";
+  const std::string two = Ball("a", "<pose z=\"1\"/>") + Ball("b", "<pose z=\"2\"/>", "0");
+  const std::string sdf = Made(Public("", Robot(two, Generic(axes)))).models.at(0).sdf.text;
+  EXPECT_HAS(sdf, "parent=\"b\" child=\"a\"");
+  const std::size_t rx = sdf.find("name=\"rx\" lower"), z = sdf.find("name=\"z\" xyz=\"0 0 -1\" lower=\"0\"");
+  EXPECT_TRUE(rx < z && z != std::string::npos) << sdf;
+  const std::string bound = Made(Public("", Robot(Ball("b"), Generic(axes, true)))).models.at(0).sdf.text;
+  EXPECT_HAS(bound, "parent=\"world\" child=\"b\"");
+  EXPECT_HAS(bound, "name=\"rx\" xyz=\"-1 0 0\"");
+}
+
+TEST(PublicTest, AGenericAxisThatCannotMoveAsItSaysIsSaid) {
+  const std::string axes =
+      "<rotational>" + GenericAxis("x", "type=\"angular\" mode=\"active\"", "") + "</rotational>";
+  const std::string two = Ball("a") + Ball("b", "<pose z=\"2\"/>");
+  EXPECT_HAS(Said(Public("", Robot(two, Generic(axes)))),
+             "warning: the axis 'rx' of 'g' is locked, as an axis without <deflection> is");
 }
 
 TEST(PublicTest, ACapsuleInTheEnvironmentIsARobotWithoutSockets) {

@@ -10,10 +10,10 @@
 #include "server/sensing/readings.h"
 #include "tests/server/sensing/sample_frame.h"
 
-namespace coopdyn {
+namespace coopdyn::channel_sensing {
 namespace {
 
-using Quantity = ChannelModel::Quantity;
+using Measured = ChannelModel::Quantity;
 using testing::DoubleNear;
 using testing::ElementsAre;
 
@@ -38,7 +38,7 @@ std::shared_ptr<RobotModel> Arm() {
   return model;
 }
 
-ChannelModel::Value ValueOf(Quantity quantity) {
+ChannelModel::Value ValueOf(Measured quantity) {
   ChannelModel::Value value;
   value.name = "value";
   value.quantity = quantity;
@@ -69,22 +69,22 @@ std::vector<double> ValuesOf(std::vector<ChannelModel::Value> values, std::uint6
 }
 
 TEST(ChannelTest, JointsWithoutMotorsHavePositionsAndVelocities) {
-  EXPECT_THAT(ValuesOf({ValueOf(Quantity::kPosition), ValueOf(Quantity::kVelocity)}),
+  EXPECT_THAT(ValuesOf({ValueOf(Measured::kPosition), ValueOf(Measured::kVelocity)}),
               ElementsAre(DoubleNear(0.3, 1e-9), DoubleNear(0.7, 1e-9)));
 }
 
 TEST(ChannelTest, ForcesOfJointsAreThoseOfTheirSprings) {
-  EXPECT_THAT(ValuesOf({ValueOf(Quantity::kEffort)}), ElementsAre(DoubleNear(-3 * 0.3 - 0.5 * 0.7, 1e-9)));
+  EXPECT_THAT(ValuesOf({ValueOf(Measured::kEffort)}), ElementsAre(DoubleNear(-3 * 0.3 - 0.5 * 0.7, 1e-9)));
 }
 
 TEST(ChannelTest, PlacesAreThoseOfAnyLink) {
   std::vector<ChannelModel::Value> values;
-  for (const Quantity quantity :
-       {Quantity::kX, Quantity::kY, Quantity::kZ, Quantity::kRoll, Quantity::kPitch, Quantity::kYaw,
-        Quantity::kVx, Quantity::kVy, Quantity::kVz, Quantity::kWy}) {
+  for (const Measured quantity :
+       {Measured::kX, Measured::kY, Measured::kZ, Measured::kRoll, Measured::kPitch, Measured::kYaw,
+        Measured::kVx, Measured::kVy, Measured::kVz, Measured::kWy}) {
     values.push_back(ValueOf(quantity));
     values.back().mount = {3, {}};
-    values.back().in_body = quantity >= Quantity::kVx;
+    values.back().in_body = quantity >= Measured::kVx;
   }
   const double x = 0.2 + 0.1 * std::cos(0.3);
   EXPECT_THAT(ValuesOf(values),
@@ -95,7 +95,7 @@ TEST(ChannelTest, PlacesAreThoseOfAnyLink) {
 }
 
 TEST(ChannelTest, AReadingIsTheNthOfItsModule) {
-  ChannelModel::Value value = ValueOf(Quantity::kReading);
+  ChannelModel::Value value = ValueOf(Measured::kReading);
   value.source = Arm()->IndexOf<DistanceModel>();
   value.index = 1;
   value.map = {0, 4, 1, 0};  // nothing in range is cut to 4 m
@@ -105,7 +105,7 @@ TEST(ChannelTest, AReadingIsTheNthOfItsModule) {
 }
 
 TEST(ChannelTest, NoiseIsDrawnAnewInEachStepAndRepeats) {
-  ChannelModel::Value value = ValueOf(Quantity::kAmbientLight);
+  ChannelModel::Value value = ValueOf(Measured::kAmbientLight);
   value.noise = {MappedNoise::Kind::kUniform, 1, 0.25};
   EXPECT_EQ(ValuesOf({value}, 5), ValuesOf({value}, 5));
   EXPECT_NE(ValuesOf({value}, 5), ValuesOf({value}, 6));
@@ -153,7 +153,7 @@ TEST(ChannelTest, CurrentAndEnergyAreThoseOfTheDriveTrain) {
   model->joints[0].drive_train.emplace();
   model->actuators.push_back({"joints", {0}, BoardModel()});
   ChannelModel channel;
-  channel.values = {ValueOf(Quantity::kCurrent), ValueOf(Quantity::kEnergy)};
+  channel.values = {ValueOf(Measured::kCurrent), ValueOf(Measured::kEnergy)};
   model->AddSensor("channel", channel);
   const auto frame = SampleWorld().Robot(At(0, 0), model).MakeFrame();
   frame->controls = StartControls(*frame->scene);
@@ -168,9 +168,9 @@ TEST(ChannelTest, CurrentAndEnergyAreThoseOfTheDriveTrain) {
 TEST(ChannelTest, ValuesThatAreCalledAlikeAreNumbered) {
   ChannelModel channel;
   for (const char* name : {"eye", "place", "place"})
-    channel.values.push_back(ValueOf(Quantity::kX)), channel.values.back().name = name;
+    channel.values.push_back(ValueOf(Measured::kX)), channel.values.back().name = name;
   EXPECT_THAT(FixedNames(channel), ElementsAre("eye", "place_1", "place_2"));
 }
 
 }  // namespace
-}  // namespace coopdyn
+}  // namespace coopdyn::channel_sensing

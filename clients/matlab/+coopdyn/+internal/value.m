@@ -27,7 +27,7 @@ function v = value(command, params, text, data)
     case 203
       v = struct('position', data(1:3:end), 'velocity', data(2:3:end), 'effort', data(3:3:end));
     case 209
-      words = {'idle', 'position', 'direct', 'velocity', 'effort'};
+      words = {'idle', 'position', 'direct', 'velocity', 'effort', 'pwm'};
       v = words(params + 1);
     case 211
       v = struct('k', data(1:3:end), 'd', data(2:3:end), 'offset', data(3:3:end));

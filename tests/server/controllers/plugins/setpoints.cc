@@ -45,7 +45,7 @@ class Setpoints {
         command.setpoints[1] = {COOPDYN_VELOCITY, 1};
         return;
       case coopdyn::kNoSuchMode:
-        if (now) command.setpoints[1].mode = 6;
+        if (now) command.setpoints[1].mode = 9;
         return;
       case coopdyn::kModeNotTaken:
         if (now) command.setpoints[1] = {COOPDYN_EFFORT, 0.1};

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#include "server/model/muscle.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace coopdyn {
+
+double LengthFactor(const MuscleModel& muscle, double length_m) {
+  if (!muscle.use_length) return 1;
+  const double off =
+      std::abs((length_m - muscle.optimal_length_m) / (muscle.width * muscle.optimal_length_m));
+  return std::exp(-muscle.c * off * off * off);
+}
+
+VelocityFactor VelocityFactorOf(const MuscleModel& muscle, double shortening_m_s) {
+  if (!muscle.use_velocity) return {};
+  // Geyer and Herr (2010); 7.56 makes the slope at rest of the right kind (van Soest and Bobbert 1993).
+  constexpr double kSlopes = 7.56;
+  const double most = muscle.max_velocity_m_s, u = std::clamp(shortening_m_s, -most, most);
+  if (u >= 0) {
+    const double below = most + muscle.curvature * u;
+    return {(most - u) / below, -most * (1 + muscle.curvature) / (below * below)};
+  }
+  const double steep = kSlopes * muscle.curvature, below = steep * u - most, more = muscle.eccentric - 1;
+  return {muscle.eccentric + more * (most + u) / below, -more * most * (1 + steep) / (below * below)};
+}
+
+}  // namespace coopdyn
