@@ -252,7 +252,8 @@ class PaperReader : Reader {
     using Kind = Sensor::Kind;
     const int index = static_cast<int>(movable.sensors.size());
     if (Flag(element, "abort", false)) movable.aborts.push_back(index);
-    if (sensor.kind == Kind::kCamera || sensor.kind == Kind::kImu) return;  // not one value
+    if (sensor.kind == Kind::kCamera || sensor.kind == Kind::kImu || sensor.kind == Kind::kNeighbours)
+      return;  // not one value
     std::optional<std::pair<double, double>> internal;
     if (sensor.kind == Kind::kProximity) internal = {0, sensor.range_m};
     if (sensor.kind == Kind::kContact) internal = {0, 1};

@@ -9,7 +9,7 @@
 
 #include "server/model/readers.h"
 
-namespace coopdyn {
+namespace coopdyn::drive_train_reader {
 namespace {
 
 using ::testing::HasSubstr;
@@ -136,4 +136,4 @@ TEST(DriveTrainReaderTest, AJointOutsideOfEachGroupHasNone) {
 }
 
 }  // namespace
-}  // namespace coopdyn
+}  // namespace coopdyn::drive_train_reader

@@ -8,7 +8,7 @@
 
 #include "server/model/readers.h"
 
-namespace coopdyn {
+namespace coopdyn::muscle_reader {
 namespace {
 
 using ::testing::HasSubstr;
@@ -127,4 +127,4 @@ TEST(MuscleReaderTest, AFreeRobotHasNoneToTheWorld) {
 }
 
 }  // namespace
-}  // namespace coopdyn
+}  // namespace coopdyn::muscle_reader

@@ -73,11 +73,12 @@ TEST(ShippedTest, EveryWorldLoadsWithoutDiagnostics) {
 TEST(ShippedTest, NamesAreListedSorted) {
   EXPECT_THAT(
       ShippedRobots().path().ScenarioNames(),
-      ::testing::ElementsAre("aggregate50", "arena20", "ball", "box_maze", "classroom", "cluttered",
-                             "corridor", "crowd200", "diffuse100", "empty", "fig4", "flock50", "formation",
-                             "formation_loaded", "lamps", "maze", "pendulum", "race", "reach", "squat",
-                             "swarm100", "swarm1000", "swarm5000", "transport", "transport_loaded",
-                             "triangle", "triangle_loaded", "tripod", "trot", "walk", "wall"));
+      ::testing::ElementsAre(
+          "aggregate50", "arena20", "ball", "box_maze", "braitenberg", "classroom", "cluttered", "corridor",
+          "crowd200", "diffuse100", "dog", "double_pendulum", "empty", "fig4", "flock50", "formation",
+          "formation_loaded", "lamps", "lightseeker", "maze", "octavio4", "octavio6", "octavio8", "pendulum",
+          "race", "reach", "runbot", "seeker", "soccer", "squat", "swarm100", "swarm1000", "swarm5000",
+          "transport", "transport_loaded", "triangle", "triangle_loaded", "tripod", "trot", "walk", "wall"));
 }
 
 TEST(ShippedTest, RobotsStartClearOfEverything) {

@@ -174,7 +174,7 @@ TEST_F(MuscleTest, AMassMovesAsTheReference) {
     }
     ASSERT_NEAR(Pulled().position, x[0], 0.01 * 0.2) << i;
   }
-  EXPECT_LT(x[0], 0.55);
+  EXPECT_LT(x[0], 0.6);  // it has moved
 }
 
 TEST_F(MuscleTest, AMuscleAloneHoldsABobWhereItCarriesItsWeight) {

@@ -75,7 +75,7 @@ TEST(RecordedStepTest, CommandsThatDoNotAddUpAreRefused) {
   std::vector<CommandRecord> read;
   EXPECT_FALSE(DecodeCommands(std::span(blob).first(12), read));
   EXPECT_TRUE(read.empty());
-  blob[4] = std::byte{5};  // no mode
+  blob[4] = std::byte{6};  // no mode
   EXPECT_FALSE(DecodeCommands(blob, read));
   blob[4] = std::byte{3};
   EXPECT_TRUE(DecodeCommands(blob, read));

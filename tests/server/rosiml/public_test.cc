@@ -256,9 +256,9 @@ TEST(PublicTest, LightAndContactSensorsAreModules) {
 
 TEST(PublicTest, WhatIsNotSimulatedYetIsSaidOnceAndTheRestLoads) {
   const std::string two = Ball("a", "<pose z=\"1\"/>", "0") + Ball("b", "<pose z=\"2\"/>");
-  const std::string xml = Public("", Robot(two, "<generic name=\"m\"/><generic name=\"n\"/>"));
+  const std::string xml = Public("", Robot(two, "", "<feedback name=\"m\"/><feedback name=\"n\"/>"));
   const std::string said = Said(xml);
-  EXPECT_HAS(said, "warning: <generic> is not simulated yet: ");
+  EXPECT_HAS(said, "warning: <feedback> is not simulated yet");
   EXPECT_HAS(said, "(2 in this file)");
   EXPECT_EQ(Made(xml).models.size(), 2u);  // its bodies are loose
 }

@@ -110,7 +110,7 @@ TEST_F(ScoreKeeperTest, ReachKnowsLights) {
 }
 
 TEST_F(ScoreKeeperTest, ALinkCountsByItsOwnPlace) {
-  Begin({"kind travelled\nof ana", "kind travelled\nof ana/left_wheel"});
+  Begin({"kind travelled\nof ana", "name wheel\nkind travelled\nof ana/left_wheel"});
   robots_[0] = {Vector3(1, 0, 0), FromRollPitchYaw(0, 0, M_PI / 2)};
   Step();
   const RobotModel& model = *scene_->robots[0].entry.model;
