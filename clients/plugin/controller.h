@@ -20,19 +20,20 @@ extern "C" {
 #endif
 
 /* Of this file. A controller built against another one is refused. */
-#define COOPDYN_CONTROLLER_VERSION 4
+#define COOPDYN_CONTROLLER_VERSION 5
 
-#define COOPDYN_MAX_MESSAGE 8   /* numbers in one broadcast */
-#define COOPDYN_MAX_OPTIONS 64  /* of one controller */
-#define COOPDYN_MAX_STATE 65536 /* bytes */
-#define COOPDYN_MAX_NAME 64     /* bytes of a name, the final 0 included */
-#define COOPDYN_MAX_TEXT 128    /* bytes of a text, likewise */
-#define COOPDYN_MAX_LOGS 16     /* numbers logged in one step */
-#define COOPDYN_MAX_MOVES 4096  /* things that a supervisor moves in one step */
+#define COOPDYN_MAX_MESSAGE 8           /* numbers in one broadcast */
+#define COOPDYN_MAX_OPTIONS 64          /* of one controller */
+#define COOPDYN_MAX_STATE 65536         /* bytes */
+#define COOPDYN_MAX_NAME 64             /* bytes of a name, the final 0 included */
+#define COOPDYN_MAX_TEXT 128            /* bytes of a text, likewise */
+#define COOPDYN_MAX_LOGS 16             /* numbers logged in one step */
+#define COOPDYN_MAX_MOVES 4096          /* things that a supervisor moves in one step */
+#define COOPDYN_ANY_OPTIONS 0xffffffffu /* as option_count: takes any, see coopdyn_robot.options */
 
 /* Which readings a controller wants: the others cost nothing and are empty. COOPDYN_SETPOINTS is none: it
- * says that the controller commands each channel by a set-point, see coopdyn_command. COOPDYN_WORLD, without
- * any other, says that the controller is a supervisor. */
+ * says that the controller commands each channel by a set-point, see coopdyn_command; COOPDYN_MAPPED does not
+ * go with it. COOPDYN_WORLD, without any other, says that the controller is a supervisor. */
 enum coopdyn_reading {
   COOPDYN_DISTANCES = 1,
   COOPDYN_POSE = 2, /* ground truth */
@@ -45,7 +46,10 @@ enum coopdyn_reading {
   COOPDYN_SUPPORT = 256,  /* of the load that the robot carries */
   COOPDYN_MOTION = 512,   /* ground truth: how the body lies and moves */
   COOPDYN_SENSORS = 1024, /* the modules that coopdyn_description.sensors names: lidar, imu, camera, ... */
-  COOPDYN_WORLD = 2048    /* of a supervisor: all that stands in the world, and the scores */
+  COOPDYN_WORLD = 2048,   /* of a supervisor: all that stands in the world, and the scores */
+  /* The robot's module `channel`: all motors and values in one exchange, mapped as its experiment says. Then
+   * step() is called once for each exchange, and coopdyn_command.motors drives the robot. */
+  COOPDYN_MAPPED = 4096
 };
 
 /* An option of a scenario's controller line. */
@@ -60,7 +64,7 @@ typedef struct coopdyn_description {
   const char* help;      /* one line */
   uint32_t readings;     /* of enum coopdyn_reading, added up */
   uint32_t state_size;   /* bytes that save() writes: all that step() changes; at most COOPDYN_MAX_STATE */
-  uint32_t option_count; /* at most COOPDYN_MAX_OPTIONS */
+  uint32_t option_count; /* at most COOPDYN_MAX_OPTIONS; or COOPDYN_ANY_OPTIONS, and no options */
   const coopdyn_option* options;
   /* Only with COOPDYN_SENSORS: names or types of sensor modules, separated by blanks, e.g. "lidar imu". NULL:
    * all but cameras, whose pictures are drawn only for controllers that name them. */
@@ -103,6 +107,21 @@ typedef struct coopdyn_sensor {
   uint32_t width, height; /* of a camera's picture */
 } coopdyn_sensor;
 
+/* A motor or a value of a robot's channel. Internal values are SI units, or those of a module's reading;
+ * external ones are what is exchanged. inf: it has no range, and is not mapped. */
+typedef struct coopdyn_mapped {
+  const char* name; /* neighbours that are called alike are one sensor of several values */
+  double internal_min, internal_max;
+  double external_min, external_max; /* of internal_min and internal_max: may fall */
+  uint32_t auxiliary;                /* 1: for the experimenter, not for the controller */
+} coopdyn_mapped;
+
+/* An option that the scenario gives. */
+typedef struct coopdyn_given {
+  const char* name;
+  double value;
+} coopdyn_given;
+
 /* The robot that a controller drives. Valid until destroy(). A supervisor has none: all is 0, the name is "".
  */
 typedef struct coopdyn_robot {
@@ -118,6 +137,13 @@ typedef struct coopdyn_robot {
   const double* distance_max_m;
   size_t sensor_count; /* COOPDYN_SENSORS: those that were asked for and that it has */
   const coopdyn_sensor* sensors;
+  size_t motor_count; /* COOPDYN_MAPPED: of its channel */
+  const coopdyn_mapped* motors;
+  size_t mapped_count; /* likewise: the values */
+  const coopdyn_mapped* mapped;
+  double exchange_s;   /* from one step() to the next */
+  size_t option_count; /* COOPDYN_ANY_OPTIONS: those that the scenario gives, in its order */
+  const coopdyn_given* options;
 } coopdyn_robot;
 
 /* Another robot, as seen from this one's origin. */
@@ -213,6 +239,7 @@ typedef struct coopdyn_readings {
   double angular_velocity_rad_s[3];
   const coopdyn_sensor_reading* sensors; /* COOPDYN_SENSORS: one for each of the robot's sensors */
   const coopdyn_world* world;            /* COOPDYN_WORLD; NULL without */
+  const double* mapped; /* COOPDYN_MAPPED: the robot's mapped_count external values; nan: it cannot be told */
 } coopdyn_readings;
 
 /* What one channel is to do. A two-wheel drive whose wheels would be too fast scales both alike. */
@@ -254,6 +281,10 @@ typedef struct coopdyn_command {
   uint32_t log_count;               /* numbers that are logged */
   coopdyn_logged* logs;             /* room for COOPDYN_MAX_LOGS; coopdyn_log() adds one */
   coopdyn_supervision* supervision; /* of a supervisor; else NULL */
+  /* COOPDYN_MAPPED: external values, one for each of the robot's motors, instead of forward, turn and
+   * set-points. What is beyond the range is cut. They stay until the next exchange. Else NULL. */
+  double* motors;
+  uint32_t end_run; /* of a robot's controller: 1: the run ends after this step */
 } coopdyn_command;
 
 /* The text in a field of `size` bytes; what does not fit is left out. */
@@ -304,8 +335,9 @@ typedef struct coopdyn_controller {
   uint32_t version; /* COOPDYN_CONTROLLER_VERSION; always the first field */
   /* Constant, and valid until the process ends. */
   const coopdyn_description* (*describe)(void);
-  /* A new instance; `options` holds one value for each described option. NULL: it cannot drive this robot,
-   * and `error` (a text of at most `error_size` bytes, the final 0 included) says why. */
+  /* A new instance; `options` holds one value for each described option (of COOPDYN_ANY_OPTIONS: each given).
+   * NULL: it cannot drive this robot, and `error` (a text of at most `error_size` bytes, the final 0
+   * included) says why. */
   void* (*create)(const coopdyn_robot* robot, const double* options, char* error, size_t error_size);
   /* Back to the start of a run. Called once before the first step(). */
   void (*reset)(void* instance, uint64_t seed);

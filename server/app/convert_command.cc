@@ -4,6 +4,7 @@
 #include <fstream>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -47,7 +48,13 @@ int Convert(const ConvertOptions& options) {
   Diagnostics diagnostics;
   const std::string file = found ? found->string() : options.file;
   const auto text = ReadTextFile(file, {file, 0}, diagnostics);
-  auto made = text ? rosiml::Translate(*text, file, "robots/", diagnostics) : std::nullopt;
+  std::set<fs::path> controllers;  // beside the experiment
+  const auto has_controller = [&](const std::string& controller) {
+    const auto beside = path.FindController(controller, fs::absolute(file).parent_path());
+    if (beside && path.FindController(controller) != beside) controllers.insert(*beside);
+    return beside.has_value();
+  };
+  auto made = text ? rosiml::Translate(*text, file, "robots/", diagnostics, has_controller) : std::nullopt;
   if (made) {  // as `serve` would read it
     RobotLibrary robots(path);
     Diagnostics again;
@@ -81,6 +88,13 @@ int Convert(const ConvertOptions& options) {
   }
   for (const auto& [target, content] : files) {
     if (!Write(target, content)) return Refuse(target.string() + " cannot be written");
+  }
+  for (const fs::path& controller : controllers) {
+    std::error_code error;
+    fs::create_directories(out / "controllers", error);
+    const fs::path target = out / "controllers" / controller.filename();
+    if (!fs::copy_file(controller, target, fs::copy_options::skip_existing, error) && error)
+      return Refuse(target.string() + " cannot be written");
   }
   for (const auto& [target, source] : meshes) {
     std::error_code error;

@@ -35,7 +35,8 @@ std::vector<std::string> FilesOf(const ControllerChoice& supervisor, const Robot
   return files;
 }
 
-constexpr std::uint32_t kStateVersion = 1;
+constexpr std::uint32_t kStateVersion = 2;
+constexpr std::size_t kHeldBytes = 9;  // of one channel
 
 }  // namespace
 
@@ -178,7 +179,7 @@ void ControllerHost::Create(const FramePtr& frame) {
       if (driven.restored) state = *driven.restored;
       robots.push_back({static_cast<std::uint32_t>(file), &robot, loaded.description->Values(choice), state});
     }
-    if (set_) StopCasualties(set_->Create(robots, frame->seed));
+    if (set_) StopCasualties(set_->Create(robots, *frame));
   } catch (const std::exception& exception) {
     for (Driven& driven : driven_) Stop(driven, std::string("could not be started: ") + exception.what());
   }
@@ -307,6 +308,7 @@ void ControllerHost::Revise(const FramePtr& frame) {
     driven.status = found->second.status;
     driven.why = found->second.why;
     driven.restored = std::move(found->second.restored);
+    driven.held = std::move(found->second.held);
   }
   Create(frame);
   stopped_.insert(stopped_.begin(), told.begin(), told.end());
@@ -315,7 +317,7 @@ void ControllerHost::Revise(const FramePtr& frame) {
 // Save() and Restore(): little-endian; a keyframe holds them.
 //   u32 version, u32 count, then for each robot with a controller by increasing id:
 //   u32 id, u8 status, u32 size of the controller's name, name, u32 size of the reason, reason, u32 size,
-//   state
+//   state, since version 2 u32 count, then for each channel that is held f64 reference, u8 mode
 
 std::vector<std::byte> ControllerHost::Save() const {
   std::vector<std::byte> saved;
@@ -328,6 +330,10 @@ std::vector<std::byte> ControllerHost::Save() const {
     writer.Text(driven.why);
     const bool drives = driven.status == Status::kDrives && set_;
     writer.Bytes(drives ? set_->StateOf(driven.slot) : std::span<const std::byte>());
+    writer.List(driven.held, kHeldBytes, [&writer](const Setpoint& one) {
+      writer.Number(one.reference);
+      writer.Word(one.mode, ControlMode::kPwm);
+    });
   });
   return saved;
 }
@@ -335,7 +341,9 @@ std::vector<std::byte> ControllerHost::Save() const {
 bool ControllerHost::Restore(const FramePtr& frame, std::span<const std::byte> saved) {
   List(*frame->scene);
   ByteReader reader(saved);
-  reader.Require(reader.Low(4) == kStateVersion && reader.Low(4) == driven_.size());
+  const std::uint64_t version = reader.Low(4);
+  reader.Require(version >= 1 && version <= kStateVersion);
+  reader.Require(reader.Low(4) == driven_.size());
   std::vector<Driven> restored = driven_;
   for (Driven& driven : restored) {
     std::string controller;
@@ -345,6 +353,11 @@ bool ControllerHost::Restore(const FramePtr& frame, std::span<const std::byte> s
     reader.Require(controller == driven.controller);
     reader.Text(driven.why);
     reader.Bytes(driven.restored.emplace());
+    if (version < 2) continue;
+    reader.List(driven.held, kHeldBytes, [&reader](Setpoint& one) {
+      reader.Finite(one.reference);
+      reader.Word(one.mode, ControlMode::kPwm);
+    });
   }
   const bool fits = reader.finished();
   if (fits) driven_ = std::move(restored);

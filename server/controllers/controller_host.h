@@ -74,6 +74,7 @@ class ControllerHost final : public ControllerDriver {
     std::uint32_t readings = 0;                      // of enum coopdyn_reading
     std::vector<std::size_t> sensors;                // COOPDYN_SENSORS: index into the model's
     std::optional<std::vector<std::byte>> restored;  // state to begin with, until it is created
+    std::vector<Setpoint> held;                      // COOPDYN_MAPPED: from one exchange to the next
 
     bool supervises() const { return id.value == 0; }
     /// It is not to be stepped: its robot has gone.
@@ -92,6 +93,8 @@ class ControllerHost final : public ControllerDriver {
   /// What the robot's controller wants of each channel, into `channels`, which are at rest. False: it cannot
   /// be carried out; nothing is promised of `channels` then.
   bool TakeSetpoints(const Driven& driven, std::span<Setpoint> channels) const;
+  /// The same of the motors of its channel: in an exchange what it gave, then as before.
+  bool TakeMotors(const Frame& frame, Driven& driven, std::span<Setpoint> channels) const;
   const SceneRobot& RobotOf(const Driven& driven) const {
     return driven.supervises() ? world_ : scene_->robots[static_cast<std::size_t>(driven.robot)];
   }

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 // ControllerHost::Step(): what controllers want, looked at once more and made into set-points.
 #include <algorithm>
+#include <cmath>
 #include <variant>
 
 #include "server/base/printable.h"
 #include "server/controllers/controller_host.h"
 #include "server/controllers/faults.h"
 #include "server/model/drive.h"
+#include "server/sensing/readings.h"
 
 namespace coopdyn {
 
@@ -55,15 +57,19 @@ void ControllerHost::Step(const FramePtr& frame, std::span<Setpoint> setpoints,
     coopdyn_command command{};
     CopyCommand(set_->areas().result(driven.slot).command, command);
     const bool by_setpoints = (driven.readings & COOPDYN_SETPOINTS) != 0;
+    const bool by_motors = (driven.readings & COOPDYN_MAPPED) != 0;
     if (!IsFine(command) || (by_setpoints && !TakeSetpoints(driven, channels)) ||
-        !TakeLogs(driven, command) || (driven.supervises() && !TakeDoings())) {
+        (by_motors && !TakeMotors(*frame, driven, channels)) || !TakeLogs(driven, command) ||
+        (driven.supervises() && !TakeDoings())) {
       std::ranges::fill(channels, Setpoint{});
       Stop(driven, "had its command overwritten by another controller");
       stopped = true;
       continue;
     }
     if (driven.supervises()) continue;
-    if (!by_setpoints) {
+    if (command.end_run != 0)
+      supervision_.end = "controller " + driven.controller + " of " + driven.name + " ends the run";
+    if (!by_setpoints && !by_motors) {
       double factor = 1;
       const auto speeds = WheelsFor(driven.drive, command.forward_m_s, command.turn_rad_s, factor);
       std::ranges::copy(SetpointsFor(speeds), channels.subspan(driven.wheels).begin());
@@ -99,6 +105,23 @@ bool ControllerHost::TakeSetpoints(const Driven& driven, std::span<Setpoint> cha
     }
     first += actuator.joints.size();
   }
+  return true;
+}
+
+bool ControllerHost::TakeMotors(const Frame& frame, Driven& driven, std::span<Setpoint> channels) const {
+  const Areas& areas = set_->areas();
+  const RobotSetup& setup = areas.setup(driven.slot);
+  if (frame.step % setup.exchange_steps == 0) {
+    std::vector<double> external(setup.robot.motor_count);
+    const auto* motors = areas.out.At<double>(setup.motors);
+    for (std::size_t i = 0; i < external.size(); ++i) external[i] = Once(motors[i]);
+    if (!std::ranges::all_of(external, [](double value) { return std::isfinite(value); })) return false;
+    driven.held = ChannelSetpoints(frame, driven.robot, 0, external);
+    // What no motor has is at rest.
+    std::ranges::replace_if(
+        driven.held, [](const Setpoint& one) { return one.mode == ControlMode::kKeep; }, Setpoint{});
+  }
+  std::copy_n(driven.held.begin(), std::min(driven.held.size(), channels.size()), channels.begin());
   return true;
 }
 

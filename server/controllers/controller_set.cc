@@ -81,7 +81,10 @@ void Describe(const FileResult& result, LoadedController& loaded) {
   if ((description.readings & COOPDYN_SENSORS) != 0)
     description.sensors = TextAt(result.sensors, sizeof(result.sensors));
   description.state_size = std::min<std::uint32_t>(Once(result.state_size), COOPDYN_MAX_STATE);
-  const std::size_t options = std::min<std::size_t>(Once(result.option_count), COOPDYN_MAX_OPTIONS);
+  const std::uint32_t option_count = Once(result.option_count);
+  description.takes_any_options = option_count == COOPDYN_ANY_OPTIONS;
+  if (description.takes_any_options) return;
+  const std::size_t options = std::min<std::size_t>(option_count, COOPDYN_MAX_OPTIONS);
   for (std::size_t i = 0; i < options; ++i) {
     const OptionRecord& option = result.options[i];
     description.options.push_back({TextAt(option.name, kNameSize), TextAt(option.help, kTextSize),
@@ -109,7 +112,12 @@ std::vector<std::string> ControllerDescription::Faults(const RobotEntry& robot) 
     faults.push_back(
         fmt::format("controller {} has nothing to command: a {} has no actuator module, so no channels",
                     choice.name, model.type));
-  } else if (!gives_setpoints() && !has_drive) {
+  } else if (maps() && model.Find<ChannelModel>() == nullptr) {
+    faults.push_back(fmt::format(
+        "controller {} exchanges mapped values (COOPDYN_MAPPED), and a {} has no channel: give its "
+        "model a <coopdyn:channel>",
+        choice.name, model.type));
+  } else if (!gives_setpoints() && !maps() && !has_drive) {
     faults.push_back(
         fmt::format("controller {} drives by forward and turn, and a {} has no two-wheel drive: choose a "
                     "controller that gives "
@@ -135,6 +143,7 @@ std::vector<std::string> ControllerDescription::SupervisorFaults(const Controlle
 
 void ControllerDescription::AddOptionFaults(const ControllerChoice& choice,
                                             std::vector<std::string>& faults) const {
+  if (takes_any_options) return;
   std::vector<std::string> names;
   for (const ControllerOption& option : options) names.push_back(option.name);
   for (const auto& [name, value] : choice.options) {
@@ -171,6 +180,9 @@ std::vector<std::size_t> ControllerDescription::SensorsOf(const RobotModel& mode
 
 std::vector<double> ControllerDescription::Values(const ControllerChoice& choice) const {
   std::vector<double> values;
+  if (takes_any_options) {
+    for (const auto& [name, value] : choice.options) values.push_back(value);
+  }
   for (const ControllerOption& option : options) {
     const auto given = std::find_if(choice.options.begin(), choice.options.end(),
                                     [&option](const auto& pair) { return pair.first == option.name; });
@@ -239,7 +251,7 @@ int ControllerSet::IndexOf(const std::string& file) const {
   return -1;
 }
 
-std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> robots, std::uint64_t seed) {
+std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> robots, const Frame& frame) {
   const std::size_t count = robots.size();
   Layout in(readings_end_), out(areas_.out.bytes());
   const Place items = in.Add<std::uint32_t>(std::max(count, loaded_.size()));
@@ -254,20 +266,14 @@ std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> rob
     const std::size_t sensors = model.sector_count();
     const DriveModel drive = model.drive() == nullptr ? DriveModel() : *model.drive();
     const auto channels = static_cast<std::size_t>(robots[i].robot->channel_count);
-    setup[i].robot = {.id = robots[i].robot->id.value,
-                      .name = nullptr,
-                      .radius_m = model.footprint_radius_m,
-                      .wheel_radius_m = drive.wheel_radius_m,
-                      .track_m = drive.track_m,
-                      .max_wheel_speed_rad_s = drive.max_wheel_speed_rad_s,
-                      .channel_count = channels,
-                      .channels = nullptr,
-                      .distance_count = sensors,
-                      .distance_bearing_rad = nullptr,
-                      .distance_opening_rad = nullptr,
-                      .distance_max_m = nullptr,
-                      .sensor_count = 0,
-                      .sensors = nullptr};
+    coopdyn_robot& facts = setup[i].robot;  // what follows from the places is added there
+    facts.id = robots[i].robot->id.value;
+    facts.radius_m = model.footprint_radius_m;
+    facts.wheel_radius_m = drive.wheel_radius_m;
+    facts.track_m = drive.track_m;
+    facts.max_wheel_speed_rad_s = drive.max_wheel_speed_rad_s;
+    facts.channel_count = channels;
+    facts.distance_count = sensors;
     setup[i].file = robots[i].file;
     setup[i].restore = kNoState;
     setup[i].name = in.Add<char>(robots[i].robot->entry.name.size() + 1);
@@ -283,6 +289,9 @@ std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> rob
     const ControllerDescription& description = *loaded_[robots[i].file].description;
     wanted.push_back(description.SensorsOf(model));
     PlaceSensors(model, wanted.back(), in, setup[i]);
+    setup[i].exchange_steps = 1;
+    if (description.maps()) PlaceMapped(model, frame.step_length, in, out, setup[i]);
+    if (description.takes_any_options) PlaceOptions(robots[i].robot->entry.controller, in, setup[i]);
     setup[i].setpoints = out.Add<coopdyn_setpoint>(description.gives_setpoints() ? channels : 0);
     const std::size_t size = description.state_size;
     for (Place& place : setup[i].states) place = out.AddBytes(size, alignof(std::max_align_t));
@@ -305,7 +314,7 @@ std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> rob
   header.readings = readings;
   header.robot_results = results;
   header.texts = texts;
-  header.seed = seed;
+  header.seed = frame.seed;
   for (std::uint32_t i = 0; i < count; ++i) {
     const RobotEntry& entry = robots[i].robot->entry;
     std::strcpy(areas_.in.At<char>(setup[i].name), entry.name.c_str());
@@ -318,6 +327,8 @@ std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> rob
     std::ranges::copy(JointTexts(*entry.model), areas_.in.At<char>(setup[i].joint_texts));
     std::ranges::copy(JointsOf(*entry.model), areas_.in.At<coopdyn_joint>(setup[i].joints));
     WriteSensors(*entry.model, wanted[i], areas_, setup[i]);
+    WriteMapped(*entry.model, areas_, setup[i]);
+    WriteOptions(entry.controller, areas_, setup[i]);
     std::copy(robots[i].options.begin(), robots[i].options.end(), areas_.in.At<double>(setup[i].options));
     if (!robots[i].state.empty()) {
       setup[i].restore = static_cast<std::int32_t>((header.serial + 1) & 1);

@@ -50,17 +50,20 @@ struct ControllerDescription {
   std::uint32_t state_size = 0;
   std::string sensors;  // COOPDYN_SENSORS: names or types of modules; empty: all but cameras
   std::vector<ControllerOption> options;
+  bool takes_any_options = false;  // COOPDYN_ANY_OPTIONS: `options` is empty
 
   /// The sensors of `model` that it wants by COOPDYN_SENSORS: index into its sensors.
   std::vector<std::size_t> SensorsOf(const RobotModel& model) const;
   /// It commands channels by set-points, not a two-wheel drive by forward and turn.
   bool gives_setpoints() const { return (readings & COOPDYN_SETPOINTS) != 0; }
   bool supervises() const { return (readings & COOPDYN_WORLD) != 0; }
+  /// It exchanges the values of the robot's channel.
+  bool maps() const { return (readings & COOPDYN_MAPPED) != 0; }
   /// Why it cannot drive this robot, or be the supervisor, with the options that its scenario gives, with
   /// what to do instead; one text each.
   std::vector<std::string> Faults(const RobotEntry& robot) const;
   std::vector<std::string> SupervisorFaults(const ControllerChoice& choice) const;
-  /// One value for each option: as given, else as described.
+  /// One value for each option: as given, else as described. If it takes any, those given.
   std::vector<double> Values(const ControllerChoice& choice) const;
 
  private:
@@ -78,7 +81,7 @@ struct LoadedController {
 struct ControlledRobot {
   std::uint32_t file = 0;  // index
   const SceneRobot* robot = nullptr;
-  std::vector<double> options;       // one for each described
+  std::vector<double> options;       // one for each described, or given
   std::span<const std::byte> state;  // to restore; empty: from the start
 };
 
@@ -97,7 +100,8 @@ class ControllerSet {
   bool is_fresh() const;
 
   /// Makes the instances; call once. Returns which could not be made, and why. Robots are numbered as given.
-  std::vector<Casualty> Create(std::span<const ControlledRobot> robots, std::uint64_t seed);
+  /// Of `frame` seed and step length.
+  std::vector<Casualty> Create(std::span<const ControlledRobot> robots, const Frame& frame);
   /// The areas, to write readings into before Step(). Places may only be added behind `readings_end()`.
   Areas& areas() { return areas_; }
   Place readings_end() const { return readings_end_; }

@@ -19,7 +19,7 @@ namespace {
 constexpr std::uint32_t kAllReadings = COOPDYN_DISTANCES | COOPDYN_POSE | COOPDYN_CHANNELS | COOPDYN_TARGETS |
                                        COOPDYN_NEIGHBOURS | COOPDYN_MESSAGES | COOPDYN_COMPASS |
                                        COOPDYN_SETPOINTS | COOPDYN_SUPPORT | COOPDYN_MOTION |
-                                       COOPDYN_SENSORS | COOPDYN_WORLD;
+                                       COOPDYN_SENSORS | COOPDYN_WORLD | COOPDYN_MAPPED;
 
 bool IsOptionName(std::string_view name) {
   return !name.empty() && name.front() >= 'a' && name.front() <= 'z' &&
@@ -63,18 +63,26 @@ void TakeDescription(const coopdyn_description* raw, FileResult& result) {
         "describe() asks for COOPDYN_WORLD and other readings: a supervisor has no robot, so it takes "
         "COOPDYN_WORLD alone");
   }
+  constexpr std::uint32_t kBoth = COOPDYN_MAPPED | COOPDYN_SETPOINTS;
+  if ((raw->readings & kBoth) == kBoth) {
+    throw PluginError(
+        "describe() asks for COOPDYN_MAPPED and COOPDYN_SETPOINTS: the motors of the channel drive the "
+        "robot, "
+        "or set-points do");
+  }
   if (raw->state_size > COOPDYN_MAX_STATE) {
     throw PluginError(
         fmt::format("state_size in describe() is {}: at most {} bytes", raw->state_size, COOPDYN_MAX_STATE));
   }
-  if (raw->option_count > COOPDYN_MAX_OPTIONS) {
+  const bool takes_any = raw->option_count == COOPDYN_ANY_OPTIONS;
+  if (raw->option_count > COOPDYN_MAX_OPTIONS && !takes_any) {
     throw PluginError(
         fmt::format("option_count in describe() is {}: at most {}", raw->option_count, COOPDYN_MAX_OPTIONS));
   }
-  if (raw->option_count > 0 && raw->options == nullptr) {
+  if (raw->option_count > 0 && !takes_any && raw->options == nullptr) {
     throw PluginError("options in describe() is NULL though option_count is not 0");
   }
-  for (std::size_t i = 0; i < raw->option_count; ++i) {
+  for (std::size_t i = 0; !takes_any && i < raw->option_count; ++i) {
     TakeOption(raw->options[i], i, result.options[i]);
     for (std::size_t k = 0; k < i; ++k) {
       if (std::strcmp(result.options[k].name, result.options[i].name) != 0) continue;
@@ -148,6 +156,7 @@ Plugin::Plugin(const std::string& path, FileResult& result)
   state_size_ = result.state_size;
   gives_setpoints_ = (result.readings & COOPDYN_SETPOINTS) != 0;
   supervises_ = (result.readings & COOPDYN_WORLD) != 0;
+  maps_ = (result.readings & COOPDYN_MAPPED) != 0;
   if (state_size_ > 0 && (functions_.save == nullptr || functions_.restore == nullptr)) {
     throw PluginError("its functions save and restore may be NULL only if state_size is 0");
   }

@@ -32,6 +32,8 @@ class Plugin {
   /// It commands channels by set-points.
   bool gives_setpoints() const { return gives_setpoints_; }
   bool supervises() const { return supervises_; }
+  /// It exchanges the values of the robot's channel.
+  bool maps() const { return maps_; }
 
  private:
   struct Close {
@@ -40,7 +42,7 @@ class Plugin {
   std::unique_ptr<void, Close> handle_;
   coopdyn_controller functions_{};
   std::uint32_t state_size_ = 0;
-  bool gives_setpoints_ = false, supervises_ = false;
+  bool gives_setpoints_ = false, supervises_ = false, maps_ = false;
 };
 
 }  // namespace coopdyn

@@ -56,6 +56,15 @@ void SetTwist(const Vector3& v_W, const Vector3& w_W, coopdyn_body& body) {
   std::copy_n(w_W.data(), 3, body.angular_velocity_rad_s);
 }
 
+/// What the robot's channel carries, if this is a step in which there is an exchange.
+void WriteMappedValues(const Frame& frame, int robot, const Areas& areas, const RobotSetup& setup) {
+  if (frame.step % setup.exchange_steps != 0) return;
+  std::vector<double> values;
+  AppendChannelValues(frame, robot, 0, values);
+  std::copy_n(values.begin(), std::min(values.size(), setup.robot.mapped_count),
+              areas.in.At<double>(setup.mapped));
+}
+
 coopdyn_body BodyOf(std::int32_t id, coopdyn_kind kind, const std::string& name, const Pose& X_WB) {
   coopdyn_body body{};
   body.id = static_cast<std::uint32_t>(id);
@@ -181,6 +190,8 @@ void ReadingsWriter::WriteFixed(const Frame& frame, const ReadingsWanted& wanted
     readings.support_rad = support.angle_rad;
   }
   if (!wanted.sensors.empty()) WriteSensors(frame, wanted, areas);
+  if ((wanted.readings & COOPDYN_MAPPED) != 0)
+    WriteMappedValues(frame, wanted.robot, areas, areas.setup(wanted.slot));
   if ((wanted.readings & COOPDYN_CHANNELS) != 0) {
     const std::span<const ChannelState> channels = ChannelsOf(frame, wanted.robot);
     readings.channel_count = channels.size();

@@ -31,6 +31,32 @@ coopdyn_sensor FactsOf(const SensorModel& sensor) {
   return of;
 }
 
+/// The names of a channel's motors and values, each ends with 0.
+std::string LinkTexts(const ChannelModel& channel) {
+  std::string texts;
+  for (const ChannelModel::Motor& motor : channel.motors)
+    texts.append(motor.name.c_str(), motor.name.size() + 1);
+  for (const ChannelModel::Value& value : channel.values)
+    texts.append(value.name.c_str(), value.name.size() + 1);
+  return texts;
+}
+
+/// A motor or a value without its name.
+coopdyn_mapped FactsOf(const ValueMap& map, bool auxiliary) {
+  return {.name = nullptr,
+          .internal_min = map.internal_min,
+          .internal_max = map.internal_max,
+          .external_min = map.external_min,
+          .external_max = map.external_max,
+          .auxiliary = auxiliary ? 1u : 0u};
+}
+
+std::string OptionTexts(const ControllerChoice& choice) {
+  std::string texts;
+  for (const auto& [name, value] : choice.options) texts.append(name.c_str(), name.size() + 1);
+  return texts;
+}
+
 std::size_t ImageBytes(const coopdyn_sensor& sensor) {
   return std::size_t{3} * sensor.width * sensor.height;
 }
@@ -106,6 +132,40 @@ void WriteSensors(const RobotModel& model, std::span<const std::size_t> wanted, 
     place.step = 0;
   }
   std::ranges::copy(SensorTexts(model, wanted), areas.in.At<char>(setup.sensor_texts));
+}
+
+void PlaceMapped(const RobotModel& model, Nanoseconds step, Layout& in, Layout& out, RobotSetup& setup) {
+  const auto* const channel = model.Find<ChannelModel>();
+  if (channel == nullptr) return;
+  setup.robot.motor_count = channel->motors.size();
+  setup.robot.mapped_count = channel->values.size();
+  setup.exchange_steps = static_cast<std::uint64_t>(channel->steps);
+  setup.robot.exchange_s = ToSeconds(step) * channel->steps;
+  setup.links = in.Add<coopdyn_mapped>(channel->motors.size() + channel->values.size());
+  setup.link_text_bytes = LinkTexts(*channel).size();
+  setup.link_texts = in.Add<char>(setup.link_text_bytes);
+  setup.mapped = in.Add<double>(channel->values.size());
+  setup.motors = out.Add<double>(channel->motors.size());
+}
+
+void WriteMapped(const RobotModel& model, const Areas& areas, const RobotSetup& setup) {
+  if (setup.link_text_bytes == 0) return;
+  const auto* const channel = model.Find<ChannelModel>();
+  auto* link = areas.in.At<coopdyn_mapped>(setup.links);
+  for (const ChannelModel::Motor& motor : channel->motors) *link++ = FactsOf(motor.map, false);
+  for (const ChannelModel::Value& value : channel->values) *link++ = FactsOf(value.map, value.auxiliary);
+  std::ranges::copy(LinkTexts(*channel), areas.in.At<char>(setup.link_texts));
+}
+
+void PlaceOptions(const ControllerChoice& choice, Layout& in, RobotSetup& setup) {
+  setup.robot.option_count = choice.options.size();
+  setup.option_text_bytes = OptionTexts(choice).size();
+  setup.option_texts = in.Add<char>(setup.option_text_bytes);
+}
+
+void WriteOptions(const ControllerChoice& choice, const Areas& areas, const RobotSetup& setup) {
+  if (setup.option_text_bytes == 0) return;
+  std::ranges::copy(OptionTexts(choice), areas.in.At<char>(setup.option_texts));
 }
 
 }  // namespace coopdyn

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cfenv>
+#include <cmath>
 #include <cstring>
 #include <exception>
 #include <new>
@@ -17,6 +18,7 @@
 #include "server/controllers/child_process.h"
 #include "server/controllers/faults.h"
 #include "server/controllers/guarded_buffer.h"
+#include "server/controllers/instance.h"
 
 namespace coopdyn {
 
@@ -79,23 +81,10 @@ T* LastOf(const GuardedBuffer& buffer, std::size_t count) {
 
 }  // namespace
 
-/// A robot's controller, and the facts that it may point to as long as it lives.
-struct Runner::Instance {
-  const Plugin* plugin = nullptr;
-  void* state = nullptr;
-  std::string name;
-  std::vector<double> bearing_rad, opening_rad, max_m;
-  std::string joint_texts;
-  std::vector<coopdyn_joint> joints;
-  std::string sensor_texts;
-  std::vector<coopdyn_sensor> sensors;
-  std::vector<coopdyn_sensor_reading> sensed;  // as sensors; of the present step
-  coopdyn_robot robot{};
-};
-
 struct Runner::Worker {
   GuardedBuffer command{sizeof(coopdyn_command)};
   GuardedBuffer setpoints{kMaxSetpoints * sizeof(coopdyn_setpoint)};
+  GuardedBuffer motors{kMaxSetpoints * sizeof(double)};
   GuardedBuffer logs{COOPDYN_MAX_LOGS * sizeof(coopdyn_logged)};
   GuardedBuffer supervision{sizeof(coopdyn_supervision)};
   GuardedBuffer moves{COOPDYN_MAX_MOVES * sizeof(coopdyn_move)};
@@ -161,48 +150,16 @@ void Runner::Create(std::uint32_t robot, Worker& worker) {
   Begin(0, robot);
   const RobotSetup& setup = areas_->setup(robot);
   if (!plugins_[setup.file]) return Fail(robot, "is not loaded");
-  const std::size_t channels = setup.robot.channel_count;
-  if (plugins_[setup.file]->gives_setpoints() && channels > kMaxSetpoints) {
-    return Fail(robot,
-                fmt::format("cannot drive it: it has {} channels, and a controller commands at most {}",
-                            channels, kMaxSetpoints));
-  }
-  const auto copy = [&](Place place) {
-    const double* values = In<double>(place);
-    return std::vector<double>(values, values + setup.robot.distance_count);
+  const Plugin& plugin = *plugins_[setup.file];
+  const auto too_many = [&](bool given, std::size_t count, const char* what) {
+    if (!given || count <= kMaxSetpoints) return false;
+    Fail(robot, fmt::format("cannot drive it: it has {} {}, and a controller commands at most {}", count,
+                            what, kMaxSetpoints));
+    return true;
   };
-  auto instance = std::make_unique<Instance>();
-  instance->plugin = &*plugins_[setup.file];
-  instance->name = In<char>(setup.name);
-  instance->bearing_rad = copy(setup.bearing_rad);
-  instance->opening_rad = copy(setup.opening_rad);
-  instance->max_m = copy(setup.max_m);
-  instance->joint_texts.assign(In<char>(setup.joint_texts), setup.joint_text_bytes);
-  const coopdyn_joint* joints = In<coopdyn_joint>(setup.joints);
-  instance->joints.assign(joints, joints + channels);
-  const char* text = instance->joint_texts.c_str();
-  for (coopdyn_joint& joint : instance->joints) {
-    joint.module = text;
-    joint.name = joint.module + std::strlen(joint.module) + 1;
-    text = joint.name + std::strlen(joint.name) + 1;
-  }
-  instance->sensor_texts.assign(In<char>(setup.sensor_texts), setup.sensor_text_bytes);
-  const coopdyn_sensor* sensors = In<coopdyn_sensor>(setup.sensors);
-  instance->sensors.assign(sensors, sensors + setup.robot.sensor_count);
-  instance->sensed.resize(setup.robot.sensor_count);
-  text = instance->sensor_texts.c_str();
-  for (coopdyn_sensor& sensor : instance->sensors) {
-    sensor.module = text;
-    sensor.type = sensor.module + std::strlen(sensor.module) + 1;
-    text = sensor.type + std::strlen(sensor.type) + 1;
-  }
-  instance->robot = setup.robot;
-  instance->robot.sensors = instance->sensors.data();
-  instance->robot.channels = instance->joints.data();
-  instance->robot.name = instance->name.c_str();
-  instance->robot.distance_bearing_rad = instance->bearing_rad.data();
-  instance->robot.distance_opening_rad = instance->opening_rad.data();
-  instance->robot.distance_max_m = instance->max_m.data();
+  if (too_many(plugin.gives_setpoints(), setup.robot.channel_count, "channels")) return;
+  if (too_many(plugin.maps(), setup.robot.motor_count, "motors")) return;
+  auto instance = std::make_unique<Instance>(plugin, setup, *areas_);
   const coopdyn_controller& functions = instance->plugin->functions();
   char error[kTextSize] = "";
   std::string why = Guarded("create", [&] {
@@ -280,6 +237,7 @@ void Runner::TimedStep(std::uint32_t robot, Worker& worker) {
 void Runner::Step(std::uint32_t robot, Worker& worker) {
   Instance& instance = *instances_[robot];
   const RobotSetup& setup = areas_->setup(robot);
+  if (header().step % setup.exchange_steps != 0) return StepOver(robot, worker);
   for (std::size_t i = 0; i < instance.sensed.size(); ++i) {
     const SensorPlace& place = In<SensorPlace>(setup.sensed)[i];
     instance.sensed[i] = {place.step, In<double>(place.values), In<std::uint8_t>(place.image)};
@@ -316,6 +274,7 @@ void Runner::Step(std::uint32_t robot, Worker& worker) {
       .angular_velocity_rad_s = {},
       .sensors = instance.sensed.data(),
       .world = nullptr,
+      .mapped = instance.plugin->maps() ? In<double>(setup.mapped) : nullptr,
   };
   std::ranges::copy(sent.velocity_m_s, readings.velocity_m_s);
   std::ranges::copy(sent.angular_velocity_rad_s, readings.angular_velocity_rad_s);
@@ -344,13 +303,20 @@ void Runner::Step(std::uint32_t robot, Worker& worker) {
     std::ranges::fill(setpoints, coopdyn_setpoint{});
     command.setpoints = setpoints.data();
   }
+  std::span<double> motors;
+  if (instance.plugin->maps()) {
+    const std::size_t count = setup.robot.motor_count;
+    motors = {LastOf<double>(worker.motors, count), count};
+    std::ranges::fill(motors, 0.0);
+    command.motors = motors.data();
+  }
   const char* called = "step";
   std::string wrong;
   const std::string failed = Guarded(called, [&] {
     instance.plugin->functions().step(instance.state, &readings, &command);
     if (!IsFine(command)) wrong = Fault(command);
     if (command.setpoints != setpoints.data() || command.logs != logs || command.supervision != doing ||
-        (supervises && doing->moves != moves)) {
+        command.motors != motors.data() || (supervises && doing->moves != moves)) {
       wrong = "changed a pointer of its command: write into the array that it points to";
     }
     for (std::size_t i = 0; i < command.log_count && wrong.empty(); ++i) {
@@ -364,6 +330,10 @@ void Runner::Step(std::uint32_t robot, Worker& worker) {
     for (std::size_t i = 0; i < setpoints.size() && wrong.empty(); ++i) {
       if (!IsFine(setpoints[i], instance.joints[i].modes)) wrong = Fault(setpoints[i], instance.joints[i]);
     }
+    for (std::size_t i = 0; i < motors.size() && wrong.empty(); ++i) {
+      if (!std::isfinite(motors[i]))
+        wrong = fmt::format("returned motors[{}] = {}: it must be a finite number", i, motors[i]);
+    }
     called = "save";
     if (wrong.empty()) Save(instance, setup.states[header().serial & 1], worker);
   });
@@ -372,12 +342,24 @@ void Runner::Step(std::uint32_t robot, Worker& worker) {
   result.failed = 0;
   CopyCommand(command, result.command);
   std::ranges::copy(setpoints, areas_->out.At<coopdyn_setpoint>(setup.setpoints));
+  std::ranges::copy(motors, areas_->out.At<double>(setup.motors));
   std::copy_n(logs, command.log_count, areas_->out.At<coopdyn_logged>(setup.logs));
   if (supervises) {
     std::copy_n(moves, doing->move_count, areas_->out.At<coopdyn_move>(header().moves));
     doing->moves = nullptr;
     *areas_->out.At<coopdyn_supervision>(header().supervision) = *doing;
   }
+  result.done.store(header().serial, std::memory_order_release);
+}
+
+void Runner::StepOver(std::uint32_t robot, Worker& worker) {
+  const Instance& instance = *instances_[robot];
+  const std::string failed =
+      Guarded("save", [&] { Save(instance, areas_->setup(robot).states[header().serial & 1], worker); });
+  if (!failed.empty()) return Fail(robot, failed);
+  RobotResult& result = areas_->result(robot);
+  result.failed = 0;
+  CopyCommand(coopdyn_command{}, result.command);
   result.done.store(header().serial, std::memory_order_release);
 }
 

@@ -19,6 +19,8 @@
 
 namespace coopdyn {
 
+struct Instance;
+
 class Runner {
  public:
   Runner();
@@ -31,7 +33,6 @@ class Runner {
   static void EndWithoutMemory();
 
  private:
-  struct Instance;
   struct Worker;
 
   template <typename T>
@@ -47,6 +48,8 @@ class Runner {
   /// Steps items until there are none left.
   void StepSome(std::size_t worker);
   void Step(std::uint32_t robot, Worker& worker);
+  /// The same of one that is not asked in this step, as no exchange of its channel begins: it is only saved.
+  void StepOver(std::uint32_t robot, Worker& worker);
   /// Step(), and adds its time to its file's.
   void TimedStep(std::uint32_t robot, Worker& worker);
   /// The instance's state into `place`, by way of memory with a guard.

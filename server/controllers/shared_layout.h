@@ -70,13 +70,19 @@ struct RobotSetup {
   Place bearing_rad, opening_rad, max_m;  // distance_count doubles each
   Place joints;                           // channel_count coopdyn_joint; pointers are null
   Place joint_texts, joint_text_bytes;    // module and name of each of these, each ends with 0
-  Place options;                          // doubles
+  Place options;                          // doubles: one for each described, or given if any are taken
   Place distances;                        // doubles, written before each step
   Place channels;                         // coopdyn_channel, likewise
   Place sensors;                          // sensor_count coopdyn_sensor; pointers are null
   Place sensor_texts, sensor_text_bytes;  // module and type of each of these, each ends with 0
   Place sensed;                           // SensorPlace of each
   Place readings_begin;                   // of these
+  Place links;                            // motor_count, then mapped_count coopdyn_mapped; pointers are null
+  Place link_texts, link_text_bytes;      // name of each of these, each ends with 0
+  Place option_texts, option_text_bytes;  // name of each of option_count options, likewise
+  Place mapped;                           // mapped_count doubles, written before each exchange
+  std::uint64_t exchange_steps;           // COOPDYN_MAPPED: of one exchange; else 1
+  Place motors;                           // in `out`: motor_count doubles
   Place setpoints;                        // in `out`: coopdyn_setpoint, if the controller gives them
   Place logs;                             // in `out`: coopdyn_logged[COOPDYN_MAX_LOGS]
   Place states[2];                        // in `out`: written in turn, by the serial's parity
@@ -151,6 +157,7 @@ inline void CopyCommand(const coopdyn_command& from, coopdyn_command& to) {
   to.message_count = count;
   for (std::uint32_t i = 0; i < count && i < COOPDYN_MAX_MESSAGE; ++i) to.message[i] = Once(from.message[i]);
   to.log_count = Once(from.log_count);
+  to.end_run = Once(from.end_run);
 }
 
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);

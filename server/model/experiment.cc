@@ -60,7 +60,12 @@ std::vector<Section> ReadExperiment(const std::string& text, const std::string& 
                                     bool has_files, RobotLibrary& library, Diagnostics& diagnostics) {
   const std::size_t size = XmlSize(text);
   const std::string prefix = rosiml::Simple(name, 40) + ".";
-  auto made = rosiml::Translate(std::string_view(text).substr(0, size), file, prefix, diagnostics);
+  const std::filesystem::path beside = has_files ? std::filesystem::absolute(file).parent_path() : "";
+  const auto has_controller = [&](const std::string& controller) {
+    return library.path().FindController(controller, beside).has_value();
+  };
+  auto made =
+      rosiml::Translate(std::string_view(text).substr(0, size), file, prefix, diagnostics, has_controller);
   if (!made) return {};
   std::optional<Resources> resources;
   if (has_files) resources.emplace(library.path().folders, file);

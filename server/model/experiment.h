@@ -21,7 +21,7 @@ bool IsExperiment(const std::string& text, const std::string& file);
 
 /// The sections of the scenario that `text` is, with the lines of the XML, and of what stands behind it:
 /// [SET]. Its robots' models go to `library`; their types begin with `name`. Not `has_files`: the text came
-/// without the meshes that it names.
+/// without the meshes and controllers that it names.
 std::vector<Section> ReadExperiment(const std::string& text, const std::string& file, const std::string& name,
                                     bool has_files, RobotLibrary& library, Diagnostics& diagnostics);
 

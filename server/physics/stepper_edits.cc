@@ -266,8 +266,11 @@ void Stepper::Supervise(const Supervision& supervision) {
     not_moved_ = refusal;
   }
   if (!supervision.end || ended_) return;
+  const bool is_robots =
+      simulation_->scene().scenario->simulation.supervisor.empty();  // its controller says who
   EndRun(RunEnd::kSupervisor,
-         who + " ends the run" + (supervision.end->empty() ? "" : ": " + *supervision.end));
+         is_robots ? *supervision.end
+                   : who + " ends the run" + (supervision.end->empty() ? "" : ": " + *supervision.end));
 }
 
 EditResult Stepper::Apply(const edit::EndRun& end) {

@@ -20,7 +20,8 @@ class PublicReader : Reader {
  public:
   using Reader::Reader;
 
-  Experiment Read(const Element& root) {
+  Experiment Read(const Element& root, const HasController& has_controller) {
+    has_controller_ = has_controller;
     if (!Text(root, "version").starts_with("0.8") && !Text(root, "version").empty())
       Warn(root, "version " + Printable(Text(root, "version")) +
                      " is read as 0.8: a word that has changed is not found");
@@ -200,11 +201,7 @@ class PublicReader : Reader {
     if (const Element* sensors = Child(element, "sensors"))
       ForEachChild(*sensors, [&](const Element& sensor) { ReadSensor(sensor, robot); });
     if (const Element* controller = Child(element, "controller")) {
-      const std::string module = Text(*controller, "module");
-      if (module != "TCPIP" && !module.empty())
-        Warn(*controller, "the controller '" + Printable(module) +
-                              "' of YARS is not loaded: a client drives the robot, or one of coopdyn's "
-                              "controllers by --set ROBOT_1.controller=NAME");
+      robot.controller = LoadedController(*controller, !robot.motors.empty(), has_controller_);
       constexpr double kUsual_hz = 10;
       robot.exchange_steps = StepsOf(*controller, frequency_hz_, Number(*controller, "frequency", kUsual_hz));
     }
@@ -362,12 +359,14 @@ class PublicReader : Reader {
   int uses_ = 0;          // of macros
   bool is_full_ = false;  // they go too deep, or make too many bodies
   double frequency_hz_ = 100;
+  HasController has_controller_;
 };
 
 }  // namespace
 
-Experiment ReadPublic(const Element& root, const std::string& file, Diagnostics& diagnostics) {
-  return PublicReader(file, diagnostics).Read(root);
+Experiment ReadPublic(const Element& root, const std::string& file, const HasController& has_controller,
+                      Diagnostics& diagnostics) {
+  return PublicReader(file, diagnostics).Read(root, has_controller);
 }
 
 }  // namespace coopdyn::rosiml

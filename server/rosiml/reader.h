@@ -8,13 +8,15 @@
 
 #include "server/base/diagnostics.h"
 #include "server/rosiml/experiment.h"
+#include "server/rosiml/translate.h"
 #include "server/rosiml/xml.h"
 
 namespace coopdyn::rosiml {
 
 inline constexpr double kRadPerDeg = std::numbers::pi / 180;
 
-Experiment ReadPublic(const Element& root, const std::string& file, Diagnostics& diagnostics);
+Experiment ReadPublic(const Element& root, const std::string& file, const HasController& has_controller,
+                      Diagnostics& diagnostics);
 Experiment ReadPaper(const Element& root, const std::string& file, Diagnostics& diagnostics);
 /// Adds the joints and muscles of a robot of the public grammar, which has all its bodies.
 void ReadActuators(const Element& actuators, Movable& robot, const std::string& file,
@@ -64,6 +66,9 @@ class Reader {
                   double domain_unit = 1);
   /// Steps of an exchange of a controller that is asked so often.
   int StepsOf(const Element& at, double frequency_hz, double controller_hz);
+  /// The line of the loaded controller that a <controller> of the public grammar names; empty: clients drive
+  /// the robot.
+  std::string LoadedController(const Element& element, bool has_motors, const HasController& has_controller);
 
  private:
   const std::string& file_;

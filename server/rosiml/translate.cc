@@ -26,15 +26,16 @@ bool IsExperiment(std::string_view text) {
 }
 
 std::optional<Translation> Translate(std::string_view text, const std::string& file,
-                                     const std::string& prefix, Diagnostics& diagnostics) {
+                                     const std::string& prefix, Diagnostics& diagnostics,
+                                     const HasController& has_controller) {
   Diagnostics found(file);
   tinyxml2::XMLDocument document;
   std::optional<Translation> made;
   if (const Element* root = Parse(text, file, document, found)) {
     const Dialect dialect = DialectOf(*root);
     CheckGrammar(*root, dialect, file, found);
-    const Experiment experiment =
-        dialect == Dialect::kPaper ? ReadPaper(*root, file, found) : ReadPublic(*root, file, found);
+    const Experiment experiment = dialect == Dialect::kPaper ? ReadPaper(*root, file, found)
+                                                             : ReadPublic(*root, file, has_controller, found);
     if (!found.has_errors()) made = WriteScenario(experiment, file, prefix, found);
   }
   diagnostics.Append(found);

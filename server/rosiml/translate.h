@@ -3,6 +3,7 @@
 // texts. Pure; any thread.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -29,9 +30,13 @@ struct Translation {
 /// Whether a text is an experiment: its root element is <rosiml>.
 bool IsExperiment(std::string_view text);
 
+/// Whether there is a loaded controller called so.
+using HasController = std::function<bool(const std::string& name)>;
+
 /// The scenario and the models of `text`. Nothing, with all mistakes reported, if there are any. `file`: for
 /// messages. A model's type is `prefix` and its name.
 std::optional<Translation> Translate(std::string_view text, const std::string& file,
-                                     const std::string& prefix, Diagnostics& diagnostics);
+                                     const std::string& prefix, Diagnostics& diagnostics,
+                                     const HasController& has_controller = nullptr);
 
 }  // namespace coopdyn::rosiml

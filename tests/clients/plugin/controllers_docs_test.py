@@ -72,7 +72,7 @@ class ControllersDocsTestCase(unittest.TestCase):
         self.assertEqual({one["name"]: one["value"] for one in told["logged"]}["outs"], 3)
 
     def test_no_other_blocks(self):
-        self.assertEqual([len(blocks(kind)) for kind in ("", "sh", "cpp")], [2, 2, 3])
+        self.assertEqual([len(blocks(kind)) for kind in ("", "sh", "cpp")], [2, 3, 3])
 
 
 if __name__ == "__main__":

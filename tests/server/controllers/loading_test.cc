@@ -40,7 +40,7 @@ TEST_P(LoadingTest, ItsRobotsStopAndTheOthersDrive) {
 INSTANTIATE_TEST_SUITE_P(
     Plugins, LoadingTest,
     testing::Values(
-        LoadingCase{"wrong_version", "built for version 77 of controller.h, this daemon has version 4"},
+        LoadingCase{"wrong_version", "built for version 77 of controller.h, this daemon has version 5"},
         LoadingCase{"no_entry", "does not export coopdyn_controller_entry()"},
         LoadingCase{"no_description", "describe() returned NULL"},
         LoadingCase{"huge_description", "state_size in describe() is 4000000000: at most 65536 bytes"},

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// For sources written for YARS: a motor or a sensor of one or several values.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "yars/types/Domain.h"
+
+struct NameDimensionDomain {
+  std::string name;
+  int dimension = 0;
+  std::vector<Domain> internal, external;  // of each value
+  std::vector<std::string> names;          // likewise
+
+  explicit NameDimensionDomain(std::string of = "", int values = 0)
+      : name(std::move(of)), dimension(values) {}
+};
