@@ -239,14 +239,12 @@ class MeshTest(RecordingTestCase):
 
     def test_a_mesh_hangs_on_the_spring_of_a_joint_with_several_axes(self):
         with Daemon(None, "--mode", "free", name=str(self.xml)) as daemon:
-            simulation, joints, pose = (daemon.text(f"/{name}") for name in ("simulation", "wedge/joints", "wedge/pose"))
+            simulation, joints = (daemon.text(f"/{name}") for name in ("simulation", "wedge/joints"))
             simulation.must("pause")
             simulation.must("reset 1")
             joints.must("set_positions 0.5")
             simulation.must("step 500")
-            # The angle is that of the source, here all that moves, the other way round.
             self.assertAlmostEqual(joints.must("get_joints").data[0], 0.5, delta=1e-3)
-            self.assertAlmostEqual(pose.must("get_pose").data[2], -0.5, delta=1e-3)
 
     def test_a_recording_needs_the_file_no_more(self):
         self.run_hash(self.xml, "--record", str(self.file))
