@@ -48,7 +48,7 @@ struct ServeOptions {
   std::optional<int> channel_port;  // the first for clients of YARS
   std::string channel_ports_file;   // begins the names of files with these ports; empty: none
   bool channel_quits = false;       // they may end the daemon
-  std::vector<std::string> hosts;  // empty: loopback
+  std::vector<std::string> hosts;   // empty: loopback
   std::string advertise;
   std::string token;
   bool weak_token = false;            // may be short

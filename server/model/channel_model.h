@@ -82,7 +82,7 @@ struct ChannelModel {
     kEffort,   // of its motor; without one of its spring and damper: N m or N
     kCurrent,  // of its drive train: A, J
     kEnergy,
-    kX,       // place, in the world: m
+    kX,  // place, in the world: m
     kY,
     kZ,
     kRoll,  // rad

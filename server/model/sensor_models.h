@@ -237,10 +237,10 @@ struct OdometryModel {
 };
 
 /// In the order of their ports. A recorded run has a sensor's kind by its place here: add at the end.
-using SensorKind = std::variant<DistanceModel, TargetModel, PoseModel, NeighboursModel, CompassModel,
-                                SupportModel, ImuModel, WrenchModel, LidarModel, ContactModel, SonarModel,
-                                InfraredModel, LightModel, CameraModel, BatteryModel, OdometryModel,
-                                ChannelModel>;
+using SensorKind =
+    std::variant<DistanceModel, TargetModel, PoseModel, NeighboursModel, CompassModel, SupportModel, ImuModel,
+                 WrenchModel, LidarModel, ContactModel, SonarModel, InfraredModel, LightModel, CameraModel,
+                 BatteryModel, OdometryModel, ChannelModel>;
 
 /// How many values physics measures for a sensor in each step (Frame::measured); docs/formats.md has their
 /// meaning.

@@ -24,7 +24,8 @@ inline const RobotModel& ModelOf(const Frame& frame, int robot) {
 /// its module answers. Nothing if there is no such sensor.
 void AppendReading(const Frame& frame, int robot, std::size_t sensor, std::vector<double>& data);
 
-/// The names of the values of a reading of a fixed length (FixedCount()) with units, e.g. ax_m_s2; counted from 1 where a sensor has many alike: range1_m.
+/// The names of the values of a reading of a fixed length (FixedCount()) with units, e.g. ax_m_s2; counted
+/// from 1 where a sensor has many alike: range1_m.
 std::vector<std::string> FixedNames(const SensorKind& kind);
 /// Writes as many values: the reading; of a contact sensor which zones are pressed; nan if that is unknown.
 void FillFixed(const Frame& frame, int robot, std::size_t sensor, std::span<double> values);

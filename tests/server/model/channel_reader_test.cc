@@ -24,8 +24,7 @@ std::string WrongIn(const std::string& inside, const std::string& attributes = "
 
 ChannelModel ReadChannel(const std::string& inside, const std::string& attributes = "",
                          const std::string& more = "") {
-  const auto [robot, messages] =
-      ReadRig(more + ChannelOf(inside, attributes) + "\n" + ModuleOf("channel"));
+  const auto [robot, messages] = ReadRig(more + ChannelOf(inside, attributes) + "\n" + ModuleOf("channel"));
   EXPECT_EQ(messages, "");
   if (robot == nullptr || robot->Find<ChannelModel>() == nullptr) return {};
   return *robot->Find<ChannelModel>();
