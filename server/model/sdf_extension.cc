@@ -132,10 +132,6 @@ class ExtensionReader {
       }
     }
     if (drive != nullptr) ReadDrive(*drive);
-    for (const XMLElement* sensor : sensors) {
-      const std::string name = sensor->Name();
-      if (!sensors_.Read(*sensor)) Error(*sensor, "unknown element <" + name + ">" + DidYouMean(name, known));
-    }
     Adopt(model);
     for (const XMLElement* group : groups) {
       XmlAttributes attributes(*group, file_, diagnostics_);
@@ -143,6 +139,10 @@ class ExtensionReader {
     }
     if (groups.empty()) AddDefaultGroup(robot_);
     for (const XMLElement* muscle : muscles) ReadMuscle(*muscle, file_, robot_, diagnostics_);
+    for (const XMLElement* sensor : sensors) {
+      const std::string name = sensor->Name();
+      if (!sensors_.Read(*sensor)) Error(*sensor, "unknown element <" + name + ">" + DidYouMean(name, known));
+    }
     for (const XMLElement* module : modules) ReadModule(*module);
     const XMLElement* root = model.Parent() == nullptr ? nullptr : model.Parent()->ToElement();
     const bool foreign = root != nullptr && root->Attribute("coopdyn:foreign") != nullptr;

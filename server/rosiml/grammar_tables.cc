@@ -91,7 +91,7 @@ constexpr Rule kPublic[] = {
     {"openingAngles", "x!:0 y!:0", ""},
     {"coordinate_sensor", "name!:s global:b", "coordinates? domain=ends? &sensed"},
     {"joint_sensor", "name!:s", "domain=ends? &sensed"},
-    {"muscle_sensor", "name!:s", "-pose domain=ends? &sensed"},
+    {"muscle_sensor", "name!:s", "-pose object=reference! domain=ends mapping=ends noise? ~filter"},
     {"ldr", "name!:s opening!:0", "pose! colour=seen_colour? &sensed"},
     {"seen_colour", "value!:c", ""},
     {"camera_sensor", "name!:s", "pose! openingAngles! &sensed"},

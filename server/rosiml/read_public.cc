@@ -300,7 +300,10 @@ class PublicReader : Reader {
                       .muscle = static_cast<int>(found - names.begin()),
                       .of = {"effort", "velocity", "position"},
                       .line = element.GetLineNum()};
-    value.mapped = MappedOf(element, std::nullopt);
+    // Several domains are those of five values there: these three stay as they are.
+    const Element* domain = Child(element, "domain");
+    if (domain == nullptr || domain->NextSiblingElement("domain") == nullptr)
+      value.mapped = MappedOf(element, std::nullopt);
     robot.values.push_back(std::move(value));
   }
 
