@@ -1,6 +1,7 @@
 # What every target shares, and one short function a kind of target.
 option(COOPDYN_TESTS "Build the tests and benchmarks" ${PROJECT_IS_TOP_LEVEL})
 set(COOPDYN_SANITIZE "" CACHE STRING "Sanitizers for every target, e.g. address,undefined or thread")
+option(COOPDYN_UNIT_TESTS "Build the unit tests, too" ON)
 option(COOPDYN_COVERAGE "Instrument for coverage" OFF)
 option(COOPDYN_FUZZ "Build the libFuzzer targets (clang only)" OFF)
 
@@ -96,6 +97,10 @@ function(coopdyn_test name)
                         GTest::gtest_main)
   if(NOT ARG_OPTIMIZED)
     target_compile_options(${name} PRIVATE -O0)
+  endif()
+  if(NOT COOPDYN_UNIT_TESTS)
+    set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
+    return()
   endif()
   if(NOT ARG_PARTS)
     set(ARG_PARTS 1)

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "protocol/command_ids.h"
+#include "server/base/printable.h"
 
 namespace coopdyn {
 
@@ -22,7 +23,21 @@ void YarsDesk::Close() {
     job.done(ErrorReply(0, Error::kNotPossible, "the daemon is stopping"));
 }
 
-void YarsDesk::Ask(YarsOrder order, std::function<void(const Message&)> done) {
+std::string YarsDesk::Refusal(const YarsOrder& order, const Connection& asker) const {
+  if (order.kind == YarsOrder::Kind::kLog || (order.kind == YarsOrder::Kind::kQuit && !quits_)) return {};
+  if (net_.read_only()) return kReadOnlyText;
+  if (asker.trusted()) return {};
+  return "a client of YARS on another machine may drive its robot, not change the world, as YARS knows no "
+         "token: run it on this machine, or reset and load from /simulation after hello NAME TOKEN";
+}
+
+void YarsDesk::Ask(YarsOrder order, const Connection& asker, std::function<void(const Message&)> done) {
+  if (const std::string refusal = Refusal(order, asker); !refusal.empty()) {
+    net_.LogPeer(spdlog::level::warn, asker.peer(), refusal);
+    return done(ErrorReply(0, Error::kNotAllowed, refusal));
+  }
+  if (order.kind == YarsOrder::Kind::kLog)
+    net_.LogPeer(spdlog::level::info, asker.peer(), "message: " + Printable(order.text));
   control_.Post([this, order = std::move(order), done = std::move(done)] { Take(order, done); });
 }
 
@@ -56,13 +71,12 @@ void YarsDesk::Take(const YarsOrder& order, std::function<void(const Message&)> 
       job.requests.push_back(ReplyTo(command::kLoadScenario, order.text));
       break;
     case YarsOrder::Kind::kLog:
-      net_.logger()->info("message of a client of YARS: {}", order.text);
-      return job.done(ReplyTo(0));
+      break;
     case YarsOrder::Kind::kQuit:
-      if (!quits_) return job.done(ReplyTo(0));
-      job.requests.push_back(ReplyTo(command::kQuit));
+      if (quits_) job.requests.push_back(ReplyTo(command::kQuit));
       break;
   }
+  if (job.requests.empty()) return job.done(ReplyTo(0));
   jobs_.push_back(std::move(job));
   if (jobs_.size() > 1) return;
   // A client as long as it has something to ask.

@@ -25,7 +25,7 @@ class YarsDesk final : public YarsWorld, private Connection {
   /// Answers all that is still to come with error 5. Control thread.
   void Close();
 
-  void Ask(YarsOrder order, std::function<void(const Message&)> done) override;
+  void Ask(YarsOrder order, const Connection& asker, std::function<void(const Message&)> done) override;
 
  private:
   struct Job {
@@ -42,6 +42,8 @@ class YarsDesk final : public YarsWorld, private Connection {
   bool Push(const UnaskedPtr& /*message*/, std::int64_t /*dropped*/) override { return true; }
   void Close(const std::string& /*reason*/) override {}
 
+  /// Why `asker` may not order it; empty: it may. Any thread.
+  std::string Refusal(const YarsOrder& order, const Connection& asker) const;
   void Take(const YarsOrder& order, std::function<void(const Message&)> done);
   void Begin();
   void OnReply(const Message& reply);

@@ -199,7 +199,7 @@ std::string YarsHelp() {
       "Run an experiment of YARS, with the options of YARS\n"
       "Usage: coopdyn yars --xml EXPERIMENT.xml [OPTIONS]\n\n"
       "  --xml FILE, -d FILE        The experiment; - reads it from a pipe\n"
-      "  --iterations N             End after so many steps\n"
+      "  --iterations N             End after N steps\n"
       "  --realtime [FACTOR]        As fast as the wall clock, or FACTOR times; without it as fast as it "
       "goes\n"
       "  --simfreq HZ               Steps a second, instead of the file's\n";

@@ -24,9 +24,9 @@ struct Incoming {
   std::size_t consumed = 0;                       // bytes that are done with, whatever the status
   Message message = {};                           // the request, or the error reply to it
   std::string answer = {};                        // bytes to send as they are, e.g. of a handshake
-  /// With kNothing: a request that is not the endpoint's. Calls what it gets once, on any thread, now or
-  /// later; then comes Reply().
-  std::function<void(ReplyFunction)> ask = {};
+  /// A request of `asker`, this connection, that is not the endpoint's. Calls what it gets once, on any
+  /// thread, now or later; then comes Reply(), with kNothing. With kLeave nobody waits for that.
+  std::function<void(const Connection& asker, ReplyFunction)> ask = {};
 };
 
 /// Of one connection; the thread of its session only.

@@ -167,9 +167,10 @@ bool Session::HandleNext() {
     out_.AddRaw(incoming.answer);
   }
   if (incoming.ask) {
-    incoming.ask([post = poster_, reply = AwaitReply()](const Message& message) {
+    incoming.ask(*this, [post = poster_, reply = AwaitReply()](const Message& message) {
       post([reply, message] { reply(message); });
     });
+    if (incoming.status == DecodeStatus::kLeave) Close("goodbye");
     return true;
   }
   switch (incoming.status) {

@@ -139,7 +139,8 @@ class PaperConnectors : Reader {
         return Error(read, "only a hinge or a slider has a position, velocity and force to <read>");
       const std::string what = Text(read, "what");
       if ((what == "current" || what == "energy") && !joint.drive_train)
-        return Warn(read, "<read what=\"" + what + "\"/> is told of a complexHinge alone: it is left out");
+        return Warn(read,
+                    "only a complexHinge tells its " + what + ": <read what=\"" + what + "\"/> is left out");
       const bool is_angle = what == "position" && joint.kind == Joint::Kind::kHinge;
       SensorValue value{.name = called + "_" + what,
                         .joint = index,

@@ -150,10 +150,11 @@ class YarpEncoding final : public Encoding {
     party_ = PartyOf(peer_);
     if (reader_.carrier() == YarpCarrier::kUdp) {
       // The other side closes this connection when it has the port.
-      return {
-          .status = DecodeStatus::kNothing, .consumed = input.consumed, .ask = [this](ReplyFunction reply) {
-            network_.Accept(peer_, endpoint_.path(), std::move(reply));
-          }};
+      return {.status = DecodeStatus::kNothing,
+              .consumed = input.consumed,
+              .ask = [this](const Connection&, ReplyFunction reply) {
+                network_.Accept(peer_, endpoint_.path(), std::move(reply));
+              }};
     }
     Incoming incoming{.status = DecodeStatus::kNothing,
                       .consumed = input.consumed,
@@ -161,7 +162,9 @@ class YarpEncoding final : public Encoding {
     // Its requests may have no numbers that show it.
     if (!network_.dialect() && !reader_.is_text() && peer_.starts_with('/')) {
       learns_ = true;
-      incoming.ask = [this](ReplyFunction reply) { network_.AskVersion(peer_, std::move(reply)); };
+      incoming.ask = [this](const Connection&, ReplyFunction reply) {
+        network_.AskVersion(peer_, std::move(reply));
+      };
     }
     return incoming;
   }
@@ -205,7 +208,8 @@ class YarpEncoding final : public Encoding {
     const std::optional<YarpStream> stream = StreamOf(path, endpoint_.table());
     if (!stream) return Done(LinkAnswer(false, path + " has no reading to send\r\n"));
     links_ = true;
-    return {.status = DecodeStatus::kNothing, .ask = [this, to = change.to, stream](ReplyFunction reply) {
+    return {.status = DecodeStatus::kNothing,
+            .ask = [this, to = change.to, stream](const Connection&, ReplyFunction reply) {
               network_.Connect(endpoint_.path(), to, *stream, std::move(reply));
             }};
   }

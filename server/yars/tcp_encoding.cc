@@ -129,8 +129,10 @@ class YarsTcpEncoding final : public Encoding {
   }
   Incoming AskWorld(YarsOrder order) {
     asks_ = Asks::kWorld;
-    return {.status = DecodeStatus::kNothing, .ask = [this, order = std::move(order)](ReplyFunction reply) {
-              world_.Ask(order, std::move(reply));
+    const bool leaves = order.kind == YarsOrder::Kind::kQuit;
+    return {.status = leaves ? DecodeStatus::kLeave : DecodeStatus::kNothing,
+            .ask = [this, order = std::move(order)](const Connection& asker, ReplyFunction reply) {
+              world_.Ask(order, asker, std::move(reply));
             }};
   }
 
@@ -144,10 +146,7 @@ class YarsTcpEncoding final : public Encoding {
       return {.status = DecodeStatus::kNothing};
     }
     if (word == "RESET") return AskWorld({.seed = std::exchange(seed_, std::nullopt)});
-    if (word == "QUIT") {
-      world_.Ask({.kind = YarsOrder::Kind::kQuit}, [](const Message&) {});
-      return {.status = DecodeStatus::kLeave};
-    }
+    if (word == "QUIT") return AskWorld({.kind = YarsOrder::Kind::kQuit});
     return Fatal("there is no command '" + std::string(word.substr(0, 40)) +
                  "': CONFIGURATION, SENSORS, ACTUATORS, RESET, RANDOM SEED, MESSAGE or QUIT");
   }

@@ -226,7 +226,7 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
   }
 
   void Ask(YarsOrder order) {
-    world_.Ask(std::move(order),
+    world_.Ask(std::move(order), *this,
                [ports = ports_, robot = robot_, peer = *peer_, talk = talk_](const Message& reply) {
                  std::shared_ptr<Impl> port;
                  {

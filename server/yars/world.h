@@ -8,6 +8,7 @@
 #include <string>
 
 #include "protocol/message.h"
+#include "server/net/endpoint.h"
 
 namespace coopdyn {
 
@@ -28,8 +29,8 @@ struct YarsOrder {
 class YarsWorld {
  public:
   virtual ~YarsWorld() = default;
-  /// `done` gets the reply of /simulation, on any thread, once.
-  virtual void Ask(YarsOrder order, std::function<void(const Message&)> done) = 0;
+  /// `done` gets the reply of /simulation, on any thread, once: error 12 if `asker` may not order it.
+  virtual void Ask(YarsOrder order, const Connection& asker, std::function<void(const Message&)> done) = 0;
 };
 
 }  // namespace coopdyn

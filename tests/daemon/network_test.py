@@ -17,7 +17,9 @@ import urllib.parse
 import urllib.request
 from pathlib import Path
 
+from channel_test import STILL
 from harness import BINARY, Daemon, Text, scenario, until
+from yars_clients import Tcp, Udp
 
 OUTER = "10.9.9.9"  # exists only inside the namespace
 CLIENT = Path(__file__).resolve().parents[2] / "clients" / "python"
@@ -164,6 +166,34 @@ class StrangerScenes(unittest.TestCase):
                 stranger.must("set_velocity 0.1 0")
                 stranger.close()
 
+    def scene_yars(self):
+        """YARS has no word for a token."""
+        with tempfile.TemporaryDirectory() as folder:
+            experiment = Path(folder) / "vehicle.xml"
+            experiment.write_text(STILL)
+            with Daemon(None, "--no-render", "--host", "0.0.0.0", "--channel-quits", name=str(experiment)) as daemon:
+                port = daemon.module_port("/vehicle/channel")
+                simulation = daemon.text("/simulation")
+                udp = Udp(port, host=OUTER)
+                udp.step([0, 0, 0])
+                self.assertIn(b"not change the world", udp.ask(60, 0, 7, -1))
+                self.assertFalse(udp.load(STILL))
+                self.assertEqual(simulation.must("get_time").step, 5)
+                udp.ask(100, -1)
+                udp.close()
+                tcp = Tcp(port, host=OUTER)
+                tcp.reset(seed=7)
+                tcp.actuators([0, 0, 0])
+                tcp.sensors()
+                self.assertEqual(simulation.must("get_time").step, 10)
+                tcp.say("QUIT")
+                with self.assertRaises(EOFError):
+                    tcp.sensors()
+                simulation.must("get_time")
+                self.assertIn("not change the world", daemon.stderr())
+                Tcp(port).say("QUIT")  # from loopback nobody asks
+                until(lambda: daemon.process.poll() is not None)
+
     def scene_addresses(self):
         with Daemon(scenario(1), "--host", "0.0.0.0") as daemon:
             for host in ("127.0.0.1", OUTER):
@@ -214,6 +244,9 @@ class NetworkTest(unittest.TestCase):
 
     def test_strangers_drive_robots_unless_the_daemon_is_private(self):
         inside("robots")
+
+    def test_strangers_with_clients_of_yars_drive_robots_and_no_more(self):
+        inside("yars")
 
     def test_names_are_told_with_the_address_at_which_they_were_asked(self):
         inside("addresses")

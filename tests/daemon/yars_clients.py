@@ -13,11 +13,11 @@ def ints(*numbers):
 class Udp:
     """A client of a robot's UDP port: one datagram asks, one answers."""
 
-    def __init__(self, port, robot=0):
+    def __init__(self, port, robot=0, host="127.0.0.1"):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.socket.bind(("127.0.0.1", 0))
+        self.socket.bind((host, 0))
         self.socket.settimeout(LIMIT_S)
-        self.server = ("127.0.0.1", port)
+        self.server = (host, port)
         self.robot = robot
         self.socket.sendto(b"\0", self.server)
 
@@ -91,8 +91,8 @@ class Udp:
 class Tcp(Connection):
     """A client of the controller TCPIP."""
 
-    def __init__(self, port):
-        super().__init__(("127.0.0.1", port))
+    def __init__(self, port, host="127.0.0.1"):
+        super().__init__((host, port))
 
     def say(self, text):
         raw = text.encode()

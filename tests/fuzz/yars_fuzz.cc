@@ -15,6 +15,7 @@
 #include "protocol/module_tables.h"
 #include "server/yars/tcp_encoding.h"
 #include "server/yars/udp_talk.h"
+#include "tests/server/devices/fake_client.h"
 
 namespace {
 
@@ -64,7 +65,10 @@ void TalkUdp(std::string_view input) {
 }
 
 struct World final : YarsWorld {
-  void Ask(YarsOrder /*order*/, std::function<void(const Message&)> done) override { done(ReplyTo(0)); }
+  void Ask(YarsOrder /*order*/, const Connection& /*asker*/,
+           std::function<void(const Message&)> done) override {
+    done(ReplyTo(0));
+  }
 };
 
 struct Module final : Endpoint {
@@ -78,12 +82,13 @@ struct Module final : Endpoint {
 
 void TalkTcp(std::string_view input) {
   static World world;
-  static const Module module;
+  static Module module;
+  static const FakeClient client(module, 1);
   const std::unique_ptr<Encoding> encoding = YarsTcpEncodingKind(world).make(module);
   std::string out;
   while (!input.empty()) {
     Incoming incoming = encoding->Decode(input);
-    if (incoming.ask) incoming.ask([](const Message&) {});
+    if (incoming.ask) incoming.ask(client, [](const Message&) {});
     if (incoming.status == DecodeStatus::kMessage) {
       Check(incoming.message);
       encoding->Reply(Answer(incoming.message), out);

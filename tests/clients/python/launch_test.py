@@ -9,6 +9,7 @@ import sys
 import tempfile
 import time
 import unittest
+import unittest.mock
 
 import harness
 
@@ -99,14 +100,17 @@ class LaunchTest(unittest.TestCase):
             coopdyn.launch(TEXT, program="/nowhere/coopdyn")
 
     def test_a_loop_of_a_hundred_leaves_nothing_behind(self):
-        files = set(os.listdir(tempfile.gettempdir()))
+        folder = tempfile.TemporaryDirectory()  # of its own, as other tests run meanwhile
+        self.addCleanup(folder.cleanup)
+        changed = unittest.mock.patch.dict(os.environ, TMPDIR=folder.name)
+        changed.start()
+        self.addCleanup(changed.stop)
         opened = len(os.listdir("/proc/self/fd"))
         for seed in range(100):
             with coopdyn.launch(TEXT, seed=seed, options=["--no-http", "--no-render"]) as sim:
                 self.assertEqual(sim.status()["seed"], seed)
         self.assertEqual(len(os.listdir("/proc/self/fd")), opened)
-        left = [name for name in set(os.listdir(tempfile.gettempdir())) - files if "coopdyn" in name]
-        self.assertEqual(left, [])
+        self.assertEqual(os.listdir(folder.name), [])
 
 
 class OtherProgramTest(unittest.TestCase):

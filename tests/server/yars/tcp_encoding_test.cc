@@ -11,6 +11,7 @@
 #include "protocol/command_ids.h"
 #include "protocol/module_tables.h"
 #include "server/yars/wire.h"
+#include "tests/server/devices/fake_client.h"
 
 namespace coopdyn {
 namespace {
@@ -39,7 +40,7 @@ struct FakeEndpoint final : Endpoint {
 };
 
 struct FakeWorld final : YarsWorld {
-  void Ask(YarsOrder order, std::function<void(const Message&)> done) override {
+  void Ask(YarsOrder order, const Connection& /*asker*/, std::function<void(const Message&)> done) override {
     orders.push_back(std::move(order));
     done(ReplyTo(0));
   }
@@ -53,7 +54,7 @@ class YarsTcpEncodingTest : public testing::Test {
     Incoming incoming;
     while (!bytes.empty()) {
       incoming = encoding_->Decode(bytes);
-      if (incoming.ask) incoming.ask([](const Message&) {});
+      if (incoming.ask) incoming.ask(client_, [](const Message&) {});
       if (incoming.consumed == 0) break;
       bytes.erase(0, incoming.consumed);
     }
@@ -62,6 +63,7 @@ class YarsTcpEncodingTest : public testing::Test {
 
   FakeWorld world_;
   FakeEndpoint endpoint_{ChannelTable()};
+  FakeClient client_{endpoint_, 1};
   std::unique_ptr<Encoding> encoding_ = YarsTcpEncodingKind(world_).make(endpoint_);
 };
 
