@@ -270,7 +270,7 @@ std::string Daemon::OpenPage() {
   web.guard = &control_guard_;
   web.version = kVersion;
   web.name_port = name_server_->port();
-  web.scenarios = [this] { return models_.path().ScenarioNames(); };
+  web.names = [this](const std::string& what) { return NamesOf(models_.path(), what); };
   web.runs.list = [this](std::function<void(const std::string&)> done) {
     runs_.List(
         [this, done = std::move(done)](const std::vector<RunFile>& runs) { done(RunsJson(runs, http())); });

@@ -97,10 +97,14 @@ std::string Gallery::TitleOf(const std::string& text) {
   return FirstSentence(Joined(title));
 }
 
+std::vector<std::string> NamesOf(const SearchPath& path, const std::string& what) {
+  if (what == "worlds") return path.WorldNames();
+  return what == "robots" ? path.RobotNames() : path.ScenarioNames();
+}
+
 std::vector<std::string> Gallery::NamesOf(GalleryKind kind) const {
-  std::vector<std::string> names = kind == GalleryKind::kWorld      ? path_.WorldNames()
-                                   : kind == GalleryKind::kScenario ? path_.ScenarioNames()
-                                                                    : path_.RobotNames();
+  std::vector<std::string> names =
+      coopdyn::NamesOf(path_, kWords[static_cast<std::size_t>(kind)] + std::string("s"));
   if (names.size() > kMaxListed) names.resize(kMaxListed);
   return names;
 }
@@ -142,7 +146,7 @@ std::optional<std::string> Gallery::TextOf(const std::string& kind, const std::s
   return ReadTextFile(file, {file, 0}, ignored);
 }
 
-std::string Gallery::List() {
+std::string Gallery::List(const std::stop_token& stop) {
   json::object all;
   RobotLibrary robots(path_);  // reads each model once
   for (const GalleryKind kind : {GalleryKind::kWorld, GalleryKind::kScenario, GalleryKind::kRobot}) {
@@ -150,6 +154,7 @@ std::string Gallery::List() {
     json::array list;
     for (const std::string& name : NamesOf(kind)) {
       const fs::path file = FileOf(kind, name);
+      if (stop.stop_requested()) return JsonText(all);
       if (file.empty()) continue;
       const Known& known = Look(kind, name, file, robots);
       const std::string thumb =

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +18,9 @@
 #include "server/state/image_board.h"
 
 namespace coopdyn {
+
+/// Names of what is on a search path: of scenarios, worlds or robots.
+std::vector<std::string> NamesOf(const SearchPath& path, const std::string& what);
 
 enum class GalleryKind { kWorld, kScenario, kRobot };
 
@@ -29,8 +33,9 @@ class Gallery {
   /// `draw`: null without pictures. `path` outlives it.
   Gallery(const SearchPath& path, DrawImage draw) : path_(path), draw_(std::move(draw)) {}
 
+  /// Ends early, with what is known, when `stop` is requested.
   /// {"worlds":[{"name":…,"title":…,"summary":…,"thumb":…}],"scenarios":[…],"robots":[…]}
-  std::string List();
+  std::string List(const std::stop_token& stop = {});
   /// A PNG; or none, and `why`. `kind`: world, scenario or robot.
   ImageResult Thumb(const std::string& kind, const std::string& name);
 

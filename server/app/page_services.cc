@@ -107,8 +107,9 @@ WebFiles PageServices::files() {
   files.check = post([this](const WebFile& file, const WebFiles::Done& done) { Check(file, done); });
   files.upload = post([this](const WebFile& file, const WebFiles::Done& done) { Keep(file, done); });
   files.gallery = [this](WebFiles::Done done) {
-    drawings_.Post(
-        [this, done = std::move(done)] { Answer(done, [this] { return JsonAnswer(gallery_.List()); }); });
+    drawings_.Post([this, done = std::move(done)] {
+      Answer(done, [this] { return JsonAnswer(gallery_.List(stopping_.get_token())); });
+    });
   };
   files.thumb = [this](const std::string& kind, const std::string& name, WebFiles::Done done) {
     if (++pictures_ > kMaxPictures) {

@@ -14,8 +14,8 @@ namespace coopdyn {
 namespace json = boost::json;
 
 /// ["classroom","corridor"]
-HttpAnswer AnswerScenarios(const WebContext& context) {
-  const auto names = context.options.scenarios ? context.options.scenarios() : std::vector<std::string>();
+HttpAnswer AnswerNames(const WebContext& context, const std::string& what) {
+  const auto names = context.options.names ? context.options.names(what) : std::vector<std::string>();
   return JsonAnswer(JsonText(json::value_from(names)));
 }
 

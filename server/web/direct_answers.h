@@ -9,7 +9,8 @@
 
 namespace coopdyn {
 
-HttpAnswer AnswerScenarios(const WebContext& context);
+/// `what`: scenarios, worlds or robots.
+HttpAnswer AnswerNames(const WebContext& context, const std::string& what);
 HttpAnswer AnswerModules(const WebContext& context);
 /// 503 before there is a world; so does AnswerText().
 HttpAnswer AnswerScene(WebContext& context);

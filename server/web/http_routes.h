@@ -49,7 +49,7 @@ enum class HttpRouteKind {
   kSnapshot,
   kStream,
   kStatus,
-  kScenarios,
+  kNames,
   kModules,
   kScene,
   kText,

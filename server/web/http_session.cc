@@ -161,8 +161,8 @@ void HttpSession::OnRequest() {
       return BecomeStream(route_.image);
     case HttpRouteKind::kStatus:
       return AnswerStatus();
-    case HttpRouteKind::kScenarios:
-      return Answer(AnswerScenarios(context_));
+    case HttpRouteKind::kNames:
+      return Answer(AnswerNames(context_, route_.name));
     case HttpRouteKind::kModules:
       return Answer(AnswerModules(context_));
     case HttpRouteKind::kScene:

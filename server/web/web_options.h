@@ -59,8 +59,8 @@ struct WebOptions {
   std::string version;
   /// The port of the name server, for the connection lines on the page; 0: off.
   int name_port = 0;
-  /// Names of the scenarios that can be loaded by name, sorted. Called on the UI thread.
-  std::function<std::vector<std::string>()> scenarios;
+  /// Names of the scenarios, worlds or robots on the search path, sorted. Called on the UI thread.
+  std::function<std::vector<std::string>(const std::string& what)> names;
   /// What the run has cost so far; called on the UI thread. Without: it is not told.
   std::function<CostSnapshot()> costs = {};
   /// Connections beyond them get 503.

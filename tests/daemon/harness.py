@@ -211,8 +211,8 @@ class Daemon:
         command = [word for word in command if word != "--http"]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=self.stderr_file,
                                         env={**os.environ, **(env or {})}, preexec_fn=before_exec)
-        self.ready = self.process.stdout.readline().decode()
-        if not self.ready.startswith("ready "):
+        self.ready = next((line.decode() for line in self.process.stdout if line.startswith(b"ready ")), None)
+        if self.ready is None:
             self.process.wait()
             raise AssertionError(f"no ready line: {shlex.join(map(str, command))}\n{self.stderr()}")
         names = re.search(r"names=(\S+)", self.ready).group(1)

@@ -14,7 +14,7 @@ const run = promisify(execFile);
 let browser, daemon, page;
 
 before(async () => {
-  browser = await launchBrowser();
+  browser = await launchBrowser({flat: true});
   ({daemon, page} = await openClassroom(browser));
   await page.waitForSelector('#console-module option[value="/robot1/motors"]', {state: 'attached'});
   await openConsole(page);

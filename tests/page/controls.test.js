@@ -8,7 +8,7 @@ let browser;
 let daemon;
 let page;
 
-before(async () => { browser = await launchBrowser(); });
+before(async () => { browser = await launchBrowser({flat: true}); });
 after(async () => { await browser?.close(); });
 
 beforeEach(async () => { ({daemon, page} = await openClassroom(browser)); });

@@ -7,7 +7,7 @@ import {call, closeClassroom, eventually, hasText, launchBrowser, openClassroom,
 let browser, daemon, page;
 
 before(async () => {
-  browser = await launchBrowser();
+  browser = await launchBrowser({flat: true});
   ({daemon, page} = await openClassroom(browser));
 });
 after(async () => {

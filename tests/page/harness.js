@@ -46,11 +46,14 @@ async function start(...words) {
   };
 }
 
-export function launchBrowser() {
+/** `flat`: without WebGL, for tests of what stands beside the view; it draws on the processor, which takes half of a test's
+ *  time. The page then shows the daemon's pictures. */
+export function launchBrowser({flat = false} = {}) {
   return chromium.launch({
     executablePath: process.env.COOPDYN_CHROMIUM ?? '/usr/bin/chromium',
     args: ['--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run',
-      '--disable-background-networking', '--disable-component-update', '--disable-sync'],
+      '--disable-background-networking', '--disable-component-update', '--disable-sync',
+      ...(flat ? ['--disable-3d-apis'] : [])],
   });
 }
 

@@ -13,7 +13,7 @@ const scenario = (mode, type) =>
 let browser;
 let folder;
 
-before(async () => { browser = await launchBrowser(); });
+before(async () => { browser = await launchBrowser({flat: true}); });
 after(async () => { await browser?.close(); });
 beforeEach(() => { folder = mkdtempSync(join(tmpdir(), 'coopdyn_groups_')); });
 afterEach(() => { rmSync(folder, {recursive: true, force: true}); });

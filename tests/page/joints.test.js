@@ -11,7 +11,7 @@ let daemon;
 let opened;
 let page;
 
-before(async () => { browser = await launchBrowser(); });
+before(async () => { browser = await launchBrowser({flat: true}); });
 after(async () => { await browser?.close(); });
 
 beforeEach(async () => {

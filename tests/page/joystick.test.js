@@ -6,7 +6,7 @@ import {call, closeClassroom, eventually, hasText, launchBrowser, openClassroom,
 
 let browser, daemon, page;
 
-before(async () => { browser = await launchBrowser(); });
+before(async () => { browser = await launchBrowser({flat: true}); });
 after(async () => { await browser?.close(); });
 beforeEach(async () => {
   ({daemon, page} = await openClassroom(browser));

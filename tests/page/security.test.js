@@ -14,7 +14,7 @@ let browser;
 let daemon;
 
 before(async () => {
-  browser = await launchBrowser();
+  browser = await launchBrowser({flat: true});
   daemon = await startDaemon('classroom');
 });
 after(async () => {

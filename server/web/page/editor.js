@@ -83,13 +83,14 @@ export class Editor {
   }
 
   async #begin() {
-    const [{CodeView}, names] = await Promise.all([import('./code_view.js'), fetch('api/gallery').then((answer) => answer.json()).catch(() => ({}))]);
+    const names = (kind) => fetch(`api/${kind}`).then((answer) => answer.json()).catch(() => []);
+    const [{CodeView}, robots, worlds] = await Promise.all([import('./code_view.js'), names('robots'), names('worlds')]);
     const draft = this.#draft();
     await this.#learnRunning();
     if (draft) this.#name = draft.name;
     else if (this.#status) this.#name = `${this.#status.scenario}.scenario`;
     this.#code = new CodeView(this.#host, draft?.text ?? this.#running ?? EMPTY, {
-      robots: (names.robots ?? []).map(({name}) => name), worlds: (names.worlds ?? []).map(({name}) => `${name}.world`)}, () => this.#changed());
+      robots, worlds: worlds.map((name) => `${name}.world`)}, () => this.#changed());
     this.#check();
   }
 

@@ -98,7 +98,7 @@ export class World {
     let names = ['coopbot'];
     this.#robotType.replaceChildren(make('option', {}, names[0]));
     try {
-      names = (await (await fetch('api/gallery')).json()).robots.map(({name}) => name);
+      names = await (await fetch('api/robots')).json();
     } catch { /* then there is one */ }
     this.#robotType.replaceChildren(...names.map((name) => make('option', {selected: name === 'coopbot'}, name)));
   }

@@ -39,7 +39,9 @@ TEST(Routes, LeadToWhatIsAskedFor) {
       {"/api/status", HttpRouteKind::kStatus},
       {"/api/costs", HttpRouteKind::kCosts},
       {"/api/modules", HttpRouteKind::kModules},
-      {"/api/scenarios", HttpRouteKind::kScenarios},
+      {"/api/scenarios", HttpRouteKind::kNames},
+      {"/api/worlds", HttpRouteKind::kNames},
+      {"/api/robots", HttpRouteKind::kNames},
       {"/api/gallery", HttpRouteKind::kGallery},
       {"/thumb/robot/coopbot.png", HttpRouteKind::kThumb}};
   for (const auto& [target, kind] : routes) EXPECT_EQ(FindRoute(Get(target), {}).kind, kind) << target;

@@ -105,7 +105,7 @@ WebOptions WebWorld::DefaultOptions() {
   options.guard = &guard;
   options.version = "1.2.3";
   options.name_port = 10000;
-  options.scenarios = [] { return std::vector<std::string>{"classroom", "corridor"}; };
+  options.names = [](const std::string&) { return std::vector<std::string>{"classroom", "corridor"}; };
   return options;
 }
 
