@@ -82,9 +82,9 @@ endfunction()
 # Adds one test program from all *.cc of this folder. It is one CTest test, as it takes longer to start than most of its
 # tests to run; --gtest_filter=… runs some of them. Tests are most of what is compiled, and few compute so much that it
 # pays to optimise them: those are OPTIMIZED. Long ones run in several PARTS. In those of ONE_THREAD the thread sanitizer
-# finds nothing.
+# finds nothing; of others it runs those that the filter THREADED names, if there is one.
 function(coopdyn_test name)
-  cmake_parse_arguments(ARG "OPTIMIZED;ONE_THREAD" "PARTS" "LINK" ${ARGN})
+  cmake_parse_arguments(ARG "OPTIMIZED;ONE_THREAD" "PARTS;THREADED" "LINK" ${ARGN})
   if(ARG_ONE_THREAD AND COOPDYN_SANITIZE STREQUAL "thread")
     return()
   endif()
@@ -102,6 +102,9 @@ function(coopdyn_test name)
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
     return()
   endif()
+  if(NOT ARG_THREADED OR NOT COOPDYN_SANITIZE STREQUAL "thread")
+    set(ARG_THREADED *)
+  endif()
   if(NOT ARG_PARTS)
     set(ARG_PARTS 1)
   endif()
@@ -113,6 +116,7 @@ function(coopdyn_test name)
     endif()
     add_test(NAME ${test_name} COMMAND ${name} --gtest_brief=1)
     set_tests_properties(${test_name} PROPERTIES COST 1000 TIMEOUT 1200
-                         ENVIRONMENT "GTEST_TOTAL_SHARDS=${ARG_PARTS};GTEST_SHARD_INDEX=${part}")
+                         ENVIRONMENT
+      "GTEST_FILTER=${ARG_THREADED};GTEST_TOTAL_SHARDS=${ARG_PARTS};GTEST_SHARD_INDEX=${part}")
   endforeach()
 endfunction()
