@@ -20,6 +20,10 @@ constexpr Nanoseconds kNever = std::numeric_limits<Nanoseconds>::max();
 constexpr Nanoseconds kStatusEvery = 50'000'000;
 /// While the real-time factor still has to fall to 0, a standing world is checked this often.
 constexpr Nanoseconds kLookAgain = 250'000'000;
+/// A robot thread runs the steps of its own command up to this time, so that its other connections need not
+/// wait long, and not so many that frames for its subscribers are dropped meanwhile.
+constexpr Nanoseconds kTurnHere = 500'000;
+constexpr int kStepsHere = 32;
 
 }  // namespace
 
@@ -127,16 +131,20 @@ void Stepper::StepHere() {
     boards_.bell.Ring();
     return;
   }
-  bool wake_physics = true;
-  if (mode_ == Mode::kLockstep && may_step() && speed() <= 0 && boards_.edits.empty() &&
-      boards_.commands.AllReady()) {
+  const Nanoseconds end = clock_.Now() + kTurnHere;
+  int ran = 0;
+  while (mode_ == Mode::kLockstep && may_step() && speed() <= 0 && boards_.edits.empty() &&
+         boards_.commands.AllReady()) {
     const Nanoseconds now = clock_.Now();
+    if (ran == kStepsHere || now >= end) break;
     StepNow(now);
-    RestControllers();
+    ++ran;
     PublishStatus(now, false);
-    wake_physics = (may_step() && boards_.commands.AllReady()) || !boards_.edits.empty() ||
-                   (has_deadlines_ && boards_.commands.NextDeadline() < looks_again_at_);
   }
+  if (ran > 0) RestControllers();
+  const bool wake_physics = ran == 0 || (may_step() && boards_.commands.AllReady()) ||
+                            !boards_.edits.empty() ||
+                            (has_deadlines_ && boards_.commands.NextDeadline() < looks_again_at_);
   baton_.Pass();
   if (wake_physics) boards_.bell.Ring();
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The physics thread, and the rule of who may step. Whoever holds the baton owns the physics world and is the
 // one writer of frames. That is the physics thread; in lockstep the robot thread whose command makes the last
-// robot ready takes the baton, if it is free, and runs the step itself: a round trip then costs no thread
+// robot ready takes the baton, if it is free, and runs the steps itself: a round trip then costs no thread
 // switch (docs/decisions.md).
 #pragma once
 
@@ -84,8 +84,8 @@ class Stepper {
   std::optional<PutAside> Run(std::stop_token stop) EXCLUDES(baton_);
   /// Instead of Start(): `edit` (a Restore) ended a playback. True if the run is live now. Before Run().
   bool TakeOver(Edit edit) EXCLUDES(baton_);
-  /// Runs the step that has just become possible on the calling thread if the baton is free and time allows;
-  /// otherwise wakes the physics thread. Any thread, no lock held.
+  /// Runs the steps that have just become possible on the calling thread if the baton is free and time
+  /// allows; wakes the physics thread for what is left. Any thread, no lock held.
   void StepHere() EXCLUDES(baton_);
   /// How long the parts of stepping have taken so far. Any thread.
   PhaseTimes phase_times() EXCLUDES(baton_);

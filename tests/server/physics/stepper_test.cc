@@ -96,6 +96,12 @@ TEST_F(StepperTest, TheLastReadyRobotsThreadRunsTheStepItself) {
   EXPECT_EQ(frames_.Latest()->step, 1u);
 }
 
+TEST_F(StepperTest, ItRunsAllStepsOfAShortCommand) {
+  Begin(kTwoRobots, Mode::kLockstep);  // no physics thread at all
+  board_.Ready(board_.FindSlot("robot1"), ana_, 5, [](const StepResult&) {});
+  EXPECT_EQ(Command("robot2", bob_, {3, 3}, 5).frame->step, 5u);
+}
+
 TEST_F(StepperTest, ACommandForManyStepsIsCarriedOnByThePhysicsThread) {
   Begin(kTwoRobots, Mode::kLockstep);
   StartThread();
