@@ -51,6 +51,8 @@ inline constexpr Id kGetJoints = 203, kSetPositions = 204, kSetPositionsDirect =
                     kHold = 219, kGetChain = 220, kGetBoard = 221, kSetPwm = 222, kGetDriveTrains = 223;
 // /R/muscles
 inline constexpr Id kSetActivations = 224, kGetMuscles = 225, kGetMuscleLimits = 226;
+// /R/thrusters
+inline constexpr Id kSetThrusts = 227, kGetThrusts = 228, kGetThrusterLimits = 229;
 // /swarm
 inline constexpr Id kStepAll = 110, kSelectReadings = 111, kReadAll = 112, kGetTeam = 113, kStopTeam = 114;
 // /simulation

@@ -145,11 +145,11 @@ CommandTable SupportTable() {
 
 const std::vector<CommandTable>& AllModuleTables() {
   static const std::vector<CommandTable> tables = {
-      MotorsTable(),     JointsTable(),     MusclesTable(), DistanceTable(), TargetTable(),
-      PoseTable(),       NeighboursTable(), CompassTable(), SupportTable(),  ImuTable(),
-      WrenchTable(),     LidarTable(),      ContactTable(), SonarTable(),    InfraredTable(),
-      LightTable(),      CameraTable(),     BatteryTable(), OdometryTable(), ChannelTable(),
-      SimulationTable(), WorldTable(),      SwarmTable(),   RecorderTable(), PlaybackTable()};
+      MotorsTable(),   JointsTable(),     MusclesTable(), ThrustersTable(),  DistanceTable(), TargetTable(),
+      PoseTable(),     NeighboursTable(), CompassTable(), SupportTable(),    ImuTable(),      WrenchTable(),
+      LidarTable(),    ContactTable(),    SonarTable(),   InfraredTable(),   LightTable(),    CameraTable(),
+      BatteryTable(),  OdometryTable(),   ChannelTable(), SimulationTable(), WorldTable(),    SwarmTable(),
+      RecorderTable(), PlaybackTable()};
   return tables;
 }
 

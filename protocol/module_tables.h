@@ -14,6 +14,7 @@ namespace coopdyn {
 CommandTable MotorsTable();      // /R/motors
 CommandTable JointsTable();      // /R/joints, or the name of the group
 CommandTable MusclesTable();     // /R/muscles
+CommandTable ThrustersTable();   // /R/thrusters
 CommandTable DistanceTable();    // /R/distance
 CommandTable TargetTable();      // /R/target
 CommandTable PoseTable();        // /R/pose

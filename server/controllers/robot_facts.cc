@@ -83,9 +83,10 @@ std::vector<coopdyn_joint> JointsOf(const RobotModel& model) {
     if (actuator.is_board()) {
       modes |= 1u << COOPDYN_POSITION | 1u << COOPDYN_DIRECT | 1u << COOPDYN_EFFORT;
     }
-    const bool is_muscles = !actuator.is_board() && !actuator.is_drive();
-    if (is_muscles) modes |= 1u << COOPDYN_PWM;
-    if (!actuator.module.empty() && !is_muscles) modes |= 1u << COOPDYN_VELOCITY;
+    if (actuator.is_muscles()) modes |= 1u << COOPDYN_PWM;
+    if (actuator.is_thrusters()) modes |= 1u << COOPDYN_EFFORT;
+    if (!actuator.module.empty() && (actuator.is_board() || actuator.is_drive()))
+      modes |= 1u << COOPDYN_VELOCITY;
     const auto* drive = std::get_if<DriveModel>(&actuator.kind);
     for (const int index : actuator.joints) {
       const JointModel& of = model.joints[static_cast<std::size_t>(index)];

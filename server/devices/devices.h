@@ -161,6 +161,30 @@ class MusclesDevice final : public Device {
   const std::size_t first_channel_;  // among the robot's
 };
 
+/// /R/thrusters: the thrusters of a robot, by their forces and torques.
+class ThrustersDevice final : public Device {
+ public:
+  /// `table` and `model` outlive it.
+  ThrustersDevice(const CommandTable& table, const RobotModel& model, const ActuatorModel& actuator)
+      : Device(table), model_(model), actuator_(actuator), first_channel_(model.FirstChannel(actuator)) {}
+
+  bool is_actuator() const override { return true; }
+  Message Read(const Message& request, const Frame& frame, int robot) const override;
+  void AppendFirstReading(const Frame& frame, int robot, std::vector<double>& data) const override;
+  std::optional<Actuation> Actuate(const Message& request, const Frame& frame, int robot) const override;
+  std::optional<Message> Refuse(const Message& request) const override;
+
+ private:
+  const JointModel& JointOf(std::size_t thruster) const {
+    return model_.joints[static_cast<std::size_t>(actuator_.joints[thruster])];
+  }
+  void Append(const Frame& frame, int robot, std::size_t thruster, std::vector<double>& data) const;
+
+  const RobotModel& model_;
+  const ActuatorModel& actuator_;
+  const std::size_t first_channel_;  // among the robot's
+};
+
 class MotorsDevice final : public Device {
  public:
   /// `table` outlives it.

@@ -11,6 +11,7 @@ Setpoint Limit(const JointModel& joint, Setpoint setpoint) {
     if (setpoint.mode != ControlMode::kPwm) return {0, ControlMode::kIdle};
     return {std::clamp(setpoint.reference, 0.0, 1.0), ControlMode::kPwm};
   }
+  if (joint.thrusts() && setpoint.mode != ControlMode::kEffort) return {0, ControlMode::kIdle};
   switch (setpoint.mode) {
     case ControlMode::kPosition:
     case ControlMode::kDirect:
@@ -47,8 +48,18 @@ const char* ToString(JointModel::Kind kind) {
       return "screw";
     case JointModel::Kind::kMuscle:
       return "muscle";
+    case JointModel::Kind::kForce:
+      return "force";
+    case JointModel::Kind::kTorque:
+      return "torque";
   }
   return "";
+}
+
+const char* ActuatorModel::type() const {
+  if (is_board()) return "joints";
+  if (is_drive()) return "motors";
+  return is_muscles() ? "muscles" : "thrusters";
 }
 
 std::vector<std::string> RobotModel::actuator_modules() const {

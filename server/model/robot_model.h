@@ -53,9 +53,10 @@ struct FrameModel {
 /// An axis about which (hinge: rad, N m), or along which (slider: m, N), the child moves against its parent.
 /// A screw turns about its axis (rad, N m) and moves along it by `pitch_m_rad`. Ball and universal joints
 /// turn freely about a point; nothing drives them. A muscle joins nothing: it pulls two links together, and
-/// its position is its length (m, N).
+/// its position is its length (m, N). A force (m, N) and a torque (rad, N m) are thrusters: they push or turn
+/// their link, parent and child, along or about an axis that it carries; the position is its way along that.
 struct JointModel {
-  enum class Kind { kHinge, kSlider, kBall, kUniversal, kScrew, kMuscle };
+  enum class Kind { kHinge, kSlider, kBall, kUniversal, kScrew, kMuscle, kForce, kTorque };
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
   std::string name;
@@ -77,14 +78,17 @@ struct JointModel {
 
   std::optional<MuscleModel> muscle = std::nullopt;  // if it is one
 
-  bool slides() const { return kind == Kind::kSlider || kind == Kind::kMuscle; }
-  bool has_axis() const { return kind != Kind::kBall && kind != Kind::kUniversal && kind != Kind::kMuscle; }
+  bool thrusts() const { return kind == Kind::kForce || kind == Kind::kTorque; }
+  /// It holds two links together.
+  bool joins() const { return kind != Kind::kMuscle && !thrusts(); }
+  bool slides() const { return kind == Kind::kSlider || kind == Kind::kMuscle || kind == Kind::kForce; }
+  bool has_axis() const { return joins() && kind != Kind::kBall && kind != Kind::kUniversal; }
   /// A spring, a damper or friction works on it.
   bool is_resisted() const { return damping > 0 || friction > 0 || stiffness > 0; }
   bool has_stop() const { return lower > -kInfinity || upper < kInfinity; }
 };
 
-/// hinge, slider, ball, universal, screw or muscle.
+/// hinge, slider, ball, universal, screw, muscle, force or torque.
 const char* ToString(JointModel::Kind kind);
 
 /// Gears, belts and URDF's <mimic>: the position of joints[follower] is multiplier · that of joints[leader] +
@@ -129,6 +133,9 @@ struct BoardModel {
 /// Muscles, by their activations.
 struct MusclesModel {};
 
+/// Thrusters, by their forces and torques.
+struct ThrustersModel {};
+
 /// What an actuator does with a joint; the numbers are those of the wire. kKeep stands in commands alone: the
 /// channel goes on as it does.
 enum class ControlMode : std::uint8_t {
@@ -161,19 +168,22 @@ struct Setpoint {
   bool operator==(const Setpoint&) const = default;
 };
 
-/// Within the limits of a joint of a control board, or of a muscle. Without a drive train a duty is idle.
+/// Within the limits of a joint of a control board, a muscle or a thruster. Without a drive train a duty is
+/// idle.
 Setpoint Limit(const JointModel& joint, Setpoint setpoint);
 
 /// What moves joints on command. Its module is a slot of the command board.
 struct ActuatorModel {
   std::string module;       // its module's name; empty: it has none, and its joints are at rest
   std::vector<int> joints;  // index into joints: one channel each; of a drive the left and the right wheel
-  std::variant<DriveModel, BoardModel, MusclesModel> kind;
+  std::variant<DriveModel, BoardModel, MusclesModel, ThrustersModel> kind;
 
   bool is_board() const { return std::holds_alternative<BoardModel>(kind); }
   bool is_drive() const { return std::holds_alternative<DriveModel>(kind); }
+  bool is_muscles() const { return std::holds_alternative<MusclesModel>(kind); }
+  bool is_thrusters() const { return std::holds_alternative<ThrustersModel>(kind); }
   /// The word for such a module in a robot's SDF.
-  const char* type() const { return is_board() ? "joints" : is_drive() ? "motors" : "muscles"; }
+  const char* type() const;
 };
 
 /// A hardware module: its socket is /ROBOT/name.

@@ -155,7 +155,7 @@ ChannelModel::Value ReadValue(XmlAttributes& attributes, const SensorSource& sou
       attributes.Error("'of' a joint is position, velocity, effort, current or energy");
     if (const auto found = FindNamed(attributes, "joint", *joint, source.robot.joints)) {
       value.source = *found;
-      if (!source.robot.joints[*found].has_axis() && !source.robot.joints[*found].muscle)
+      if (!source.robot.joints[*found].has_axis() && source.robot.joints[*found].joins())
         attributes.Error("the joint '" + *joint + "' has no axis to measure");
       const bool is_of_train = value.quantity == What::kCurrent || value.quantity == What::kEnergy;
       if (is_of_train && !source.robot.joints[*found].drive_train)
@@ -243,8 +243,10 @@ void Connect(ChannelModel& channel, const RobotModel& robot, const std::string& 
         if (robot.joints[static_cast<std::size_t>(joint)].name == motor.joint && !actuator.module.empty()) {
           motor.channel = next;
           found = true;
-          const bool is_muscle = !actuator.is_board() && !actuator.is_drive();
-          if (is_muscle && motor.mode != ControlMode::kPwm)
+          if (actuator.is_thrusters() && motor.mode != ControlMode::kEffort)
+            diagnostics.Error({file, motor.line},
+                              "a thruster takes mode=\"effort\" only: its force or torque");
+          if (actuator.is_muscles() && motor.mode != ControlMode::kPwm)
             diagnostics.Error({file, motor.line}, "a muscle takes mode=\"pwm\" only: its activation");
           if (actuator.is_drive() && motor.mode != ControlMode::kVelocity)
             diagnostics.Error({file, motor.line}, "a wheel of a drive takes mode=\"velocity\" only");

@@ -109,10 +109,11 @@ class ExtensionReader {
       : file_(file), assembly_(assembly), robot_(robot), diagnostics_(diagnostics) {}
 
   void Read(const XMLElement& model) {
-    std::vector<std::string> known = {"coopdyn:drive", "coopdyn:group", "coopdyn:module", "coopdyn:muscle"};
+    std::vector<std::string> known = {"coopdyn:drive", "coopdyn:group", "coopdyn:module", "coopdyn:muscle",
+                                      "coopdyn:thruster"};
     for (const std::string& element : SensorReader::Elements()) known.push_back(element);
     const XMLElement* drive = nullptr;
-    std::vector<const XMLElement*> modules, groups, muscles, sensors;
+    std::vector<const XMLElement*> modules, groups, muscles, thrusters, sensors;
     for (const XMLElement* child = model.FirstChildElement(); child != nullptr;
          child = child->NextSiblingElement()) {
       const std::string name = child->Name();
@@ -127,6 +128,8 @@ class ExtensionReader {
         groups.push_back(child);
       } else if (name == "coopdyn:muscle") {
         muscles.push_back(child);
+      } else if (name == "coopdyn:thruster") {
+        thrusters.push_back(child);
       } else {
         sensors.push_back(child);
       }
@@ -139,6 +142,7 @@ class ExtensionReader {
     }
     if (groups.empty()) AddDefaultGroup(robot_);
     for (const XMLElement* muscle : muscles) ReadMuscle(*muscle, file_, robot_, diagnostics_);
+    for (const XMLElement* thruster : thrusters) ReadThruster(*thruster, file_, robot_, diagnostics_);
     for (const XMLElement* sensor : sensors) {
       const std::string name = sensor->Name();
       if (!sensors_.Read(*sensor)) Error(*sensor, "unknown element <" + name + ">" + DidYouMean(name, known));
@@ -336,8 +340,9 @@ class ExtensionReader {
       attributes.Error("joints need no module: <coopdyn:group name=\"arm\" joints=\"…\"/> makes one");
       return;
     }
-    if (*type == "muscles") {
-      attributes.Error("muscles need no module: <coopdyn:muscle …/> makes one");
+    if (*type == "muscles" || *type == "thrusters") {
+      attributes.Error(*type + " need no module: <coopdyn:" + type->substr(0, type->size() - 1) +
+                       " …/> makes one");
       return;
     }
     if (*type != "motors") {

@@ -84,9 +84,6 @@ void ReadMuscle(const tinyxml2::XMLElement& element, const std::string& file, Ro
   if (muscle.use_velocity) attributes.Require("max_velocity_m_s");
   muscle.max_velocity_m_s = attributes.Number("max_velocity_m_s", kLeast, kMost).value_or(1);
   attributes.Finish();
-  if (joint.name.empty()) attributes.Error("'name' is empty: give it one");
-  if (std::ranges::find(robot.joints, joint.name, &JointModel::name) != robot.joints.end())
-    attributes.Error("there is another joint or muscle '" + joint.name + "': give one another name");
   if (!from || !to) return;
   if (from->link == to->link) {
     attributes.Error("'from' and 'to' are one body: a muscle joins two that move against each other");
@@ -100,16 +97,24 @@ void ReadMuscle(const tinyxml2::XMLElement& element, const std::string& file, Ro
   joint.max_effort = muscle.max_force_n;
   joint.max_velocity = muscle.use_velocity ? muscle.max_velocity_m_s : JointModel::kInfinity;
   joint.muscle = muscle;
-  const auto is_muscles = [](const ActuatorModel& one) {
-    return std::holds_alternative<MusclesModel>(one.kind);
-  };
-  if (std::ranges::none_of(robot.actuators, is_muscles)) {
+  AddToModule(attributes, std::move(joint), MusclesModel(), "muscles", robot);
+}
+
+void AddToModule(XmlAttributes& attributes, JointModel joint, const decltype(ActuatorModel::kind)& kind,
+                 const std::string& module, RobotModel& robot) {
+  if (joint.name.empty()) attributes.Error("'name' is empty: give it one");
+  if (std::ranges::find(robot.joints, joint.name, &JointModel::name) != robot.joints.end())
+    attributes.Error("there is another joint, muscle or thruster '" + joint.name +
+                     "': give one another name");
+  const auto is_of_kind = [&kind](const ActuatorModel& one) { return one.kind.index() == kind.index(); };
+  if (std::ranges::none_of(robot.actuators, is_of_kind)) {
     const std::vector<ModuleModel> modules = robot.modules();
-    if (std::ranges::find(modules, "muscles", &ModuleModel::name) != modules.end())
-      attributes.Error("the module of its muscles is called 'muscles': give the other one another name");
-    robot.actuators.push_back({"muscles", {}, MusclesModel()});
+    if (std::ranges::find(modules, module, &ModuleModel::name) != modules.end())
+      attributes.Error("the module of its " + module + " is called '" + module +
+                       "': give the other one another name");
+    robot.actuators.push_back({module, {}, kind});
   }
-  std::ranges::find_if(robot.actuators, is_muscles)->joints.push_back(static_cast<int>(robot.joints.size()));
+  std::ranges::find_if(robot.actuators, is_of_kind)->joints.push_back(static_cast<int>(robot.joints.size()));
   robot.joints.push_back(std::move(joint));
 }
 

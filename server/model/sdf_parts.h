@@ -149,6 +149,9 @@ void ReadDriveTrain(const tinyxml2::XMLElement& element, const std::string& file
 void ReadMuscle(const tinyxml2::XMLElement& element, const std::string& file, RobotModel& robot,
                 Diagnostics& diagnostics);
 
+/// Reads a `<coopdyn:thruster>`, likewise.
+void ReadThruster(const tinyxml2::XMLElement& element, const std::string& file, RobotModel& robot,
+                  Diagnostics& diagnostics);
 /// The attributes of one XML element, each asked for by name; what nobody asked for is reported. `element`
 /// and `diagnostics` outlive it. One thread.
 class XmlAttributes {
@@ -179,6 +182,10 @@ class XmlAttributes {
   std::vector<std::string> known_;
 };
 
+/// Adds `joint`, which joins nothing, to the actuator of its `kind`, whose module is called `module`.
+/// Reports what keeps it out.
+void AddToModule(XmlAttributes& attributes, JointModel joint, const decltype(ActuatorModel::kind)& kind,
+                 const std::string& module, RobotModel& robot);
 /// Reports a name that no module can have.
 void CheckModuleName(XmlAttributes& attributes, const std::string& name);
 /// Reads a `<coopdyn:group>`: a control board of `robot`, whose joints, links and drive are complete.

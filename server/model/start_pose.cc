@@ -16,7 +16,7 @@ std::vector<bool> LinksBeyond(const RobotModel& robot, std::size_t joint, int li
   beyond[static_cast<std::size_t>(link)] = true;
   for (std::size_t round = 0; round < robot.joints.size(); ++round) {
     for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-      if (i == joint || robot.joints[i].muscle) continue;
+      if (i == joint || !robot.joints[i].joins()) continue;
       const auto parent = static_cast<std::size_t>(robot.joints[i].parent);
       const auto child = static_cast<std::size_t>(robot.joints[i].child);
       if (beyond[parent] != beyond[child]) beyond[parent] = beyond[child] = true;

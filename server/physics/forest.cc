@@ -174,6 +174,8 @@ void Forest::Measure(Node& node) {
       for (int i = 0; i < 3; ++i) rates[i] = w[i];
       break;
     case Kind::kMuscle:  // in no tree
+    case Kind::kForce:
+    case Kind::kTorque:
       break;
   }
 }
@@ -214,6 +216,8 @@ void Forest::AddAxes(const Node& node) {
       for (int i = 0; i < 3; ++i) axes[i] = turning(Vector3::Unit(i));
       break;
     case Kind::kMuscle:
+    case Kind::kForce:
+    case Kind::kTorque:
       break;
   }
 }

@@ -144,6 +144,8 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
     const int index = static_cast<int>(i);
     if (model.muscle) {
       AddMuscle(member, index, dt_s);
+    } else if (model.thrusts()) {
+      Thrust(member, index, dt_s);
     } else if (joint.control >= 0) {
       const JointRow& row = rows[static_cast<std::size_t>(joint.control)];
       if (!row.shares.empty()) {
@@ -260,6 +262,11 @@ double LimbSolver::JointRate(std::uint32_t thing, std::size_t joint) const {
     return pull.direction_W.dot(velocity(child, pull.p_to_W) - velocity(parent, pull.p_from_W));
   }
   const Vector3 axis = forest_.Axis(hinge.parent, model.axis_R);
+  if (model.kind == Kind::kTorque) return axis.dot(child.w_WB);
+  if (model.kind == Kind::kForce) {
+    const Vector3 p = forest_.Point(hinge.child, model.p_RJ);
+    return axis.dot(child.v_WB + child.w_WB.cross(p - child.p_WB));
+  }
   if (model.kind != Kind::kSlider) return axis.dot(child.w_WB - parent.w_WB);
   const Vector3 p = forest_.Point(hinge.child, model.p_RJ);
   const Vector3 of_child = child.v_WB + child.w_WB.cross(p - child.p_WB);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The muscles of an island with limbs.
+// The muscles and thrusters of an island with limbs.
 #include <algorithm>
 
 #include "server/physics/limb_solver.h"
@@ -50,6 +50,28 @@ void LimbSolver::AddMuscle(const Member& member, int joint, double dt_s) {
     row.target = speed_m_s - factor.value / factor.slope;
     row.softness = -1 / (most_n * factor.slope * dt_s) + kRigid;
   }
+}
+
+// Its impulse is given: no row needs it.
+void LimbSolver::Thrust(const Member& member, int joint, double dt_s) {
+  const Joint& of = member.mechanism->joints[static_cast<std::size_t>(joint)];
+  const JointModel& model = *of.model;
+  if (of.channel < 0) return;
+  const Setpoint& wanted = member.channels[static_cast<std::size_t>(of.channel)].setpoint;
+  if (wanted.mode != ControlMode::kEffort || wanted.reference == 0) return;
+  const double effort = std::clamp(wanted.reference, -model.max_effort, model.max_effort);
+  const int node = HingeOf(member, joint).child;
+  const Vector3 none = Vector3::Zero(), wrench = forest_.Axis(node, model.axis_R) * (effort * dt_s);
+  const bool pushes = model.kind == JointModel::Kind::kForce;
+  Row row;
+  const std::size_t before = jacobian_.size();
+  AddWrench(node, forest_.Point(node, model.p_RJ), pushes ? none : wrench, pushes ? wrench : none, row);
+  for (const Row::Part& part : row.all()) {
+    const double* impulse = jacobian_.data() + part.from;
+    for (const int dof : forest_.Chain(part.end)) pushes_[static_cast<std::size_t>(dof)] += *impulse++;
+  }
+  jacobian_.resize(before);
+  efforts_[member.first_effort + static_cast<std::size_t>(joint)] += effort;
 }
 
 }  // namespace coopdyn

@@ -116,6 +116,7 @@ class LimbSolver {
   };
   Pull PullOf(const Member& member, int joint) const;
   void AddMuscle(const Member& member, int joint, double dt_s);
+  void Thrust(const Member& member, int joint, double dt_s);
   /// Adds scale times a joint's rate to a row.
   void AddRate(const Member& member, int joint, double scale, Row& row);
 

@@ -39,7 +39,7 @@ std::vector<int> Span(std::size_t bodies, const std::vector<JointModel>& joints,
   std::vector<int> spanning;
   for (const int index : order) {
     const JointModel& joint = joints[static_cast<std::size_t>(index)];
-    if (joint.muscle) continue;
+    if (!joint.joins()) continue;
     const int a = group[static_cast<std::size_t>(joint.parent)],
               b = group[static_cast<std::size_t>(joint.child)];
     (a == b ? loops : spanning).push_back(index);

@@ -62,7 +62,7 @@ std::vector<int> BodiesBeyond(const RobotModel& model, std::size_t index) {
   };
   for (std::size_t k = 0; k < beyond.size(); ++k) {
     for (std::size_t j = 0; j < model.joints.size(); ++j) {
-      if (j == index || model.joints[j].muscle) continue;
+      if (j == index || !model.joints[j].joins()) continue;
       const int body = beyond[k];
       add(model.joints[j].parent, body, model.joints[j].child);
       add(model.joints[j].child, body, model.joints[j].parent);

@@ -25,6 +25,10 @@ JointMotion MotionOf(const JointModel& joint, std::span<const RigidBody> rigid, 
   const auto velocity_at = [&](const BodyState& body) -> Vector3 {
     return body.v_WB + body.w_WB.cross(motion.anchor_W - body.p_WB);
   };
+  if (joint.thrusts()) {
+    motion.rate = motion.axis_W.dot(joint.slides() ? velocity_at(bodies[child]) : bodies[child].w_WB);
+    return motion;
+  }
   const bool slides = joint.kind == JointModel::Kind::kSlider;
   motion.rate = motion.axis_W.dot(slides ? Vector3(velocity_at(bodies[child]) - velocity_at(bodies[parent]))
                                          : Vector3(bodies[child].w_WB - bodies[parent].w_WB));

@@ -47,7 +47,7 @@ const JointModel& JointOf(const Scene& scene, std::size_t channel) {
 
 /// Of its position.
 const char* UnitOf(const JointModel& joint) {
-  return joint.muscle ? "m" : "rad";
+  return joint.muscle || joint.kind == JointModel::Kind::kForce ? "m" : "rad";
 }
 
 using Meta = std::unordered_map<std::string, std::string>;

@@ -272,8 +272,12 @@ bool Resimulator::Step(const RecordedStep& step) {
       return false;
     }
     const Scene& scene = simulation_->scene();
-    if (command.setpoint.mode != ControlMode::kVelocity && scene.channels[command.channel].control < 0) {
-      const auto robot = static_cast<std::size_t>(scene.channels[command.channel].robot);
+    const Channel& channel = scene.channels[command.channel];
+    const auto robot = static_cast<std::size_t>(channel.robot);
+    const RobotModel& model = *scene.robots[robot].entry.model;
+    const bool is_wheel =
+        channel.control < 0 && model.joints[static_cast<std::size_t>(channel.joint)].joins();
+    if (is_wheel && command.setpoint.mode != ControlMode::kVelocity) {
       error_ = where + " is damaged: it commands the wheels of " + scene.robots[robot].entry.name +
                " by positions or efforts";
       return false;

@@ -91,6 +91,16 @@ struct Muscle {
   int line = 0;
 };
 
+/// A force or a torque on a body, along or about one of its axes.
+struct Thruster {
+  std::string name;
+  int body = 0;  // index into Movable::bodies
+  int axis = 0;  // 0 x, 1 y, 2 z
+  bool turns = false;
+  double most = 0;  // N, N m
+  int line = 0;
+};
+
 struct Sensor {
   enum class Kind { kProximity, kLight, kAmbient, kCompass, kContact, kImu, kSharp, kCamera, kNeighbours };
   enum class Pattern { kCross, kFan, kCone };
@@ -121,12 +131,13 @@ struct Mapped {
 /// A value that a client sets.
 struct MotorValue {
   std::string name;
-  int joint = 0;          // index into Movable::joints; -1: it is a muscle
+  int joint = 0;          // index into Movable::joints; -1: it is a muscle or a thruster
   std::string axis = {};  // of a joint that has several
   std::string mode;       // velocity, direct, effort, pwm
   Mapped mapped = {};
   int line = 0;
-  int muscle = -1;  // index into Movable::muscles
+  int muscle = -1;    // index into Movable::muscles
+  int thruster = -1;  // index into Movable::thrusters
 };
 
 /// Values that a client gets, of one sensor.
@@ -160,6 +171,7 @@ struct Movable {
   std::vector<Named> names;
   std::vector<Joint> joints;
   std::vector<Muscle> muscles;
+  std::vector<Thruster> thrusters;
   std::vector<Sensor> sensors;
   std::vector<MotorValue> motors;   // what a client exchanges, in this order
   std::vector<SensorValue> values;  // likewise

@@ -163,6 +163,7 @@ class PaperReader : Reader {
       }
     }
     if (type == "passive" || type == "moving") movable.motors.clear();
+    ReadThrusters(element, type, movable);
     movable.exchange_steps = exchange_steps_;
     if (type == "passive") {
       movable.sensors.clear();
@@ -174,14 +175,12 @@ class PaperReader : Reader {
 
   void ReadController(const Element& element, const std::string& type, Movable& movable) {
     const Element* controller = Child(element, "controller");
-    if (type == "moving")
-      Warn(element, "type 'moving' is not simulated yet: no controller puts forces on its body");
     if (type == "controlled" && controller == nullptr)
       Error(element,
             "a movable of type 'controlled' needs <controller library=\"NAME\"/>, a loaded controller");
     if (type != "controlled" && type != "moving" && controller != nullptr)
       Error(*controller, "only a movable of type 'controlled' or 'moving' has a <controller>");
-    if (type != "controlled" || controller == nullptr) return;
+    if (controller == nullptr) return;
     const auto simple = [this](const Element& at, const std::string& word) {
       if (word.empty() || word != Simple(word, 63))
         Error(at, "'" + Printable(word) + "' is no name of letters, digits and _");
@@ -192,6 +191,37 @@ class PaperReader : Reader {
       movable.controller +=
           " " + simple(parameter, Text(parameter, "name")) + "=" + Exact(Number(parameter, "value", 0));
     });
+  }
+
+  /// The forces and torques on the first body of a movable of type 'moving', along and about its axes.
+  void ReadThrusters(const Element& element, const std::string& type, Movable& movable) {
+    const Element *force = Child(element, "force"), *torque = Child(element, "torque");
+    if (type == "moving" && force == nullptr && torque == nullptr)
+      Error(element,
+            "a movable of type 'moving' needs <force max=\"…\"/> (N) or <torque max=\"…\"/> (N m): the most "
+            "that pushes its body");
+    for (const Element* kind : {force, torque}) {
+      if (kind == nullptr) continue;
+      if (type != "moving") {
+        Error(*kind, std::string("only a movable of type 'moving' has a <") + kind->Name() + ">");
+        continue;
+      }
+      const double most = Number(*kind, "max", 0);
+      for (int axis = 0; axis < 3; ++axis) {
+        Thruster thruster{.name = std::string(kind->Name()) + "_" + "xyz"[axis],
+                          .axis = axis,
+                          .turns = kind == torque,
+                          .most = most,
+                          .line = kind->GetLineNum()};
+        movable.motors.push_back({.name = thruster.name,
+                                  .joint = -1,
+                                  .mode = "effort",
+                                  .mapped = MappedOf(*kind, std::pair(-most, most)),
+                                  .line = thruster.line,
+                                  .thruster = static_cast<int>(movable.thrusters.size())});
+        movable.thrusters.push_back(std::move(thruster));
+      }
+    }
   }
 
   void ReadCompound(const Element& compound, const Pose& X_WC, Movable& movable) {

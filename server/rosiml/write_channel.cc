@@ -33,7 +33,9 @@ std::string WordsOf(const Mapped& mapped) {
 MadeText WriteChannel(const Movable& movable, const ChannelPlaces& places) {
   MadeText inside, out;
   for (const MotorValue& motor : movable.motors) {
-    std::string joint = motor.joint < 0 ? places.muscle(motor.muscle) : places.joint(motor.joint);
+    std::string joint = motor.thruster >= 0 ? places.thruster(motor.thruster)
+                        : motor.muscle >= 0 ? places.muscle(motor.muscle)
+                                            : places.joint(motor.joint);
     if (joint.empty()) continue;
     if (!motor.axis.empty()) joint += "." + motor.axis;
     inside.Add(motor.line, "<coopdyn:motor" + Attribute("name", PlainName(motor.name)) +

@@ -15,8 +15,9 @@ namespace coopdyn::rosiml {
 struct ChannelPlaces {
   /// name of a joint; empty: it is not in this model.
   std::function<std::string(int joint)> joint;
-  /// likewise of a muscle.
+  /// likewise of a muscle, of a thruster.
   std::function<std::string(int muscle)> muscle;
+  std::function<std::string(int thruster)> thruster;
   /// link="…" pose="…" of a place on a body; empty: it is not in this model.
   std::function<std::string(int body, const Pose& X_WN)> place;
   /// module="…" index="…" of a sensor; empty: likewise.

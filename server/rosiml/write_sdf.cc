@@ -61,6 +61,7 @@ class SdfWriter {
     for (std::size_t i = 0; i < model_.links.size(); ++i) WriteJoint(i);
     WriteDrive();
     for (std::size_t i = 0; i < movable_.muscles.size(); ++i) WriteMuscle(static_cast<int>(i));
+    for (std::size_t i = 0; i < movable_.thrusters.size(); ++i) WriteThruster(static_cast<int>(i));
     WriteSensors();
     WriteExchange();
     Module(movable_.line, "pose", "pose");
@@ -319,6 +320,17 @@ class SdfWriter {
     written_.has_modules = true;
   }
 
+  void WriteThruster(int index) {
+    const Thruster& thruster = movable_.thrusters[Index(index)];
+    if (!links_.contains(thruster.body)) return;
+    const std::string& name = thruster_names_.emplace(index, names_.New(thruster.name)).first->second;
+    Add(thruster.line, "<coopdyn:thruster name=\"" + name + "\" link=\"" + links_[thruster.body] +
+                           "\" direction=\"" + Places(Vector3::Unit(thruster.axis)) + "\" " +
+                           (thruster.turns ? "max_torque_nm" : "max_force_n") + "=\"" + Exact(thruster.most) +
+                           "\"/>");
+    written_.has_modules = true;
+  }
+
   bool IsHere(const Sensor& sensor) const { return links_.contains(sensor.body); }
 
   /// link="…" pose="…" of a sensor.
@@ -403,40 +415,43 @@ class SdfWriter {
       readings_[order[i].second].second = static_cast<int>(i) + 1;
   }
 
+  /// Empty if it is not in this model.
+  static std::string NameIn(const std::map<int, std::string>& names, int index) {
+    const auto found = names.find(index);
+    return found == names.end() ? std::string() : found->second;
+  }
+
   /// What clients of YARS exchange.
   void WriteExchange() {
     const auto sensor_of = [this](int sensor) { return readings_.find(&movable_.sensors[Index(sensor)]); };
-    const MadeText channel =
-        WriteChannel(movable_, {.joint =
-                                    [this](int joint) {
-                                      for (std::size_t i = 0; i < model_.links.size(); ++i) {
-                                        if (model_.links[i].joint == joint) return joint_names_[i];
-                                      }
-                                      return std::string();
-                                    },
-                                .muscle =
-                                    [this](int muscle) {
-                                      const auto found = muscle_names_.find(muscle);
-                                      return found == muscle_names_.end() ? std::string() : found->second;
-                                    },
-                                .place =
-                                    [this](int body, const Pose& X_WN) {
-                                      if (!links_.contains(body)) return std::string();
-                                      const Pose X_BN = BodyOf(body).X_WB.Inverse() * X_WN;
-                                      return " link=\"" + links_[body] + "\" pose=\"" + Places(X_BN) + "\"";
-                                    },
-                                .reading =
-                                    [&](int sensor) {
-                                      const auto found = sensor_of(sensor);
-                                      if (found == readings_.end()) return std::string();
-                                      return " module=\"" + found->second.first + "\" index=\"" +
-                                             std::to_string(found->second.second) + "\"";
-                                    },
-                                .module =
-                                    [&](int sensor) {
-                                      const auto found = sensor_of(sensor);
-                                      return found == readings_.end() ? std::string() : found->second.first;
-                                    }});
+    const MadeText channel = WriteChannel(
+        movable_, {.joint =
+                       [this](int joint) {
+                         for (std::size_t i = 0; i < model_.links.size(); ++i) {
+                           if (model_.links[i].joint == joint) return joint_names_[i];
+                         }
+                         return std::string();
+                       },
+                   .muscle = [this](int muscle) { return NameIn(muscle_names_, muscle); },
+                   .thruster = [this](int thruster) { return NameIn(thruster_names_, thruster); },
+                   .place =
+                       [this](int body, const Pose& X_WN) {
+                         if (!links_.contains(body)) return std::string();
+                         const Pose X_BN = BodyOf(body).X_WB.Inverse() * X_WN;
+                         return " link=\"" + links_[body] + "\" pose=\"" + Places(X_BN) + "\"";
+                       },
+                   .reading =
+                       [&](int sensor) {
+                         const auto found = sensor_of(sensor);
+                         if (found == readings_.end()) return std::string();
+                         return " module=\"" + found->second.first + "\" index=\"" +
+                                std::to_string(found->second.second) + "\"";
+                       },
+                   .module =
+                       [&](int sensor) {
+                         const auto found = sensor_of(sensor);
+                         return found == readings_.end() ? std::string() : found->second.first;
+                       }});
     written_.sdf.text += channel.text;
     written_.sdf.lines.insert(written_.sdf.lines.end(), channel.lines.begin(), channel.lines.end());
     written_.has_modules = written_.has_modules || !channel.lines.empty();
@@ -480,9 +495,9 @@ class SdfWriter {
   Diagnostics& diagnostics_;
   WrittenModel written_;
   Names names_{"world"};
-  Names modules_{"motors", "distance", "sonar", "light", "pose", "joints", "muscles", "channel"};
+  Names modules_{"motors", "distance", "sonar", "light", "pose", "joints", "muscles", "thrusters", "channel"};
   std::map<const Sensor*, std::pair<std::string, int>> readings_;  // module, and which of its values
-  std::map<int, std::string> muscle_names_;                        // of those in this model
+  std::map<int, std::string> muscle_names_, thruster_names_;       // of those in this model
   std::map<int, std::string> links_;                               // names, by body
   std::vector<std::string> joint_names_;                           // of model_.links
 };

@@ -18,7 +18,7 @@ constexpr double kWobble_m = 0.02;
 
 const JointModel* JointOf(const RobotModel& model, int link) {
   const auto found = std::find_if(model.joints.begin(), model.joints.end(), [link](const JointModel& joint) {
-    return joint.child == link && !joint.muscle;
+    return joint.child == link && joint.joins();
   });
   return found == model.joints.end() ? nullptr : &*found;
 }

@@ -89,7 +89,7 @@ json::object ModelJson(const SceneRobot& robot) {
   }
   json::array joints;
   for (const JointModel& joint : model.joints) {
-    if (joint.muscle) continue;
+    if (!joint.joins()) continue;
     const LinkModel& child = model.links[static_cast<std::size_t>(joint.child)];
     const Pose X_RB = child.X_RL * child.X_LI;
     const Vector3 p_B = X_RB.q.conjugate() * (joint.p_RJ - X_RB.p);

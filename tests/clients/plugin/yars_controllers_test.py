@@ -98,6 +98,18 @@ XML = """<rosiml version="0.8.41">
 </rosiml>
 """
 
+# A ball in the air that the same controller pushes with a quarter of 4 N.
+MOVING = """<rosiml version="1.0">
+<simulator frequency="100" controllerFrequency="20"/>
+<movables><movable name="arm" type="moving">
+<force max="4"><mapping min="-1" max="1"/></force>
+<controller library="Wave"><parameter name="gain" value="0.25"/></controller>
+<body><object name="ball" mass="2"><pose z="9"/><sphere radius="0.1"/>
+<velocity name="v" auxiliary="false"/></object></body>
+</movable></movables>
+</rosiml>
+"""
+
 
 class YarsControllersTestCase(unittest.TestCase):
     def setUp(self):
@@ -149,6 +161,14 @@ class YarsControllersTestCase(unittest.TestCase):
         self.assertEqual((logged["arm.calls"], told["steps"]), (3, 11))
         self.assertEqual(told["ended"], "supervisor")
         self.assertIn("controller libYarsControllerWave of arm ends the run", output)
+
+    def test_it_pushes_a_moving_body(self):
+        self.build("Wave.so")
+        (self.folder / "wave.xml").write_text(MOVING)
+        output, told, logged = self.run_experiment()
+        self.assertIn("domain 4 1", output)
+        seen_s = (logged["arm.calls"] - 1) / 20  # its last update sees what was so far
+        self.assertAlmostEqual(logged["arm.seen_0"], 0.25 * 4 / 2 * seen_s, delta=0.005)
 
     def test_without_it_clients_drive_the_robot(self):
         self.write()

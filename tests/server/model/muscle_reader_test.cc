@@ -114,7 +114,7 @@ TEST(MuscleReaderTest, AMuscleNeedsTwoBodies) {
 
 TEST(MuscleReaderTest, TwoMusclesHaveTwoNames) {
   const std::string one = MuscleLine("use_velocity=\"false\"");
-  EXPECT_THAT(ReadText(MuscleText(one + one)).messages, HasSubstr("another joint or muscle 'm'"));
+  EXPECT_THAT(ReadText(MuscleText(one + one)).messages, HasSubstr("another joint, muscle or thruster 'm'"));
 }
 
 TEST(MuscleReaderTest, AFreeRobotHasNoneToTheWorld) {

@@ -121,8 +121,31 @@ TEST(PaperTest, NeighboursAreSeen) {
   EXPECT_HAS(sdf, "<coopdyn:module type=\"neighbours\" name=\"others\"/>");
 }
 
-TEST(PaperTest, ForcesOfAMovingMovableAreNotSimulatedYet) {
-  EXPECT_HAS(Said(Paper("", Movable("type=\"moving\""))), "warning: type 'moving' is not simulated yet");
+TEST(PaperTest, AMovingMovableHasMotorsForForcesAndTorquesOnItsBody) {
+  const Translation made = Made(Paper(
+      "", Movable("type=\"moving\"", "",
+                  "<force max=\"5\"><mapping min=\"-1\" max=\"1\"/></force><torque max=\"0.2\"/>"
+                  "<controller library=\"pilot\"><parameter name=\"gain\" value=\"2\"/></controller>")));
+  const std::string sdf = made.models.at(0).sdf.text;
+  EXPECT_HAS(sdf, "<coopdyn:thruster name=\"force_x\" link=\"a\" direction=\"1 0 0\" max_force_n=\"5\"/>");
+  EXPECT_HAS(sdf,
+             "<coopdyn:thruster name=\"torque_z\" link=\"a\" direction=\"0 0 1\" max_torque_nm=\"0.2\"/>");
+  EXPECT_HAS(sdf,
+             "<coopdyn:motor name=\"force_y\" joint=\"force_y\" mode=\"effort\" internal=\"-5 5\" "
+             "external=\"-1 1\"/>");
+  EXPECT_HAS(sdf,
+             "<coopdyn:motor name=\"torque_x\" joint=\"torque_x\" mode=\"effort\" internal=\"-0.2 0.2\"/>");
+  EXPECT_HAS(made.scenario.text, "controller pilot gain=2\n");
+}
+
+TEST(PaperTest, AMovingMovableSaysHowMuchPushesIt) {
+  EXPECT_HAS(Said(Paper("", Movable("type=\"moving\""))),
+             "error: a movable of type 'moving' needs <force max=\"…\"/> (N) or <torque max=\"…\"/> (N m)");
+}
+
+TEST(PaperTest, OnlyAMovingMovableIsPushed) {
+  EXPECT_HAS(Said(Paper("", Movable("type=\"active\"", "", "<force max=\"5\"/>"))),
+             "error: only a movable of type 'moving' has a <force>");
 }
 
 TEST(PaperTest, CompoundsCarryPosesAndConnectors) {
