@@ -131,15 +131,16 @@ void Stepper::StepHere() {
     boards_.bell.Ring();
     return;
   }
-  const Nanoseconds end = clock_.Now() + kTurnHere;
+  Nanoseconds now = clock_.Now();
+  const Nanoseconds end = now + kTurnHere;
   int ran = 0;
   while (mode_ == Mode::kLockstep && may_step() && speed() <= 0 && boards_.edits.empty() &&
          boards_.commands.AllReady()) {
-    const Nanoseconds now = clock_.Now();
-    if (ran == kStepsHere || now >= end) break;
+    if (ran == kStepsHere || (ran > 0 && now >= end)) break;  // one step always runs
     StepNow(now);
     ++ran;
     PublishStatus(now, false);
+    now = clock_.Now();
   }
   if (ran > 0) RestControllers();
   const bool wake_physics = ran == 0 || (may_step() && boards_.commands.AllReady()) ||

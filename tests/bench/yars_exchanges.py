@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Exchanges of a YARS client with a channel, by UDP and by TCP: one datagram, or one send and one recv, for each.
 
-    build/release/coopdyn yars --xml braitenberg --nogui & python3 tests/bench/yars_exchanges.py 4500 [PID]
+    build/release/coopdyn serve experiment.xml --mode lockstep --no-render --no-http &
+    python3 tests/bench/yars_exchanges.py 4500 [PID]
 
-With the daemon's PID it tells the processor time that an exchange costs the daemon, too.
+Its first robot must be driven by clients. With the daemon's PID it tells the processor time that an exchange costs the daemon, too.
 """
 import pathlib
 import socket

@@ -97,9 +97,16 @@ TEST_F(StepperTest, TheLastReadyRobotsThreadRunsTheStepItself) {
 }
 
 TEST_F(StepperTest, ItRunsAllStepsOfAShortCommand) {
-  Begin(kTwoRobots, Mode::kLockstep);  // no physics thread at all
-  board_.Ready(board_.FindSlot("robot1"), ana_, 5, [](const StepResult&) {});
-  EXPECT_EQ(Command("robot2", bob_, {3, 3}, 5).frame->step, 5u);
+  const ManualClock clock;  // however busy the machine is
+  RunOptions options;
+  options.mode = Mode::kLockstep;
+  stepper_ = MakeStepper(clock, options);  // no physics thread at all
+  Diagnostics diagnostics;
+  ASSERT_TRUE(stepper_->Start(Read(kTwoRobots), diagnostics)) << diagnostics.ToString();
+  for (const char* robot : {"robot1", "robot2"})
+    board_.Ready(board_.FindSlot(robot), Client{1, robot, "a"}, 5, [](const StepResult&) {});
+  EXPECT_EQ(frames_.Latest()->step, 5u);
+  stepper_.reset();  // before its clock
 }
 
 TEST_F(StepperTest, ACommandForManyStepsIsCarriedOnByThePhysicsThread) {
