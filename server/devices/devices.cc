@@ -98,8 +98,10 @@ Message DistanceDevice::Read(const Message& request, const Frame& frame, int rob
 Message PoseDevice::Read(const Message& request, const Frame& frame, int robot) const {
   if (request.command != command::kGetPose3d) return SensorDevice::Read(request, frame, robot);
   Message reply = ReplyTo(request.command);
-  const Pose X_WR = RobotPose(frame, robot);
-  const auto [v_W, w_W] = OriginTwist(frame, robot, X_WR);
+  const auto* model = ModelOf(frame, robot).Find<PoseModel>(number());
+  const int link = model == nullptr ? 0 : model->link;
+  const Pose X_WR = CarriedFrame(frame, robot, link);
+  const auto [v_W, w_W] = OriginTwist(frame, robot, X_WR, link);
   reply.data.reserve(15);
   reply.data = {X_WR.p.x(), X_WR.p.y(), X_WR.p.z(), X_WR.q.w(), X_WR.q.x(), X_WR.q.y(), X_WR.q.z(),
                 v_W.x(),    v_W.y(),    v_W.z(),    w_W.x(),    w_W.y(),    w_W.z()};

@@ -59,6 +59,23 @@ struct MappedNoise {
   double sigma = 0;  // uniform: the most that it differs from the mean; Gaussian: standard deviation
 };
 
+/// Smooths an external value from step to step, after the noise and before it is cut. Its memory is among the
+/// measured values of the channel (Frame::measured): how many values it has taken, then
+/// - mean, median: these values, the newest first;
+/// - low pass: what it puts out.
+struct ValueFilter {
+  enum class Kind { kNone, kMean, kMedian, kLowPass };
+  static constexpr int kMaxSteps = 100;
+  Kind kind = Kind::kNone;
+  int steps = 1;      // of mean and median: so many of the last values
+  double time_s = 0;  // of a low pass: its time constant
+
+  std::size_t cells() const {
+    if (kind == Kind::kNone) return 0;
+    return kind == Kind::kLowPass ? 2 : 1 + static_cast<std::size_t>(steps);
+  }
+};
+
 struct ChannelModel {
   static constexpr const char* kType = "channel";
   static constexpr std::size_t kMaxValues = 10'000;
@@ -80,9 +97,9 @@ struct ChannelModel {
     kPosition,  // joint: rad or m
     kVelocity,
     kEffort,   // of its motor; without one of its spring and damper: N m or N
-    kCurrent,  // of its drive train: A, J
-    kEnergy,
-    kX,  // place, in the world: m
+    kCurrent,  // of its drive train: A
+    kEnergy,   // that its drive train has drawn, or its motor given and taken: J
+    kX,        // place, in the world: m
     kY,
     kZ,
     kRoll,  // rad
@@ -107,8 +124,13 @@ struct ChannelModel {
     Mount mount;
     ValueMap map;
     MappedNoise noise;
-    std::size_t source = 0;  // index into the sensors or joints
+    ValueFilter filter;
+    bool sums_work = false;      // energy of a motor without a drive train: measured
+    std::size_t channel = 0;     // then: of the robot's
+    std::size_t source = 0;      // index into the sensors or joints
+    std::size_t first_cell = 0;  // of the channel's measured values: its energy, then its filter's
     int line = 0;
+    std::size_t cells() const { return filter.cells() + (sums_work ? 1 : 0); }
   };
 
   std::vector<Motor> motors;
@@ -116,6 +138,8 @@ struct ChannelModel {
   int steps = 1;                    // of one exchange
   std::vector<std::string> abort;   // contact modules that end a try when they are pressed
   std::vector<std::size_t> aborts;  // index into the sensors
+
+  std::size_t cells() const { return values.empty() ? 0 : values.back().first_cell + values.back().cells(); }
 };
 
 /// position, vx, …; empty for a reading.

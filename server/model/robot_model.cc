@@ -11,6 +11,7 @@ Setpoint Limit(const JointModel& joint, Setpoint setpoint) {
     if (setpoint.mode != ControlMode::kPwm) return {0, ControlMode::kIdle};
     return {std::clamp(setpoint.reference, 0.0, 1.0), ControlMode::kPwm};
   }
+  if (joint.limits >= 0 && setpoint.mode != ControlMode::kDirect) return {0, ControlMode::kIdle};
   if (joint.thrusts() && setpoint.mode != ControlMode::kEffort) return {0, ControlMode::kIdle};
   switch (setpoint.mode) {
     case ControlMode::kPosition:
@@ -52,6 +53,8 @@ const char* ToString(JointModel::Kind kind) {
       return "force";
     case JointModel::Kind::kTorque:
       return "torque";
+    case JointModel::Kind::kLimiter:
+      return "limiter";
   }
   return "";
 }
@@ -65,7 +68,7 @@ const char* ActuatorModel::type() const {
 std::vector<std::string> RobotModel::actuator_modules() const {
   std::vector<std::string> names;
   for (const ActuatorModel& actuator : actuators) {
-    if (!actuator.module.empty()) names.push_back(actuator.module);
+    if (!actuator.module.empty() && !actuator.is_limiters()) names.push_back(actuator.module);
   }
   return names;
 }
@@ -73,7 +76,8 @@ std::vector<std::string> RobotModel::actuator_modules() const {
 std::vector<ModuleModel> RobotModel::modules() const {
   std::vector<ModuleModel> modules;
   for (const ActuatorModel& actuator : actuators) {
-    if (!actuator.module.empty()) modules.push_back({actuator.type(), actuator.module});
+    if (!actuator.module.empty() && !actuator.is_limiters())
+      modules.push_back({actuator.type(), actuator.module});
   }
   for (const SensorModel& sensor : sensors) modules.push_back({sensor.type(), sensor.name});
   return modules;

@@ -55,8 +55,9 @@ struct FrameModel {
 /// turn freely about a point; nothing drives them. A muscle joins nothing: it pulls two links together, and
 /// its position is its length (m, N). A force (m, N) and a torque (rad, N m) are thrusters: they push or turn
 /// their link, parent and child, along or about an axis that it carries; the position is its way along that.
+/// A limiter drives nothing: its reference, in direct mode, is the greatest effort of another joint's motor.
 struct JointModel {
-  enum class Kind { kHinge, kSlider, kBall, kUniversal, kScrew, kMuscle, kForce, kTorque };
+  enum class Kind { kHinge, kSlider, kBall, kUniversal, kScrew, kMuscle, kForce, kTorque, kLimiter };
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
   std::string name;
@@ -77,10 +78,11 @@ struct JointModel {
   std::optional<DriveTrainModel> drive_train = std::nullopt;  // of a hinge of a control board
 
   std::optional<MuscleModel> muscle = std::nullopt;  // if it is one
+  int limits = -1;                                   // of a limiter: index into the joints
 
   bool thrusts() const { return kind == Kind::kForce || kind == Kind::kTorque; }
   /// It holds two links together.
-  bool joins() const { return kind != Kind::kMuscle && !thrusts(); }
+  bool joins() const { return kind < Kind::kMuscle; }
   bool slides() const { return kind == Kind::kSlider || kind == Kind::kMuscle || kind == Kind::kForce; }
   bool has_axis() const { return joins() && kind != Kind::kBall && kind != Kind::kUniversal; }
   /// A spring, a damper or friction works on it.
@@ -88,7 +90,7 @@ struct JointModel {
   bool has_stop() const { return lower > -kInfinity || upper < kInfinity; }
 };
 
-/// hinge, slider, ball, universal, screw, muscle, force or torque.
+/// hinge, slider, ball, universal, screw, muscle, force, torque or limiter.
 const char* ToString(JointModel::Kind kind);
 
 /// Gears, belts and URDF's <mimic>: the position of joints[follower] is multiplier · that of joints[leader] +
@@ -136,6 +138,9 @@ struct MusclesModel {};
 /// Thrusters, by their forces and torques.
 struct ThrustersModel {};
 
+/// Limiters of motors. Their module has no socket: the robot's channel sets them.
+struct LimitersModel {};
+
 /// What an actuator does with a joint; the numbers are those of the wire. kKeep stands in commands alone: the
 /// channel goes on as it does.
 enum class ControlMode : std::uint8_t {
@@ -176,12 +181,13 @@ Setpoint Limit(const JointModel& joint, Setpoint setpoint);
 struct ActuatorModel {
   std::string module;       // its module's name; empty: it has none, and its joints are at rest
   std::vector<int> joints;  // index into joints: one channel each; of a drive the left and the right wheel
-  std::variant<DriveModel, BoardModel, MusclesModel, ThrustersModel> kind;
+  std::variant<DriveModel, BoardModel, MusclesModel, ThrustersModel, LimitersModel> kind;
 
   bool is_board() const { return std::holds_alternative<BoardModel>(kind); }
   bool is_drive() const { return std::holds_alternative<DriveModel>(kind); }
   bool is_muscles() const { return std::holds_alternative<MusclesModel>(kind); }
   bool is_thrusters() const { return std::holds_alternative<ThrustersModel>(kind); }
+  bool is_limiters() const { return std::holds_alternative<LimitersModel>(kind); }
   /// The word for such a module in a robot's SDF.
   const char* type() const;
 };

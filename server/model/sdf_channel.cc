@@ -36,6 +36,10 @@ constexpr std::pair<ControlMode, std::string_view> kModes[] = {
     {ControlMode::kPosition, "position"}, {ControlMode::kDirect, "direct"},
     {ControlMode::kVelocity, "velocity"}, {ControlMode::kEffort, "effort"},
     {ControlMode::kPwm, "pwm"},           {ControlMode::kKeep, "ignored"}};
+/// The mode of a motor that sets the greatest effort of another one.
+constexpr std::string_view kLimit = "limit";
+/// Of the name of a limiter, after that of its joint.
+constexpr const char* kLimiterEnd = " limit";
 
 /// The value of the word that attribute `name` has; nothing, and reported, if it is none of `table`.
 template <typename T, std::size_t N>
@@ -91,6 +95,26 @@ ValueMap ReadMap(XmlAttributes& attributes) {
   return map;
 }
 
+ValueFilter ReadFilter(XmlAttributes& attributes) {
+  using Kind = ValueFilter::Kind;
+  constexpr std::pair<Kind, std::string_view> kKinds[] = {
+      {Kind::kNone, "none"}, {Kind::kMean, "mean"}, {Kind::kMedian, "median"}, {Kind::kLowPass, "low_pass"}};
+  constexpr double kLeast_s = 1e-6, kMost_s = 1e4;
+  ValueFilter filter;
+  filter.kind = ReadWord(attributes, "filter", kKinds).value_or(Kind::kNone);
+  const auto steps = attributes.Integer("filter_steps", 1, ValueFilter::kMaxSteps);
+  const auto time_s = attributes.Number("filter_time_s", kLeast_s, kMost_s);
+  filter.steps = steps.value_or(1);
+  filter.time_s = time_s.value_or(1);
+  const bool is_low_pass = filter.kind == Kind::kLowPass, counts = !is_low_pass && filter.kind != Kind::kNone;
+  if (counts) attributes.Require("filter_steps");
+  if (is_low_pass) attributes.Require("filter_time_s");
+  if ((steps && !counts) || (time_s && !is_low_pass))
+    attributes.Error(
+        "filter=\"mean\" and \"median\" have 'filter_steps', filter=\"low_pass\" has 'filter_time_s'");
+  return filter;
+}
+
 MappedNoise ReadMappedNoise(XmlAttributes& attributes) {
   using Kind = MappedNoise::Kind;
   constexpr std::pair<Kind, std::string_view> kKinds[] = {
@@ -122,11 +146,16 @@ ChannelModel::Motor ReadMotor(XmlAttributes& attributes, const RobotModel& robot
   motor.name = ReadName(attributes);
   attributes.Require("joint");
   motor.joint = attributes.Text("joint").value_or("");
-  motor.mode = ReadWord(attributes, "mode", kModes).value_or(ControlMode::kVelocity);
+  const bool limits = attributes.Text("mode") == kLimit;
+  if (limits) {
+    motor.mode = ControlMode::kDirect;
+  } else {
+    motor.mode = ReadWord(attributes, "mode", kModes).value_or(ControlMode::kVelocity);
+  }
   if (motor.mode == ControlMode::kKeep) motor.channel = ChannelModel::Motor::kNone;
   motor.map = ReadMap(attributes);
   motor.noise = ReadMappedNoise(attributes);
-  FindNamed(attributes, "joint", motor.joint, robot.joints);
+  if (FindNamed(attributes, "joint", motor.joint, robot.joints) && limits) motor.joint += kLimiterEnd;
   return motor;
 }
 
@@ -139,6 +168,7 @@ ChannelModel::Value ReadValue(XmlAttributes& attributes, const SensorSource& sou
   const std::optional<int> index = attributes.Integer("index", 1, 1'000'000);
   value.map = ReadMap(attributes);
   value.noise = ReadMappedNoise(attributes);
+  value.filter = ReadFilter(attributes);
   value.auxiliary = attributes.Flag("auxiliary").value_or(false);
   if (module) {
     value.of = *module;
@@ -157,9 +187,10 @@ ChannelModel::Value ReadValue(XmlAttributes& attributes, const SensorSource& sou
       value.source = *found;
       if (!source.robot.joints[*found].has_axis() && source.robot.joints[*found].joins())
         attributes.Error("the joint '" + *joint + "' has no axis to measure");
-      const bool is_of_train = value.quantity == What::kCurrent || value.quantity == What::kEnergy;
-      if (is_of_train && !source.robot.joints[*found].drive_train)
+      const bool has_train = source.robot.joints[*found].drive_train.has_value();
+      if (value.quantity == What::kCurrent && !has_train)
         attributes.Error("the joint '" + *joint + "' has no <coopdyn:drivetrain>, whose current it would be");
+      value.sums_work = value.quantity == What::kEnergy && !has_train;
     }
   } else if (value.quantity == What::kAmbientLight) {
     return value;
@@ -202,6 +233,53 @@ void ReadInto(ChannelModel& sensor, const SensorSource& source) {
   });
 }
 
+void ReadLimiters(const tinyxml2::XMLElement& model, RobotModel& robot) {
+  std::vector<int> limiters;
+  for (const auto* channel = model.FirstChildElement("coopdyn:channel"); channel != nullptr;
+       channel = channel->NextSiblingElement("coopdyn:channel")) {
+    for (const auto* motor = channel->FirstChildElement("coopdyn:motor"); motor != nullptr;
+         motor = motor->NextSiblingElement("coopdyn:motor")) {
+      const char *mode = motor->Attribute("mode"), *name = motor->Attribute("joint");
+      if (mode == nullptr || name == nullptr || mode != kLimit) continue;
+      const auto found = std::ranges::find(robot.joints, name, &JointModel::name);
+      const std::string limiter_name = std::string(name) + kLimiterEnd;
+      if (found == robot.joints.end() || !found->joins() || found->drive_train) continue;
+      if (std::ranges::find(robot.joints, limiter_name, &JointModel::name) != robot.joints.end()) continue;
+      JointModel limiter;
+      limiter.kind = JointModel::Kind::kLimiter;
+      limiter.name = limiter_name;
+      limiter.parent = limiter.child = found->parent;
+      limiter.limits = static_cast<int>(found - robot.joints.begin());
+      limiter.lower = 0;
+      limiter.upper = limiter.max_effort = found->max_effort;
+      limiters.push_back(static_cast<int>(robot.joints.size()));
+      robot.joints.push_back(std::move(limiter));
+    }
+  }
+  // No module of a robot can be called so.
+  if (!limiters.empty()) robot.actuators.push_back({"motor limits", std::move(limiters), LimitersModel()});
+}
+
+namespace {
+
+/// Where a joint is among the channels of `robot`, and what drives it; nothing if no module does.
+std::optional<std::pair<std::size_t, const ActuatorModel*>> FindDriven(const RobotModel& robot,
+                                                                       const std::string& name) {
+  std::size_t next = 0;
+  for (const ActuatorModel& actuator : robot.actuators) {
+    for (const int joint : actuator.joints) {
+      if (!actuator.module.empty() && robot.joints[static_cast<std::size_t>(joint)].name == name)
+        return {{next, &actuator}};
+      ++next;
+    }
+  }
+  return std::nullopt;
+}
+
+constexpr const char* kNeedsLimit = "': give it <limit> with effort and velocity, and a module";
+
+}  // namespace
+
 void Connect(ChannelModel& channel, const RobotModel& robot, const std::string& file,
              Diagnostics& diagnostics) {
   std::vector<std::string> modules;
@@ -214,7 +292,16 @@ void Connect(ChannelModel& channel, const RobotModel& robot, const std::string& 
                                         DidYouMean(name, modules));
     return nullptr;
   };
+  std::size_t cells = 0;
   for (ChannelModel::Value& value : channel.values) {
+    value.first_cell = cells;
+    cells += value.cells();
+    if (value.sums_work) {
+      const auto driven = FindDriven(robot, value.of);
+      if (!driven)
+        diagnostics.Error({file, value.line}, "no motor drives the joint '" + value.of + kNeedsLimit);
+      if (driven) value.channel = driven->first;
+    }
     if (value.quantity != What::kReading) continue;
     const SensorModel* const sensor = find(value.of, value.line);
     if (sensor == nullptr) continue;
@@ -236,27 +323,24 @@ void Connect(ChannelModel& channel, const RobotModel& robot, const std::string& 
   }
   for (ChannelModel::Motor& motor : channel.motors) {
     if (motor.channel == ChannelModel::Motor::kNone) continue;
-    std::size_t next = 0;
-    bool found = false;
-    for (const ActuatorModel& actuator : robot.actuators) {
-      for (const int joint : actuator.joints) {
-        if (robot.joints[static_cast<std::size_t>(joint)].name == motor.joint && !actuator.module.empty()) {
-          motor.channel = next;
-          found = true;
-          if (actuator.is_thrusters() && motor.mode != ControlMode::kEffort)
-            diagnostics.Error({file, motor.line},
-                              "a thruster takes mode=\"effort\" only: its force or torque");
-          if (actuator.is_muscles() && motor.mode != ControlMode::kPwm)
-            diagnostics.Error({file, motor.line}, "a muscle takes mode=\"pwm\" only: its activation");
-          if (actuator.is_drive() && motor.mode != ControlMode::kVelocity)
-            diagnostics.Error({file, motor.line}, "a wheel of a drive takes mode=\"velocity\" only");
-        }
-        ++next;
+    const auto driven = FindDriven(robot, motor.joint);
+    if (!driven) {
+      if (motor.joint.ends_with(kLimiterEnd)) {
+        diagnostics.Error({file, motor.line},
+                          "mode=\"limit\" is for the motor of a joint without a drive train");
+      } else {
+        diagnostics.Error({file, motor.line}, "no module drives the joint '" + motor.joint + kNeedsLimit);
       }
+      continue;
     }
-    if (!found)
-      diagnostics.Error({file, motor.line}, "no module drives the joint '" + motor.joint +
-                                                "': give it <limit> with effort and velocity, and a module");
+    motor.channel = driven->first;
+    const ActuatorModel& actuator = *driven->second;
+    if (actuator.is_thrusters() && motor.mode != ControlMode::kEffort)
+      diagnostics.Error({file, motor.line}, "a thruster takes mode=\"effort\" only: its force or torque");
+    if (actuator.is_muscles() && motor.mode != ControlMode::kPwm)
+      diagnostics.Error({file, motor.line}, "a muscle takes mode=\"pwm\" only: its activation");
+    if (actuator.is_drive() && motor.mode != ControlMode::kVelocity)
+      diagnostics.Error({file, motor.line}, "a wheel of a drive takes mode=\"velocity\" only");
   }
 }
 

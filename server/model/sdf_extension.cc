@@ -143,6 +143,7 @@ class ExtensionReader {
     if (groups.empty()) AddDefaultGroup(robot_);
     for (const XMLElement* muscle : muscles) ReadMuscle(*muscle, file_, robot_, diagnostics_);
     for (const XMLElement* thruster : thrusters) ReadThruster(*thruster, file_, robot_, diagnostics_);
+    ReadLimiters(model, robot_);
     for (const XMLElement* sensor : sensors) {
       const std::string name = sensor->Name();
       if (!sensors_.Read(*sensor)) Error(*sensor, "unknown element <" + name + ">" + DidYouMean(name, known));
@@ -153,6 +154,7 @@ class ExtensionReader {
     if (modules.empty() && (foreign || !robot_.has_boards())) AddDefaultModules();
     sensors_.AddElements(foreign);
     sensors_.Finish();
+    TellOfWhatMoves();
   }
 
  private:
@@ -164,6 +166,20 @@ class ExtensionReader {
     }
     const XMLElement* drive = model.FirstChildElement("coopdyn:gazebo_drive");
     if (drive != nullptr) AdoptDrive(*drive, file_, robot_, diagnostics_);
+  }
+
+  /// Of what hangs on the world by joints the pose is that of the first link, not of the world's.
+  void TellOfWhatMoves() {
+    if (robot_.links.empty()) return;
+    const LinkModel& base = robot_.links.front();
+    if (base.name != "world" || !base.collisions.empty() || !base.visuals.empty()) return;
+    const auto hangs = std::ranges::find_if(
+        robot_.links, [](const LinkModel& link) { return link.name != "world" && !link.is_carrier; });
+    if (hangs == robot_.links.end()) return;
+    for (SensorModel& sensor : robot_.sensors) {
+      if (auto* pose = std::get_if<PoseModel>(&sensor.kind))
+        pose->link = static_cast<int>(hangs - robot_.links.begin());
+    }
   }
 
   /// Of a model without a `<coopdyn:module>`.

@@ -74,6 +74,9 @@ Mount MountOn(const RobotModel& robot, std::size_t frame, const Pose& X_FS);
 std::vector<ContactModel::Part> CollisionsOf(const RobotModel& robot, const Assembly& assembly,
                                              std::size_t frame, std::string_view name = {});
 
+/// Adds the limiters that the channels in `model` (`<model>`) name; its other joints and muscles are
+/// complete.
+void ReadLimiters(const tinyxml2::XMLElement& model, RobotModel& robot);
 /// Finds the modules and the motors that a channel of `robot` names, once all are there.
 void Connect(ChannelModel& channel, const RobotModel& robot, const std::string& file,
              Diagnostics& diagnostics);

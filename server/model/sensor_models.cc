@@ -28,6 +28,10 @@ std::size_t Count(const BatteryModel& /*kind*/) {
 std::size_t Count(const OdometryModel& /*kind*/) {
   return 7;
 }
+/// The energies and the memories of the filters of its values.
+std::size_t Count(const ChannelModel& model) {
+  return model.cells();
+}
 
 // How long they are if that is the same each time, 0 if not.
 

@@ -68,6 +68,7 @@ struct TargetModel {
 /// Ground truth.
 struct PoseModel {
   static constexpr const char* kType = "pose";
+  int link = 0;  // which carries the frame R that it tells of
 };
 
 /// Range and bearing to robots nearby, and short broadcasts to them.

@@ -176,6 +176,7 @@ void Forest::Measure(Node& node) {
     case Kind::kMuscle:  // in no tree
     case Kind::kForce:
     case Kind::kTorque:
+    case Kind::kLimiter:
       break;
   }
 }
@@ -218,6 +219,7 @@ void Forest::AddAxes(const Node& node) {
     case Kind::kMuscle:
     case Kind::kForce:
     case Kind::kTorque:
+    case Kind::kLimiter:
       break;
   }
 }

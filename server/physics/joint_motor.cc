@@ -201,6 +201,10 @@ JointRow Advance(const JointModel& joint, Profile profile, const JointPlace& pla
   return {(effort + place.load) / resistance, joint.max_effort, 1 / resistance};
 }
 
+double LimitedEffort(double most, const Setpoint& limiter) {
+  return limiter.mode == ControlMode::kDirect ? std::clamp(limiter.reference, 0.0, most) : most;
+}
+
 bool IsUnderWay(const Setpoint& setpoint, const JointControl& control) {
   return setpoint.mode == ControlMode::kPosition && control.reference != control.target;
 }

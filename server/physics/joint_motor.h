@@ -51,6 +51,9 @@ void Plan(const JointModel& joint, BoardModel::Profile profile, const JointPlace
 JointRow Advance(const JointModel& joint, BoardModel::Profile profile, const JointPlace& place,
                  const Setpoint& setpoint, double dt_s, int left, JointControl& control);
 
+/// The greatest effort of a motor that gives `most`, by the set-point of its limiter.
+double LimitedEffort(double most, const Setpoint& limiter);
+
 /// Whether the way to a position has not ended.
 bool IsUnderWay(const Setpoint& setpoint, const JointControl& control);
 

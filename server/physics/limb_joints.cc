@@ -142,6 +142,7 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
     const Joint& joint = mechanism.joints[i];
     const JointModel& model = *joint.model;
     const int index = static_cast<int>(i);
+    if (model.limits >= 0) continue;
     if (model.muscle) {
       AddMuscle(member, index, dt_s);
     } else if (model.thrusts()) {
@@ -161,7 +162,10 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
       }
     } else if (joint.channel >= 0) {
       const Setpoint& wanted = member.channels[static_cast<std::size_t>(joint.channel)].setpoint;
-      AddMotor(member, index, wanted.reference, 0, joint.max_effort * dt_s);
+      double most = joint.max_effort;
+      if (joint.limiter >= 0)
+        most = LimitedEffort(most, member.channels[static_cast<std::size_t>(joint.limiter)].setpoint);
+      AddMotor(member, index, wanted.reference, 0, most * dt_s);
     } else if (model.has_axis() && (model.is_resisted() || model.has_stop() || joint.steers >= 0)) {
       if (joint.steers >= 0) Steer(member, index, dt_s);
       Resist(member, index, model.friction, true, dt_s);
@@ -250,6 +254,7 @@ void LimbSolver::Couple(const Member& member, double dt_s) {
 
 double LimbSolver::JointRate(std::uint32_t thing, std::size_t joint) const {
   const Member& member = members_[static_cast<std::size_t>(member_of_[thing])];
+  if (member.mechanism->joints[joint].model->limits >= 0) return 0;
   const Hinge hinge = HingeOf(member, static_cast<int>(joint));
   if (hinge.node != kNone) return rates_[static_cast<std::size_t>(forest_.FirstDof(hinge.node))];
   const JointModel& model = *member.mechanism->joints[joint].model;

@@ -58,7 +58,9 @@ void Measures::Fit(const Scene& scene, const Things& things) {
     }
     if (of.sensors.empty()) continue;
     robots_.push_back(std::move(of));
-    if (model.Find<BatteryModel>() != nullptr) {
+    const auto* channel = model.Find<ChannelModel>();
+    if (model.Find<BatteryModel>() != nullptr ||
+        (channel != nullptr && std::ranges::any_of(channel->values, &ChannelModel::Value::sums_work))) {
       wants_work_.resize(things.first_static);
       wants_work_[robots_.back().thing] = 1;
     }
@@ -223,6 +225,8 @@ void Measures::End(const Moment& moment, std::span<const BodyState> bodies,
           Measure(kind, of, now, own, moment, values);
         } else if constexpr (std::is_same_v<Kind, OdometryModel>) {
           Measure(kind, of, sensor.number, own, moment, values);
+        } else if constexpr (std::is_same_v<Kind, ChannelModel>) {
+          Measure(kind, of, values);
         }
       };
       std::visit(measure, *sensor.kind);
@@ -344,6 +348,14 @@ void Measures::Measure(const BatteryModel& model, const Measured& of, std::span<
   const double power_w = model.idle_w + motors_j / moment.dt_s / model.efficiency;
   values[0] = std::max(0.0, values[0] - power_w * moment.dt_s);
   values[1] = power_w;
+}
+
+void Measures::Measure(const ChannelModel& model, const Measured& of, std::span<double> values) const {
+  const auto first =
+      static_cast<std::size_t>(scene_->robots[static_cast<std::size_t>(of.robot)].first_channel);
+  for (const ChannelModel::Value& value : model.values) {
+    if (value.sums_work) values[value.first_cell] += work_j_[first + value.channel];
+  }
 }
 
 // Along the exact arc of both wheels' ways.

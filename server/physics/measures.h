@@ -56,6 +56,8 @@ class Measures {
     frame.measured = values_;
     frame.contacts = contacts_;
   }
+  /// What a sensor keeps from step to step has changed since the step ended.
+  void Keep(std::span<const double> values) { values_.assign(values.begin(), values.end()); }
   /// Goes on from `frame`; if that has no values, from the start.
   void Restore(const Frame& frame);
 
@@ -107,6 +109,7 @@ class Measures {
                const Moment& moment, std::span<double> values) const;
   void Measure(const BatteryModel& model, const Measured& of, std::span<const BodyState> now,
                std::span<const ChannelState> channels, const Moment& moment, std::span<double> values) const;
+  void Measure(const ChannelModel& model, const Measured& of, std::span<double> values) const;
   void Measure(const OdometryModel& model, const Measured& of, std::uint32_t number,
                std::span<const ChannelState> channels, const Moment& moment, std::span<double> values) const;
 

@@ -116,6 +116,10 @@ void AddLinks(Mechanism& robot) {
     robot.joint_rows += 6;
     robot.joints.push_back(joint);
   }
+  for (const Joint& joint : robot.joints) {
+    if (joint.model->limits >= 0)
+      robot.joints[static_cast<std::size_t>(joint.model->limits)].limiter = joint.channel;
+  }
   robot.fixed_base = model.fixed_base;
   if (model.has_limbs()) robot.limb_radii_m.resize(robot.bodies.size());
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/physics/world.h"
+#include "server/sensing/channel_filters.h"
 #include "server/state/joint_tuning.h"
 
 namespace coopdyn {
@@ -64,6 +65,7 @@ std::shared_ptr<Frame> Simulation::MakeFrame() {
 void Simulation::Use(std::shared_ptr<const Scene> scene) {
   scene_ = std::move(scene);
   has_controllers_ = !scene_->scenario->simulation.supervisor.empty();
+  has_filters_ = HasFilters(*scene_);
   message_steps_ = 0;
   for (const SceneRobot& robot : scene_->robots) {
     has_controllers_ |= !robot.entry.controller.empty();
@@ -193,6 +195,10 @@ const FramePtr& Simulation::Step(Nanoseconds length, const StepInputs& inputs) {
   const std::shared_ptr<Frame> frame = MakeFrame();
   frame->commanded.assign(inputs.commanded.begin(), inputs.commanded.end());
   frame->commanded.resize(scene_->actuators.size());
+  if (has_filters_) {
+    AdvanceFilters(*frame_, *frame);
+    world_->KeepMeasured(frame->measured);
+  }
   scores_.AddTo(*frame);
   frame_ = frame;
   times_.physics += stepped - began;

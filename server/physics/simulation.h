@@ -109,6 +109,7 @@ class Simulation {
   std::uint64_t seed_ = 1, epoch_ = 0, step_ = 0;
   Nanoseconds time_ = 0, step_length_ = kDefaultStep;
   bool has_controllers_ = false;
+  bool has_filters_ = false;           // of values of channels
   UsedIds used_;                       // by edits
   std::vector<SentMessage> messages_;  // that may still be heard
   std::uint64_t message_steps_ = 0;    // for so long

@@ -29,6 +29,7 @@ struct RigidBody {
 struct Joint {
   const JointModel* model = nullptr;
   int channel = -1;                   // of the robot's channels, if a motor drives it
+  int limiter = -1;                   // likewise: what sets its greatest effort
   double max_effort = 0;              // of its motor
   int steers = -1;                    // 0, 1: it turns the left or right front wheel of the robot's drive
   int control = -1;                   // of the robot's controls, if it belongs to a control board,

@@ -39,6 +39,8 @@ class PhysicsWorld {
     std::uint64_t seed = 0, step = 0;
   };
   void Step(Nanoseconds step, int substeps, std::span<const Setpoint> setpoints, const NoiseOf& noise);
+  /// Measures::Keep().
+  void KeepMeasured(std::span<const double> values) { measures_.Keep(values); }
   void Step(Nanoseconds step, int substeps, std::span<const Setpoint> setpoints) {
     Step(step, substeps, setpoints, NoiseOf());
   }

@@ -16,7 +16,8 @@ struct JointMotion {
   double rate = 0;
 };
 JointMotion MotionOf(const JointModel& joint, std::span<const RigidBody> rigid, const BodyState* bodies) {
-  if (joint.muscle) return {Vector3::Zero(), Vector3::Zero(), 0};  // no motor does its work
+  if (joint.muscle || joint.limits >= 0)
+    return {Vector3::Zero(), Vector3::Zero(), 0};  // no motor does its work
   const auto child = static_cast<std::size_t>(joint.child), parent = static_cast<std::size_t>(joint.parent);
   const Quaternion R_WR = bodies[child].orientation() * rigid[child].X_RB.q.conjugate();
   JointMotion motion;
@@ -149,6 +150,11 @@ void PhysicsWorld::AdvanceBoards(double dt_s, int left) {
     const Setpoint& setpoint = channels_[of.channel].setpoint;
     rows_[i] =
         Advance(MotorOf(i), of.joint->board->profile, MotorPlaceOf(i), setpoint, dt_s, left, controls_[i]);
+    if (of.joint->limiter >= 0) {
+      const std::size_t limiter =
+          things_.all[of.thing].first_channel + static_cast<std::size_t>(of.joint->limiter);
+      rows_[i].max_effort = LimitedEffort(rows_[i].max_effort, channels_[limiter].setpoint);
+    }
     if (of.drive_train < 0) continue;
     const auto train = static_cast<std::size_t>(of.drive_train);
     const DriveTrainModel& model = *of.joint->model->drive_train;

@@ -45,6 +45,7 @@ class RobotCore {
             const StepInbox::Post& hand_over);
 
   const std::string& name() const { return name_; }
+  const RobotModel& model() const { return *model_; }
   /// It is a robot of this model: a scenario may have another one of the same type.
   bool Is(const RobotModel& model) const {
     return &model == model_.get() || (model.type == model_->type && model.text == model_->text);

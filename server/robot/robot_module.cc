@@ -14,9 +14,8 @@ std::vector<SlotId> SlotsOf(const RobotCore& robot, std::size_t index) {
   const auto& devices = robot.devices();
   if (!devices[index]->drives_all()) return {board.FindSlot(robot.name(), robot.module_names()[index])};
   std::vector<SlotId> slots;
-  for (std::size_t i = 0; i < devices.size(); ++i) {
-    if (devices[i]->is_actuator() && !devices[i]->drives_all())
-      slots.push_back(board.FindSlot(robot.name(), robot.module_names()[i]));
+  for (const ActuatorModel& actuator : robot.model().actuators) {
+    if (!actuator.module.empty()) slots.push_back(board.FindSlot(robot.name(), actuator.module));
   }
   if (slots.empty()) slots.push_back(board.FindSlot(robot.name()));
   return slots;

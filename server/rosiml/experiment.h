@@ -126,6 +126,9 @@ struct Mapped {
   std::optional<std::pair<double, double>> internal = {}, external = {};
   std::string noise = {};  // uniform or gaussian; empty: none
   double noise_mean = 0, noise_sigma = 0;
+  std::string filter = {};  // of a sensor's value: mean, median or low_pass; empty: none
+  int filter_steps = 1;
+  double filter_time_s = 0;
 };
 
 /// A value that a client sets.
@@ -133,7 +136,7 @@ struct MotorValue {
   std::string name;
   int joint = 0;          // index into Movable::joints; -1: it is a muscle or a thruster
   std::string axis = {};  // of a joint that has several
-  std::string mode;       // velocity, direct, effort, pwm
+  std::string mode;       // velocity, direct, effort, pwm, limit
   Mapped mapped = {};
   int line = 0;
   int muscle = -1;    // index into Movable::muscles

@@ -8,7 +8,7 @@ namespace {
 constexpr Rule kPublic[] = {
     {"&objects", "", "box sphere cylinder capsule ply composite macro"},
     {"&parts", "", "pose? -visualisation physics!"},
-    {"&sensed", "", "object=reference! mapping=ends? noise? ~filter"},
+    {"&sensed", "", "object=reference! mapping=ends? noise? filter?"},
     {"&driven", "",
      "source=reference! destination=reference? force=most! velocity=most! pose! deflection? mapping=ends? "
      "-regular -limit "
@@ -50,6 +50,7 @@ constexpr Rule kPublic[] = {
     {"ends", "min!:n max!:n", ""},
     {"coordinates", "x!:b y!:b z!:b", ""},
     {"noise", "module!:gauss|white", "parameter"},
+    {"filter", "module!:s", "parameter"},
     {"body", "~selfCollide:b", "&objects"},
     {"actuators", "", "hinge slider fixed generic muscle"},
     {"hinge",
@@ -91,20 +92,21 @@ constexpr Rule kPublic[] = {
     {"openingAngles", "x!:0 y!:0", ""},
     {"coordinate_sensor", "name!:s global:b", "coordinates? domain=ends? &sensed"},
     {"joint_sensor", "name!:s", "domain=ends? &sensed"},
-    {"muscle_sensor", "name!:s", "-pose object=reference! domain=ends mapping=ends noise? ~filter"},
+    {"muscle_sensor", "name!:s", "-pose object=reference! domain=ends mapping=ends noise? filter?"},
     {"ldr", "name!:s opening!:0", "pose! colour=seen_colour? &sensed"},
     {"seen_colour", "value!:c", ""},
     {"camera_sensor", "name!:s", "pose! openingAngles! &sensed"},
-    {"ambient_sensor", "name!:s", "mapping=ends? domain=ends? noise? ~filter"},
+    {"ambient_sensor", "name!:s", "mapping=ends? domain=ends? noise? filter?"},
     {"sharp", "name!:s", "pose! &sensed"},
     {"binaryContact", "name!:s", "domain=ends? &sensed"},
 };
 
 constexpr Rule kPaper[] = {
     {"&weight", "mass:0 friction:0 bounce:0 colour:c", ""},
-    {"&exchanged", "auxiliary:b", "mapping=ends? noise=value_noise?"},
+    {"&exchanged", "auxiliary:b", "mapping=ends? noise=value_noise? filter=value_filter?"},
     {"ends", "min!:n max!:n", ""},
     {"value_noise", "kind!:uniform|gauss sigma!:0 mean:n", ""},
+    {"value_filter", "kind!:mean|median|lowPass steps:i time:+", ""},
     {"&shapes", "", "box=shape_box sphere=shape_sphere cylinder=shape_round capsule=shape_round"},
     {"rosiml", "version:s", "-comment simulator? environment? movables! score"},
     {"score",
@@ -188,7 +190,7 @@ constexpr NotYet kNotYet[] = {
     {"selfCollide", "parts of one robot do not touch each other"},
     {"generic", "sensors of joints of six axes are left out: motors tell positions and velocities"},
     {"noise", "values have none"},
-    {"filter", "values are not filtered"},
+    {"filter", "values that motors get are not filtered"},
     {"pid", "the motor reaches its velocity within its force"},
     {"scaling", "the force is the same everywhere"},
 };

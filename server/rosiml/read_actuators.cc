@@ -74,13 +74,9 @@ class PublicActuators : Reader {
     if (type == "force and velocity" || type == "force and angle") {
       MotorValue force = motor;
       force.name += "_force";
-      force.mode = "ignored";
+      force.mode = "limit";
       force.mapped = MappedOf(element, std::pair(0.0, most));
       robot.motors.push_back(std::move(force));
-      if (!said_force_)
-        Warn(element, "the first value of '" + Printable(type) +
-                          "' changes nothing: the motor always has its greatest force");
-      said_force_ = true;
     }
     if (type == "force") {
       motor.mode = "effort";
@@ -171,8 +167,6 @@ class PublicActuators : Reader {
     }
     joint.limit = {least, most};
   }
-
-  bool said_force_ = false;
 };
 
 }  // namespace

@@ -138,9 +138,10 @@ class PaperConnectors : Reader {
       if (joint.kind != Joint::Kind::kHinge && joint.kind != Joint::Kind::kSlider)
         return Error(read, "only a hinge or a slider has a position, velocity and force to <read>");
       const std::string what = Text(read, "what");
-      if ((what == "current" || what == "energy") && !joint.drive_train)
-        return Warn(read,
-                    "only a complexHinge tells its " + what + ": <read what=\"" + what + "\"/> is left out");
+      if (what == "current" && !joint.drive_train)
+        return Warn(read, "only a complexHinge tells its current: <read what=\"current\"/> is left out");
+      if (what == "energy" && !joint.is_driven)
+        return Warn(read, "only a joint with a motor tells its energy: <read what=\"energy\"/> is left out");
       const bool is_angle = what == "position" && joint.kind == Joint::Kind::kHinge;
       SensorValue value{.name = called + "_" + what,
                         .joint = index,

@@ -101,6 +101,7 @@ Mapped Reader::MappedOf(const Element& element, std::optional<std::pair<double, 
     if (!mapped.internal)
       Warn(*mapping, "<mapping> needs the range of the values: write <domain min=\"…\" max=\"…\"/>");
   }
+  if (const Element* filter = Child(element, "filter")) ReadFilter(*filter, mapped);
   const Element* noise = Child(element, "noise");
   if (noise == nullptr) return mapped;
   const std::string module = Text(*noise, "module") + Text(*noise, "kind");
@@ -115,6 +116,32 @@ Mapped Reader::MappedOf(const Element& element, std::optional<std::pair<double, 
   if (mapped.noise_sigma < 0) Error(*noise, "'sigma' must not lie below 0");
   mapped.noise_sigma = std::abs(mapped.noise_sigma);
   return mapped;
+}
+
+void Reader::ReadFilter(const Element& filter, Mapped& mapped) {
+  const std::string word = Text(filter, "module") + Text(filter, "kind");
+  const std::string kind = word == "lowPass" ? "low_pass" : word;
+  if (kind != "mean" && kind != "median" && kind != "low_pass") {
+    if (filter.Attribute("module") == nullptr) return;  // reported by the grammar
+    return Warn(filter,
+                "there is no filter '" + Printable(word) +
+                    "' here: it is left out; there are mean and median (steps) and low_pass (time, s)");
+  }
+  std::optional<double> steps = Number(filter, "steps"), time_s = Number(filter, "time");
+  ForEachChild(filter, [&](const Element& parameter) {
+    if (Text(parameter, "name") == "steps") steps = ParseNumber(Text(parameter, "value"));
+    if (Text(parameter, "name") == "time") time_s = ParseNumber(Text(parameter, "value"));
+  });
+  constexpr double kMostSteps = 100, kLeast_s = 1e-6, kMost_s = 1e4;
+  const bool is_low_pass = kind == "low_pass";
+  if (is_low_pass && !(time_s && *time_s >= kLeast_s && *time_s <= kMost_s))
+    return Error(filter,
+                 "the filter " + word + " needs its time constant 'time', a number of seconds above 0");
+  if (!is_low_pass && !(steps && *steps >= 1 && *steps <= kMostSteps && *steps == std::floor(*steps)))
+    return Error(filter, "the filter " + word + " needs 'steps', how many values count: 1 to 100");
+  mapped.filter = kind;
+  mapped.filter_steps = static_cast<int>(steps.value_or(1));
+  mapped.filter_time_s = time_s.value_or(0);
 }
 
 int Reader::StepsOf(const Element& at, double frequency_hz, double controller_hz) {

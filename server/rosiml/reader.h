@@ -61,7 +61,7 @@ class Reader {
   /// The line `step` of [SIMULATION] for this number of steps per second.
   std::optional<Setting> StepOf(const Element& simulator, double frequency_hz);
 
-  /// <mapping>, <domain> and <noise> of a motor or a sensor whose values lie in `internal`.
+  /// <mapping>, <domain>, <noise> and <filter> of a motor or a sensor whose values lie in `internal`.
   Mapped MappedOf(const Element& element, std::optional<std::pair<double, double>> internal,
                   double domain_unit = 1);
   /// Steps of an exchange of a controller that is asked so often.
@@ -71,6 +71,8 @@ class Reader {
   std::string LoadedController(const Element& element, bool has_motors, const HasController& has_controller);
 
  private:
+  void ReadFilter(const Element& filter, Mapped& mapped);
+
   const std::string& file_;
   Diagnostics& diagnostics_;
   int bodies_ = 0;  // and parts, of the whole experiment

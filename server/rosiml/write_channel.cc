@@ -28,6 +28,13 @@ std::string WordsOf(const Mapped& mapped) {
          Attribute("noise_sigma", Exact(mapped.noise_sigma));
 }
 
+std::string FilterOf(const Mapped& mapped) {
+  if (mapped.filter.empty()) return "";
+  return Attribute("filter", mapped.filter) +
+         (mapped.filter == "low_pass" ? Attribute("filter_time_s", Exact(mapped.filter_time_s))
+                                      : Attribute("filter_steps", std::to_string(mapped.filter_steps)));
+}
+
 }  // namespace
 
 MadeText WriteChannel(const Movable& movable, const ChannelPlaces& places) {
@@ -43,8 +50,8 @@ MadeText WriteChannel(const Movable& movable, const ChannelPlaces& places) {
                                WordsOf(motor.mapped) + "/>");
   }
   for (const SensorValue& value : movable.values) {
-    const std::string end =
-        WordsOf(value.mapped) + (value.auxiliary ? Attribute("auxiliary", "true") : std::string()) + "/>";
+    const std::string end = WordsOf(value.mapped) + FilterOf(value.mapped) +
+                            (value.auxiliary ? Attribute("auxiliary", "true") : std::string()) + "/>";
     const std::string begin = "<coopdyn:value" + Attribute("name", PlainName(value.name));
     std::string where;
     if (value.sensor >= 0) {

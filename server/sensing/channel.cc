@@ -2,6 +2,7 @@
 // What the channel of a robot carries: values in, set-points out.
 #include <cmath>
 
+#include "server/sensing/channel_filters.h"
 #include "server/sensing/range_noise.h"
 #include "server/sensing/readings.h"
 #include "server/state/noise.h"
@@ -56,7 +57,15 @@ const ChannelState* FindChannel(const Frame& frame, int robot, std::size_t joint
   return nullptr;
 }
 
-double JointValue(const Frame& frame, int robot, const ChannelModel::Value& value) {
+/// `cells`: of the value.
+double JointValue(const Frame& frame, int robot, const ChannelModel::Value& value,
+                  std::span<const double> cells) {
+  if (value.sums_work) {
+    // Without bodies of their own wheels have no effort.
+    const bool is_measured =
+        !frame.scene->robots[static_cast<std::size_t>(robot)].one_body() && !cells.empty();
+    return is_measured ? cells.front() : kNoValue;
+  }
   if (value.quantity > Quantity::kEffort) {
     const DriveTrainState* const train = DriveTrainOf(frame, robot, static_cast<int>(value.source));
     if (train == nullptr) return kNoValue;
@@ -106,10 +115,11 @@ struct LastReading {
   std::vector<double> values;
 };
 
-double ValueOf(const Frame& frame, int robot, const ChannelModel::Value& value, LastReading& last) {
+double ValueOf(const Frame& frame, int robot, const ChannelModel::Value& value, std::span<const double> cells,
+               LastReading& last) {
   if (value.quantity == Quantity::kAmbientLight) return frame.scene->ambient_light;
   if (value.quantity > Quantity::kEnergy) return PlaceValue(frame, robot, value);
-  if (value.quantity != Quantity::kReading) return JointValue(frame, robot, value);
+  if (value.quantity != Quantity::kReading) return JointValue(frame, robot, value, cells);
   if (last.sensor != value.source) {
     last.sensor = value.source;
     last.values.clear();
@@ -124,23 +134,45 @@ double ValueOf(const Frame& frame, int robot, const ChannelModel::Value& value, 
 
 double ChannelValue(const Frame& frame, int robot, const ChannelModel::Value& value) {
   LastReading last;
-  return ValueOf(frame, robot, value, last);
+  return ValueOf(frame, robot, value, {}, last);
+}
+
+std::vector<double> UnfilteredValues(const Frame& frame, int robot, std::size_t number) {
+  std::vector<double> values;
+  const RobotModel& robot_model = ModelOf(frame, robot);
+  const auto* const model = robot_model.Find<ChannelModel>(number);
+  if (model == nullptr) return values;
+  LastReading last;
+  NoiseKey key = KeyOf(frame, robot, NoiseKind::kChannelValue, number);
+  const std::span<const double> cells = MeasuredOf(frame, robot, robot_model.IndexOf<ChannelModel>(number));
+  values.reserve(model->values.size());
+  for (std::size_t i = 0; i < model->values.size(); ++i) {
+    const ChannelModel::Value& value = model->values[i];
+    key.sample = static_cast<std::uint32_t>(i);
+    const auto own = cells.empty() ? cells : cells.subspan(value.first_cell, value.cells());
+    values.push_back(value.map.ToExternal(ValueOf(frame, robot, value, own, last)) + Noise(value.noise, key));
+  }
+  return values;
 }
 
 void AppendChannelValues(const Frame& frame, int robot, std::size_t number, std::vector<double>& data) {
-  const auto* const model = ModelOf(frame, robot).Find<ChannelModel>(number);
+  const RobotModel& robot_model = ModelOf(frame, robot);
+  const auto* const model = robot_model.Find<ChannelModel>(number);
   if (model == nullptr) return;
-  LastReading last;
-  NoiseKey key = KeyOf(frame, robot, NoiseKind::kChannelValue, number);
+  const std::vector<double> raw = UnfilteredValues(frame, robot, number);
+  const std::span<const double> cells = MeasuredOf(frame, robot, robot_model.IndexOf<ChannelModel>(number));
   data.reserve(data.size() + model->values.size() + 2);
   for (std::size_t i = 0; i < model->values.size(); ++i) {
     const ChannelModel::Value& value = model->values[i];
-    double external = value.map.ToExternal(ValueOf(frame, robot, value, last));
-    if (value.noise.kind != MappedNoise::Kind::kNone) {
-      key.sample = static_cast<std::uint32_t>(i);
-      external = value.map.CutExternal(external + Noise(value.noise, key));
+    double external = raw[i];
+    if (value.filter.cells() > 0) {
+      // Recorded without its memory nobody knows what it put out.
+      const auto own =
+          cells.empty() ? cells
+                        : cells.subspan(value.first_cell + (value.sums_work ? 1 : 0), value.filter.cells());
+      external = cells.empty() ? kNoValue : FilteredValue(value.filter, own, external);
     }
-    data.push_back(external);
+    data.push_back(value.map.CutExternal(external));
   }
 }
 

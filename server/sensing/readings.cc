@@ -31,8 +31,8 @@ void Append(const DistanceModel& /*model*/, const Place& at, std::vector<double>
 void Append(const TargetModel& /*model*/, const Place& at, std::vector<double>& data) {
   AppendAll(SeenTargets(at.frame, at.robot, at.number), data);
 }
-void Append(const PoseModel& /*model*/, const Place& at, std::vector<double>& data) {
-  const PlaneMotion motion = MotionOf(at.frame, at.robot);
+void Append(const PoseModel& model, const Place& at, std::vector<double>& data) {
+  const PlaneMotion motion = MotionOf(at.frame, at.robot, model.link);
   data.insert(data.end(),
               {motion.x_m, motion.y_m, motion.heading_rad, motion.forward_m_s, motion.turn_rad_s});
 }
@@ -125,15 +125,22 @@ void AppendReading(const Frame& frame, int robot, std::size_t sensor, std::vecto
   std::visit([&](const auto& kind) { Append(kind, at, data); }, model.sensors[sensor].kind);
 }
 
-Twist OriginTwist(const Frame& frame, int robot, const Pose& X_WR) {
-  const SceneRobot& scene_robot = frame.scene->robots[static_cast<std::size_t>(robot)];
-  const BodyState& chassis = frame.bodies[static_cast<std::size_t>(scene_robot.first_body)];
-  return {chassis.v_WB + chassis.w_WB.cross(X_WR.p - chassis.p_WB), chassis.w_WB};
+Pose CarriedFrame(const Frame& frame, int robot, int link) {
+  if (link == 0) return RobotPose(frame, robot);
+  return LinkPose(frame, robot, link) *
+         ModelOf(frame, robot).links[static_cast<std::size_t>(link)].X_RL.Inverse();
 }
 
-PlaneMotion MotionOf(const Frame& frame, int robot) {
-  const Pose X_WR = RobotPose(frame, robot);
-  const Twist twist = OriginTwist(frame, robot, X_WR);
+Twist OriginTwist(const Frame& frame, int robot, const Pose& X_WR, int link) {
+  const SceneRobot& of = frame.scene->robots[static_cast<std::size_t>(robot)];
+  const int index = of.first_body + (of.one_body() ? 0 : link);
+  const BodyState& body = frame.bodies[static_cast<std::size_t>(index)];
+  return {body.v_WB + body.w_WB.cross(X_WR.p - body.p_WB), body.w_WB};
+}
+
+PlaneMotion MotionOf(const Frame& frame, int robot, int link) {
+  const Pose X_WR = CarriedFrame(frame, robot, link);
+  const Twist twist = OriginTwist(frame, robot, X_WR, link);
   const double heading_rad = Heading(X_WR.q);
   return {X_WR.p.x(), X_WR.p.y(), heading_rad,
           twist.v_W.x() * std::cos(heading_rad) + twist.v_W.y() * std::sin(heading_rad), twist.w_W.z()};

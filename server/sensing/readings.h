@@ -55,14 +55,16 @@ struct Twist {
   Vector3 v_W, w_W;  // m/s, rad/s
 };
 /// The twist of R's origin: that of the chassis' centre of mass, carried over by its rotation.
-Twist OriginTwist(const Frame& frame, int robot, const Pose& X_WR);
+Twist OriginTwist(const Frame& frame, int robot, const Pose& X_WR, int link = 0);
 /// Ground truth in the plane, in the world: of R's origin.
 struct PlaneMotion {
   double x_m, y_m, heading_rad;
   double forward_m_s;  // along the heading
   double turn_rad_s;   // about the vertical
 };
-PlaneMotion MotionOf(const Frame& frame, int robot);
+PlaneMotion MotionOf(const Frame& frame, int robot, int link = 0);
+/// The frame R as a link carries it, in the world.
+Pose CarriedFrame(const Frame& frame, int robot, int link);
 
 /// The heading of R's x axis in the world, rad, 0 along the world's x, left positive, in (−π, π]; nan if the
 /// robot has no such compass.
@@ -133,6 +135,8 @@ std::vector<double> LightValues(const Frame& frame, int robot, std::size_t numbe
 void AppendChannelValues(const Frame& frame, int robot, std::size_t number, std::vector<double>& data);
 /// What one of them is internally: before it is cut, mapped and made noisy. nan: it cannot be told.
 double ChannelValue(const Frame& frame, int robot, const ChannelModel::Value& value);
+/// The external values of channel `number`, with noise, neither filtered nor cut.
+std::vector<double> UnfilteredValues(const Frame& frame, int robot, std::size_t number);
 /// Whether a try is to end: the robot has exploded, or a contact sensor that the channel names is pressed.
 bool IsAborted(const Frame& frame, int robot, std::size_t number = 0);
 /// The set-points of the robot's channels for these external values, one for each motor; what no motor has

@@ -70,6 +70,32 @@ FALL = """<rosiml version="0.8.41">
 """
 
 
+# A box that a joint of two axes holds to the world: it may fall, and turns about the vertical.
+HANGING = """<rosiml version="0.8.41">
+  <simulator frequency="100"/>
+  <robots>
+    <robot name="box">
+      <body>
+        <box name="all"><dimension width="0.1" depth="0.1" height="0.1"/><pose z="1"/><physics><mass kg="0.5"/></physics></box>
+      </body>
+      <actuators>
+        <generic name="hold">
+          <source name="all"/>
+          <pose/>
+          <rotational>
+            <z type="velocity" mode="active"><force max="5"/><velocity max="2"/><deflection min="1" max="-1"/></z>
+          </rotational>
+          <translational>
+            <z type="positional" mode="passive"><force max="0"/><velocity max="0"/><deflection min="-2" max="2"/></z>
+          </translational>
+        </generic>
+      </actuators>
+    </robot>
+  </robots>
+</rosiml>
+"""
+
+
 class ExperimentTest(RecordingTestCase):
     def setUp(self):
         super().setUp()
@@ -158,6 +184,21 @@ class ExperimentTest(RecordingTestCase):
             self.assertAlmostEqual(imu.must("get_imu").data[9], 0, delta=0.01)
             simulation.must("step 100")
             self.assertAlmostEqual(imu.must("get_imu").data[9], 9.81, delta=0.01)
+
+    def test_the_pose_of_what_hangs_on_the_world_is_that_of_its_body(self):
+        self.xml.write_text(HANGING)
+        with Daemon(None, "--mode", "free", name=str(self.xml)) as daemon:
+            simulation, pose = daemon.text("/simulation"), daemon.text("/box/pose")
+            simulation.must("pause")
+            simulation.must("reset 1")
+            before = pose.must("get_pose_3d").data
+            self.assertEqual(before[:3], [0, 0, 0])
+            daemon.text("/box/joints").must("set_velocities 1")
+            simulation.must("step 30")
+            x, y, z, *_ = now = pose.must("get_pose_3d").data
+            self.assertAlmostEqual(z, -9.81 * 0.3**2 / 2, delta=0.02)
+            self.assertAlmostEqual(now[9], -9.81 * 0.3, delta=0.05)
+            self.assertAlmostEqual(abs(pose.must("get_pose").data[2]), 0.3, delta=0.02)
 
     def test_check_says_all_mistakes_with_their_lines(self):
         self.xml.write_text(EXPERIMENT.replace('frequency="100"', 'frequncy="100"').replace('radius="0.1"', 'radius="-1"'))

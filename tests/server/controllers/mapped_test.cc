@@ -36,6 +36,7 @@ std::shared_ptr<RobotModel> ChannelDisc() {
                               .mount = {},
                               .map = value,
                               .noise = {},
+                              .filter = {},
                               .source = i});
   }
   model->AddSensor("channel", channel);

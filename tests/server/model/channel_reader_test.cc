@@ -72,6 +72,51 @@ TEST(ChannelReaderTest, WhatItNamesIsThere) {
   EXPECT_THAT(WrongIn("<coopdyn:value name=\"v\" link=\"foot\" of=\"x\"/>"), HasSubstr("no link 'foot'"));
 }
 
+TEST(ChannelReaderTest, AValueHasAFilter) {
+  const ChannelModel channel = ReadChannel(
+      "<coopdyn:value name=\"a\" of=\"ambient_light\" filter=\"median\" filter_steps=\"5\"/>"
+      "<coopdyn:value name=\"b\" of=\"ambient_light\" filter=\"low_pass\" filter_time_s=\"0.2\"/>");
+  ASSERT_EQ(channel.values.size(), 2u);
+  EXPECT_EQ(channel.values[0].filter.kind, ValueFilter::Kind::kMedian);
+  EXPECT_EQ(channel.values[0].filter.steps, 5);
+  EXPECT_EQ(channel.values[1].filter.time_s, 0.2);
+  EXPECT_EQ(channel.values[1].first_cell, 6u);
+  EXPECT_EQ(channel.cells(), 8u);
+}
+
+TEST(ChannelReaderTest, AFilterSaysHowLong) {
+  const auto wrong = [](const std::string& filter) {
+    return WrongIn("<coopdyn:value name=\"a\" of=\"ambient_light\" " + filter + "/>");
+  };
+  EXPECT_THAT(wrong("filter=\"mean\""), HasSubstr("the attribute 'filter_steps' is missing"));
+  EXPECT_THAT(wrong("filter=\"low_pass\""), HasSubstr("the attribute 'filter_time_s' is missing"));
+  EXPECT_THAT(wrong("filter=\"lowpass\""), HasSubstr("did you mean 'low_pass'"));
+  EXPECT_THAT(wrong("filter_steps=\"3\""), HasSubstr("filter=\"low_pass\" has 'filter_time_s'"));
+}
+
+TEST(ChannelReaderTest, AMotorMayLimitTheEffortOfAnother) {
+  const auto [robot, messages] =
+      ReadRig(ChannelOf("<coopdyn:motor name=\"force\" joint=\"knuckle\" mode=\"limit\"/>") + "\n" +
+              ModuleOf("channel"));
+  EXPECT_EQ(messages, "");
+  ASSERT_NE(robot, nullptr);
+  const JointModel& limiter = robot->joints.back();
+  EXPECT_EQ(limiter.kind, JointModel::Kind::kLimiter);
+  const JointModel& knuckle = robot->joints[static_cast<std::size_t>(limiter.limits)];
+  EXPECT_EQ(knuckle.name, "knuckle");
+  EXPECT_EQ(limiter.upper, knuckle.max_effort);
+  const ChannelModel::Motor& motor = robot->Find<ChannelModel>()->motors[0];
+  EXPECT_EQ(motor.channel, robot->FirstChannel(robot->actuators.back()));
+  EXPECT_EQ(Limit(limiter, {99, motor.mode}).reference, knuckle.max_effort);
+}
+
+TEST(ChannelReaderTest, AMotorHasAnEnergy) {
+  const ChannelModel channel = ReadChannel("<coopdyn:value name=\"work\" joint=\"knuckle\" of=\"energy\"/>");
+  ASSERT_EQ(channel.values.size(), 1u);
+  EXPECT_TRUE(channel.values[0].sums_work);
+  EXPECT_EQ(channel.values[0].channel, 1u);
+}
+
 TEST(ChannelReaderTest, AnIndexLiesWithinItsReading) {
   EXPECT_THAT(WrongElement("imu\"/><coopdyn:module type=\"channel",
                            ChannelOf("<coopdyn:value name=\"v\" module=\"imu\" index=\"11\"/>")),

@@ -148,6 +148,32 @@ TEST(PaperTest, OnlyAMovingMovableIsPushed) {
              "error: only a movable of type 'moving' has a <force>");
 }
 
+TEST(PaperTest, AValueIsFilteredAfterItsNoise) {
+  const auto with = [](const std::string& filter) {
+    return Paper(
+        "", Movable("type=\"active\"", Connector("hinge",
+                                                 "<drive maxForce=\"1\" maxVelocity=\"2\"/><read "
+                                                 "what=\"velocity\"><noise kind=\"gauss\" sigma=\"0.1\"/>" +
+                                                     filter + "</read>")));
+  };
+  EXPECT_HAS(Made(with("<filter kind=\"lowPass\" time=\"0.2\"/>")).models.at(0).sdf.text,
+             "noise_sigma=\"0.1\" filter=\"low_pass\" filter_time_s=\"0.2\"/>");
+  EXPECT_HAS(Said(with("<filter kind=\"lowPass\"/>")),
+             "error: the filter lowPass needs its time constant 'time'");
+  EXPECT_HAS(Said(with("<filter kind=\"mean\" steps=\"0\"/>")), "error: the filter mean needs 'steps'");
+  EXPECT_HAS(Said(with("<filter kind=\"wavelet\"/>")),
+             "'kind' in <filter> is one of mean, median and lowPass");
+}
+
+TEST(PaperTest, AMotorTellsItsEnergy) {
+  const auto read = [](const std::string& drive) {
+    return Paper("", Movable("type=\"active\"", Connector("hinge", drive + "<read what=\"energy\"/>")));
+  };
+  EXPECT_HAS(Made(read("<drive maxForce=\"1\" maxVelocity=\"2\"/>")).models.at(0).sdf.text,
+             "<coopdyn:value name=\"j_energy\" joint=\"j\" of=\"energy\"/>");
+  EXPECT_HAS(Said(read("")), "warning: only a joint with a motor tells its energy");
+}
+
 TEST(PaperTest, CompoundsCarryPosesAndConnectors) {
   const std::string sdf =
       Made(

@@ -275,6 +275,36 @@ std::string MuscleOf(const std::string& more) {
          more + "</muscle>";
 }
 
+TEST(PublicTest, TheFirstOfTwoValuesLimitsTheMotor) {
+  const std::string two = Ball("a") + Ball("b", "<pose z=\"2\"/>");
+  const std::string text =
+      Public("", Robot(two, Motor("type=\"force and velocity\" mode=\"active\"", "a", "b")));
+  EXPECT_HAS(Made(text).models.at(0).sdf.text,
+             "<coopdyn:motor name=\"j_force\" joint=\"j\" mode=\"limit\" internal=\"0 2\"/>");
+  EXPECT_EQ(Said(text), "");
+}
+
+std::string FilteredPlace(const std::string& filter) {
+  return Public("", Robot(Ball("a"), "",
+                          "<position name=\"p\"><object name=\"a\"/><mapping min=\"-1\" max=\"1\"/><domain "
+                          "min=\"-5\" max=\"5\"/><coordinates x=\"true\" y=\"false\" z=\"false\"/>" +
+                              filter + "</position>"));
+}
+
+TEST(PublicTest, AFilterIsThatOfItsValue) {
+  EXPECT_HAS(Made(FilteredPlace("<filter module=\"mean\"><parameter name=\"steps\" value=\"4\"/></filter>"))
+                 .models.at(0)
+                 .sdf.text,
+             "external=\"-1 1\" filter=\"mean\" filter_steps=\"4\"/>");
+}
+
+TEST(PublicTest, AFilterThatNobodyKnowsIsLeftOut) {
+  const std::string text = FilteredPlace("<filter module=\"wavelet\"/>");
+  EXPECT_HAS(Said(text),
+             "warning: there is no filter 'wavelet' here: it is left out; there are mean and median");
+  EXPECT_HAS_NOT(Made(text).models.at(0).sdf.text, "filter=");
+}
+
 TEST(PublicTest, AMuscleHoldsItsBodiesTogether) {
   const std::string two = Ball("a", "<pose z=\"2\"/>", "0") + Ball("b", "<pose z=\"1\"/>");
   const std::string xml = Public(

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "server/sensing/channel_filters.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "server/sensing/readings.h"
+
+namespace coopdyn {
+
+namespace {
+
+bool IsFiltered(const ChannelModel::Value& value) {
+  return value.filter.kind != ValueFilter::Kind::kNone;
+}
+
+bool HasFilter(const SensorModel& sensor) {
+  const auto* const channel = std::get_if<ChannelModel>(&sensor.kind);
+  return channel != nullptr && std::ranges::any_of(channel->values, IsFiltered);
+}
+
+}  // namespace
+
+bool HasFilters(const Scene& scene) {
+  return std::ranges::any_of(scene.robots, [](const SceneRobot& robot) {
+    return std::ranges::any_of(robot.entry.model->sensors, HasFilter);
+  });
+}
+
+double FilteredValue(const ValueFilter& filter, std::span<const double> cells, double otherwise) {
+  if (cells.empty() || cells.front() < 1) return otherwise;
+  if (filter.kind == ValueFilter::Kind::kLowPass) return cells[1];
+  const auto taken = cells.subspan(1, static_cast<std::size_t>(cells.front()));
+  if (filter.kind == ValueFilter::Kind::kMean)
+    return std::accumulate(taken.begin(), taken.end(), 0.0) / static_cast<double>(taken.size());
+  std::vector<double> sorted(taken.begin(), taken.end());
+  std::ranges::sort(sorted);
+  const std::size_t middle = sorted.size() / 2;
+  return sorted.size() % 2 == 1 ? sorted[middle] : (sorted[middle - 1] + sorted[middle]) / 2;
+}
+
+void TakeValue(const ValueFilter& filter, double value, double step_s, std::span<double> cells) {
+  if (!std::isfinite(value)) return;
+  if (filter.kind == ValueFilter::Kind::kLowPass) {
+    const bool is_first = cells[0] < 1;
+    // Exact for a value that stays as it is through the step.
+    cells[1] = is_first ? value : value + (cells[1] - value) * std::exp(-step_s / filter.time_s);
+    cells[0] = 1;
+    return;
+  }
+  std::shift_right(cells.begin() + 1, cells.end(), 1);
+  cells[1] = value;
+  cells[0] = std::min(cells[0] + 1, static_cast<double>(filter.steps));
+}
+
+void AdvanceFilters(const Frame& before, Frame& frame) {
+  const Scene& scene = *frame.scene;
+  for (std::size_t i = 0; i < scene.robots.size(); ++i) {
+    const RobotModel& model = *scene.robots[i].entry.model;
+    const int robot = static_cast<int>(i);
+    for (std::size_t sensor = 0; sensor < model.sensors.size(); ++sensor) {
+      if (!HasFilter(model.sensors[sensor])) continue;
+      const auto& channel = std::get<ChannelModel>(model.sensors[sensor].kind);
+      const std::size_t first =
+          static_cast<std::size_t>(scene.robots[i].first_measured) + model.FirstMeasured(sensor);
+      const std::vector<double> raw = UnfilteredValues(frame, robot, model.NumberOf(sensor));
+      std::vector<double> start;  // a filter begins with the value of the frame before
+      for (std::size_t k = 0; k < channel.values.size(); ++k) {
+        const ChannelModel::Value& value = channel.values[k];
+        if (!IsFiltered(value)) continue;
+        const auto cells =
+            std::span(frame.measured)
+                .subspan(first + value.first_cell + (value.sums_work ? 1 : 0), value.filter.cells());
+        const double step_s = ToSeconds(frame.step_length);
+        if (cells[0] < 1 && before.scene == frame.scene) {
+          if (start.empty()) start = UnfilteredValues(before, robot, model.NumberOf(sensor));
+          TakeValue(value.filter, start[k], step_s, cells);
+        }
+        TakeValue(value.filter, raw[k], step_s, cells);
+      }
+    }
+  }
+}
+
+}  // namespace coopdyn

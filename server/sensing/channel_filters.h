@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// Filters of the values of channels: their memory goes from frame to frame. Pure; any thread.
+#pragma once
+
+#include <span>
+
+#include "server/state/frame.h"
+
+namespace coopdyn {
+
+/// Whether a robot has one.
+bool HasFilters(const Scene& scene);
+/// Gives the filters the values of `frame`, the one after `before`, whose memory it has.
+void AdvanceFilters(const Frame& before, Frame& frame);
+
+/// What a filter puts out; `otherwise` if it has taken no value yet.
+double FilteredValue(const ValueFilter& filter, std::span<const double> cells, double otherwise);
+/// Takes a value into its memory. One that is not finite changes nothing.
+void TakeValue(const ValueFilter& filter, double value, double step_s, std::span<double> cells);
+
+}  // namespace coopdyn
