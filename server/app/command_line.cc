@@ -176,7 +176,7 @@ std::optional<double> StepOf(const std::string& file) {
 int RunYars(std::vector<std::string> words) {
   YarsWords read = ReadYarsWords(words, StepOf);
   if (read.help) {
-    Print("{}", YarsHelp());
+    PrintLines(YarsHelp());
     return kExitOk;
   }
   if (!read.error.empty()) {

@@ -154,6 +154,11 @@ class MistakeTest(unittest.TestCase):
             self.assertEqual(done.returncode, 0, command)
             self.assertIn(f"Example: coopdyn {command}", done.stdout.decode())
 
+    def test_help_of_yars_has_a_line_for_each_option(self):
+        lines = run("yars", "--help").stdout.decode().splitlines()
+        self.assertTrue(any(line.lstrip().startswith("--seed ") for line in lines), lines)
+        self.assertTrue(any(line.lstrip().startswith("--printComPortsToFile ") for line in lines), lines)
+
 
 class RemoteTest(unittest.TestCase):
     def setUp(self):
