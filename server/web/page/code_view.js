@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A text field for scenarios: CodeMirror with completion and marks. It lives in a shadow root, where it may have styles of its own.
 import {acceptCompletion, autocompletion, completionKeymap} from '@codemirror/autocomplete';
-import {defaultKeymap, history, historyKeymap} from '@codemirror/commands';
+import {defaultKeymap, history, historyKeymap, isolateHistory} from '@codemirror/commands';
 import {lintGutter, lintKeymap, setDiagnostics} from '@codemirror/lint';
 import {EditorState} from '@codemirror/state';
 import {Decoration, drawSelection, EditorView, highlightActiveLine, keymap, lineNumbers, MatchDecorator, ViewPlugin} from '@codemirror/view';
@@ -95,7 +95,8 @@ export class CodeView {
 
   /** Another text; undo brings back the one before. */
   replace(text) {
-    this.#view.dispatch({changes: {from: 0, to: this.#view.state.doc.length, insert: text}, selection: {anchor: 0}, scrollIntoView: true});
+    this.#view.dispatch({changes: {from: 0, to: this.#view.state.doc.length, insert: text}, selection: {anchor: 0}, scrollIntoView: true,
+      annotations: isolateHistory.of('full')});  // undone alone, however soon after another change
   }
 
   /** Marks lines: [{line, severity, text}]. */
