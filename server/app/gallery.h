@@ -33,8 +33,8 @@ class Gallery {
   /// `draw`: null without pictures. `path` outlives it.
   Gallery(const SearchPath& path, DrawImage draw) : path_(path), draw_(std::move(draw)) {}
 
-  /// Ends early, with what is known, when `stop` is requested.
-  /// {"worlds":[{"name":…,"title":…,"summary":…,"thumb":…}],"scenarios":[…],"robots":[…]}
+  /// {"worlds":[{"name":…,"title":…,"summary":…,"thumb":…}],"scenarios":[…],"robots":[…]}; part of it when
+  /// `stop` is requested.
   std::string List(const std::stop_token& stop = {});
   /// A PNG; or none, and `why`. `kind`: world, scenario or robot.
   ImageResult Thumb(const std::string& kind, const std::string& name);

@@ -150,8 +150,7 @@ std::unique_ptr<Device> MakeDevice(const RobotModel& model, std::string_view nam
     if (actuator.module != name) continue;
     const CommandTable& table = *FindModuleTable(actuator.type());
     if (actuator.is_board()) return std::make_unique<JointsDevice>(table, model, i);
-    if (actuator.is_muscles()) return std::make_unique<MusclesDevice>(table, model, actuator);
-    if (actuator.is_thrusters()) return std::make_unique<ThrustersDevice>(table, model, actuator);
+    if (!actuator.is_drive()) return std::make_unique<ActuatorsDevice>(table, model, actuator);
     return std::make_unique<MotorsDevice>(table, std::get<DriveModel>(actuator.kind),
                                           model.FirstChannel(actuator));
   }

@@ -137,11 +137,11 @@ class JointsDevice final : public Device {
   std::size_t first_channel_ = 0, first_control_ = 0;  // among the robot's
 };
 
-/// /R/muscles: the muscles of a robot, by their activations.
-class MusclesDevice final : public Device {
+/// /R/muscles and /R/thrusters: actuators that take one number each, an activation, a force or a torque.
+class ActuatorsDevice final : public Device {
  public:
   /// `table` and `model` outlive it.
-  MusclesDevice(const CommandTable& table, const RobotModel& model, const ActuatorModel& actuator)
+  ActuatorsDevice(const CommandTable& table, const RobotModel& model, const ActuatorModel& actuator)
       : Device(table), model_(model), actuator_(actuator), first_channel_(model.FirstChannel(actuator)) {}
 
   bool is_actuator() const override { return true; }
@@ -151,34 +151,12 @@ class MusclesDevice final : public Device {
   std::optional<Message> Refuse(const Message& request) const override;
 
  private:
-  const JointModel& JointOf(std::size_t muscle) const {
-    return model_.joints[static_cast<std::size_t>(actuator_.joints[muscle])];
+  const JointModel& JointOf(std::size_t index) const {
+    return model_.joints[static_cast<std::size_t>(actuator_.joints[index])];
   }
-  void Append(const Frame& frame, int robot, std::size_t muscle, std::vector<double>& data) const;
-
-  const RobotModel& model_;
-  const ActuatorModel& actuator_;
-  const std::size_t first_channel_;  // among the robot's
-};
-
-/// /R/thrusters: the thrusters of a robot, by their forces and torques.
-class ThrustersDevice final : public Device {
- public:
-  /// `table` and `model` outlive it.
-  ThrustersDevice(const CommandTable& table, const RobotModel& model, const ActuatorModel& actuator)
-      : Device(table), model_(model), actuator_(actuator), first_channel_(model.FirstChannel(actuator)) {}
-
-  bool is_actuator() const override { return true; }
-  Message Read(const Message& request, const Frame& frame, int robot) const override;
-  void AppendFirstReading(const Frame& frame, int robot, std::vector<double>& data) const override;
-  std::optional<Actuation> Actuate(const Message& request, const Frame& frame, int robot) const override;
-  std::optional<Message> Refuse(const Message& request) const override;
-
- private:
-  const JointModel& JointOf(std::size_t thruster) const {
-    return model_.joints[static_cast<std::size_t>(actuator_.joints[thruster])];
-  }
-  void Append(const Frame& frame, int robot, std::size_t thruster, std::vector<double>& data) const;
+  /// Those that the params name; `why` says what is wrong with them.
+  std::vector<std::size_t> Chosen(const Message& request, std::string& why) const;
+  void Append(const Frame& frame, int robot, std::size_t index, std::vector<double>& data) const;
 
   const RobotModel& model_;
   const ActuatorModel& actuator_;

@@ -67,7 +67,7 @@ struct ValueFilter {
   enum class Kind { kNone, kMean, kMedian, kLowPass };
   static constexpr int kMaxSteps = 100;
   Kind kind = Kind::kNone;
-  int steps = 1;      // of mean and median: so many of the last values
+  int steps = 1;      // of mean and median: how many of the last values count
   double time_s = 0;  // of a low pass: its time constant
 
   std::size_t cells() const {

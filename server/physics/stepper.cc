@@ -20,8 +20,8 @@ constexpr Nanoseconds kNever = std::numeric_limits<Nanoseconds>::max();
 constexpr Nanoseconds kStatusEvery = 50'000'000;
 /// While the real-time factor still has to fall to 0, a standing world is checked this often.
 constexpr Nanoseconds kLookAgain = 250'000'000;
-/// A robot thread runs the steps of its own command up to this time, so that its other connections need not
-/// wait long, and not so many that frames for its subscribers are dropped meanwhile.
+/// A robot's thread runs the steps of its own command for at most this time, as its other connections wait
+/// meanwhile, and at most this many, as its subscribers would lose frames.
 constexpr Nanoseconds kTurnHere = 500'000;
 constexpr int kStepsHere = 32;
 

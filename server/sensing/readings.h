@@ -54,9 +54,10 @@ std::vector<Sighting> SeenRobots(const Frame& frame, int robot, std::size_t numb
 struct Twist {
   Vector3 v_W, w_W;  // m/s, rad/s
 };
-/// The twist of R's origin: that of the chassis' centre of mass, carried over by its rotation.
+/// The twist of R's origin: that of the centre of mass of the link that carries R, moved there by its
+/// rotation.
 Twist OriginTwist(const Frame& frame, int robot, const Pose& X_WR, int link = 0);
-/// Ground truth in the plane, in the world: of R's origin.
+/// Ground truth in the plane, in the world: of the origin of R, which a link carries.
 struct PlaneMotion {
   double x_m, y_m, heading_rad;
   double forward_m_s;  // along the heading

@@ -225,9 +225,9 @@ HttpRoute FindGet(std::string_view path, std::string_view query) {
   if (path == "/camera.jpg") return AcceptShot(HttpRouteKind::kSnapshot, ImageFormat::kJpeg, query);
   if (path == "/camera.mjpg") return AcceptShot(HttpRouteKind::kStream, ImageFormat::kJpeg, query);
   if (path == "/api/status") return {.kind = HttpRouteKind::kStatus};
-  for (const std::string_view what : {"scenarios", "worlds", "robots"})
-    if (path == "/api/" + std::string(what))
-      return {.kind = HttpRouteKind::kNames, .name = std::string(what)};
+  constexpr std::string_view kApi = "/api/";
+  if (path == "/api/scenarios" || path == "/api/worlds" || path == "/api/robots")
+    return {.kind = HttpRouteKind::kNames, .name = std::string(path.substr(kApi.size()))};
   if (path == "/api/modules") return {.kind = HttpRouteKind::kModules};
   if (path == "/api/costs") return {.kind = HttpRouteKind::kCosts};
   if (path == "/api/gallery") return {.kind = HttpRouteKind::kGallery};
