@@ -163,18 +163,9 @@ int RunSweep(std::vector<std::string> words) {
   return kExitErrors;
 }
 
-/// The length of a step of an experiment.
-std::optional<double> StepOf(const std::string& file) {
-  RobotLibrary robots(DataPath({}));
-  Diagnostics diagnostics;
-  const auto scenario = LoadScenario(file, robots, diagnostics);
-  if (scenario == nullptr) return std::nullopt;
-  return ToSeconds(scenario->simulation.step.value_or(kDefaultStep));
-}
-
 /// `serve` with the words of YARS.
 int RunYars(std::vector<std::string> words) {
-  YarsWords read = ReadYarsWords(words, StepOf);
+  YarsWords read = ReadYarsWords(words);
   if (read.help) {
     PrintLines(YarsHelp());
     return kExitOk;
@@ -184,13 +175,12 @@ int RunYars(std::vector<std::string> words) {
     return kExitWrongUse;
   }
   for (const std::string& note : read.notes) PrintError("coopdyn: {}\n", note);
-  read.serve.insert(read.serve.begin(), {std::filesystem::read_symlink("/proc/self/exe"), "serve"});
-  HandOver(std::move(read.serve));
-  PrintError("coopdyn: this program cannot be started again\n");
-  return kExitErrors;
+  std::vector<const char*> arguments = {"coopdyn", "serve"};
+  for (const std::string& word : read.serve) arguments.push_back(word.c_str());
+  return RunCommandLine(static_cast<int>(arguments.size()), arguments.data());
 }
 
-/// A command that another program carries out. What follows it is for that program, --help too.
+/// A command whose words are not CLI11's to read, --help neither.
 void AddHandedOver(CLI::App& app, const char* name, const char* what, int (*run)(std::vector<std::string>),
                    Chosen& chosen) {
   CLI::App* sub = app.add_subcommand(name, what);

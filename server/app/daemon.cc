@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "server/net/listener.h"
+#include "server/sensing/channel_filters.h"
 
 namespace coopdyn {
 
@@ -127,7 +128,8 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
       channel_ports_(options.channel_port.value_or(options.port == 0 ? 0 : kChannelPort)),
       pool_(ThreadsOf(options)),
       controllers_(ControllersOf(options), clock_, logger_, pool_, DrawOn(images_)),
-      stepper_({frames_, board_, edits_, run_, bell_}, clock_, logger_, options.run, {&pool_, &controllers_}),
+      stepper_({frames_, board_, edits_, run_, bell_}, clock_, logger_, options.run,
+               {&pool_, &controllers_, AdvanceFilters}),
       recordings_(recording_options(), edits_, run_, frames_, clock_, logger_),
       branches_({BranchStateMaker(replay_services()), OpenOn(models_.path())}, edits_, run_, logger_),
       runs_(

@@ -77,6 +77,10 @@ std::string Daemon::StartFromRecording() {
     return fmt::format("--duration {} is over at t = {} s, where the run goes on: write a later time",
                        *options_.run.duration_s, state->frame->time_s());
   }
+  if (options_.run.steps && *options_.run.steps <= state->frame->step) {
+    return fmt::format("--steps {} is over at step {}, where the run goes on: write a higher number",
+                       *options_.run.steps, state->frame->step);
+  }
   return {};
 }
 

@@ -315,8 +315,12 @@ void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
   sub->add_option("--speed", serve.run.speed, "Times the wall clock; 0 or less: no limit")
       ->check(NumberIn(-kMaxSpeed, kMaxSpeed));
   sub->add_option("--seed", serve.run.seed, "Of noise and solver")->check(CLI::Validator(CheckSeed, ""));
-  sub->add_option("--duration", serve.run.duration_s, "End the run at this simulated time, s")
-      ->check(NumberIn(0, kMaxDuration_s, true));
+  CLI::Option* duration =
+      sub->add_option("--duration", serve.run.duration_s, "End the run at this simulated time, s")
+          ->check(NumberIn(0, kMaxDuration_s, true));
+  sub->add_option("--steps", serve.run.steps, "End the run with this step, instead of --duration")
+      ->check(WholeIn(1, 1'000'000'000))
+      ->excludes(duration);
   AddSettings(sub, serve.settings);
   sub->add_option("--with-process", serve.with_process,
                   "End when the process of this number ends, however it ends")

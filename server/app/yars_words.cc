@@ -28,7 +28,7 @@ struct YarsFlag {
 
 constexpr std::string_view kPage = "the page shows the simulation: open the URL that the program prints";
 constexpr std::string_view kFilms =
-    "record the run with coopdyn serve --record, then coopdyn export RUN --video";
+    "record the run with --record FILE.run, then coopdyn export FILE.run --video";
 
 constexpr std::array kFlags = {
     YarsFlag{"--nogui", Takes::kNothing, "--no-render --no-http"},
@@ -39,6 +39,7 @@ constexpr std::array kFlags = {
     YarsFlag{"--pause", Takes::kNothing, "--paused"},
     YarsFlag{"--debug", Takes::kNothing, "--log-level debug"},
     YarsFlag{"--silent", Takes::kNothing, "--log-level off"},
+    YarsFlag{"--record", Takes::kValue, "--record %"},
     YarsFlag{"--port", Takes::kValue, "--port %"},
     YarsFlag{"--channel-port", Takes::kValue, "--channel-port %"},
     YarsFlag{"--drawPeriod", Takes::kValue, {}, kPage},
@@ -52,7 +53,8 @@ constexpr std::array kFlags = {
     YarsFlag{"--captureFrames", Takes::kMayTake, {}, kFilms},
     YarsFlag{"--framesDirectory", Takes::kValue, {}, kFilms},
     YarsFlag{"--vcodec", Takes::kValue, {}, kFilms},
-    YarsFlag{"--log", Takes::kMayTake, {}, "record the run with coopdyn serve --record, then coopdyn export"},
+    YarsFlag{
+        "--log", Takes::kMayTake, {}, "record the run with --record FILE.run, then coopdyn export FILE.run"},
     YarsFlag{"--noctrl",
              Takes::kNothing,
              {},
@@ -74,9 +76,7 @@ std::optional<double> PositiveOf(const std::string& text) {
 
 class YarsLine {
  public:
-  YarsLine(const std::vector<std::string>& words,
-           const std::function<std::optional<double>(const std::string& file)>& step_s)
-      : words_(words), step_s_(step_s) {}
+  explicit YarsLine(const std::vector<std::string>& words) : words_(words) {}
 
   YarsWords Read() {
     for (at_ = 0; at_ < words_.size() && out_.error.empty(); ++at_) ReadWord(words_[at_]);
@@ -94,13 +94,11 @@ class YarsLine {
     } else if (name == "--xml" || name == "-d" || name == "-x") {
       TakeFile(Value(name, "experiment.xml"));
     } else if (name == "--iterations") {
-      iterations_ = PositiveOf(Value(name, "1000"));
-      if (!iterations_ && out_.error.empty()) out_.error = "--iterations takes a number of steps above 0";
+      iterations_ = Value(name, "1000");
     } else if (name == "--simfreq") {
-      const std::optional<double> frequency_hz = PositiveOf(Value(name, "100"));
-      if (!frequency_hz && out_.error.empty())
+      frequency_hz_ = PositiveOf(Value(name, "100"));
+      if (!frequency_hz_ && out_.error.empty())
         out_.error = "--simfreq takes steps a second, e.g. --simfreq 100";
-      if (frequency_hz) step_given_s_ = 1 / *frequency_hz;
     } else if (name == "--ctrlfreq") {
       Value(name, "10");
       out_.notes.emplace_back(
@@ -166,32 +164,24 @@ class YarsLine {
     // As YARS: as fast as it goes, and robots wait for their programs.
     add("--mode", realtime_ ? "realtime" : "lockstep");
     add("--speed", realtime_ ? FormatNumber(*realtime_) : "0");
-    if (step_given_s_) add("--step", FormatNumber(*step_given_s_));
-    if (iterations_) {
-      const std::optional<double> step_s = step_given_s_ ? step_given_s_ : step_s_(file_);
-      if (!step_s) {
-        out_.error = "--iterations needs an experiment that can be read: coopdyn check " + file_;
-        return;
-      }
-      add("--duration", FormatNumber(*iterations_ * *step_s));
-    }
+    if (frequency_hz_) add("--step", FormatNumber(1 / *frequency_hz_));
+    if (iterations_) add("--steps", *iterations_);
     out_.serve.insert(out_.serve.begin(), first.begin(), first.end());
   }
 
   const std::vector<std::string>& words_;
-  const std::function<std::optional<double>(const std::string& file)>& step_s_;
   std::size_t at_ = 0;
   std::optional<std::string> given_;  // by NAME=VALUE
   std::string file_;
-  std::optional<double> iterations_, step_given_s_, realtime_;
+  std::optional<std::string> iterations_;
+  std::optional<double> frequency_hz_, realtime_;
   YarsWords out_;
 };
 
 }  // namespace
 
-YarsWords ReadYarsWords(const std::vector<std::string>& words,
-                        const std::function<std::optional<double>(const std::string& file)>& step_s) {
-  return YarsLine(words, step_s).Read();
+YarsWords ReadYarsWords(const std::vector<std::string>& words) {
+  return YarsLine(words).Read();
 }
 
 std::string YarsHelp() {

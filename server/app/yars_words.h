@@ -2,8 +2,6 @@
 // The words of YARS's own command line as those of `coopdyn serve`. Pure.
 #pragma once
 
-#include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,9 +14,7 @@ struct YarsWords {
   bool help = false;
 };
 
-/// `step_s`: the length of a step of an experiment, for --iterations; nothing if it cannot be read.
-YarsWords ReadYarsWords(const std::vector<std::string>& words,
-                        const std::function<std::optional<double>(const std::string& file)>& step_s);
+YarsWords ReadYarsWords(const std::vector<std::string>& words);
 
 /// What --help says.
 std::string YarsHelp();

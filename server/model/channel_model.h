@@ -130,6 +130,7 @@ struct ChannelModel {
     std::size_t source = 0;      // index into the sensors or joints
     std::size_t first_cell = 0;  // of the channel's measured values: its energy, then its filter's
     int line = 0;
+    bool is_filtered() const { return filter.kind != ValueFilter::Kind::kNone; }
     std::size_t cells() const { return filter.cells() + (sums_work ? 1 : 0); }
   };
 
@@ -139,6 +140,7 @@ struct ChannelModel {
   std::vector<std::string> abort;   // contact modules that end a try when they are pressed
   std::vector<std::size_t> aborts;  // index into the sensors
 
+  bool is_filtered() const { return std::ranges::any_of(values, &Value::is_filtered); }
   std::size_t cells() const { return values.empty() ? 0 : values.back().first_cell + values.back().cells(); }
 };
 

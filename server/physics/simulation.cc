@@ -2,13 +2,27 @@
 #include "server/physics/simulation.h"
 
 #include <algorithm>
+#include <cassert>
 #include <utility>
 
 #include "server/physics/world.h"
-#include "server/sensing/channel_filters.h"
 #include "server/state/joint_tuning.h"
 
 namespace coopdyn {
+
+namespace {
+
+bool HasFilters(const Scene& scene) {
+  const auto is_filtered = [](const SensorModel& sensor) {
+    const auto* const channel = std::get_if<ChannelModel>(&sensor.kind);
+    return channel != nullptr && channel->is_filtered();
+  };
+  return std::ranges::any_of(scene.robots, [&](const SceneRobot& robot) {
+    return std::ranges::any_of(robot.entry.model->sensors, is_filtered);
+  });
+}
+
+}  // namespace
 
 std::unique_ptr<Simulation> Simulation::Build(std::shared_ptr<const Scene> scene, std::uint64_t seed,
                                               std::uint64_t epoch, const StepHelpers& helpers,
@@ -66,6 +80,7 @@ void Simulation::Use(std::shared_ptr<const Scene> scene) {
   scene_ = std::move(scene);
   has_controllers_ = !scene_->scenario->simulation.supervisor.empty();
   has_filters_ = HasFilters(*scene_);
+  assert(!has_filters_ || helpers_.advance_filters != nullptr);
   message_steps_ = 0;
   for (const SceneRobot& robot : scene_->robots) {
     has_controllers_ |= !robot.entry.controller.empty();
@@ -196,7 +211,7 @@ const FramePtr& Simulation::Step(Nanoseconds length, const StepInputs& inputs) {
   frame->commanded.assign(inputs.commanded.begin(), inputs.commanded.end());
   frame->commanded.resize(scene_->actuators.size());
   if (has_filters_) {
-    AdvanceFilters(*frame_, *frame);
+    helpers_.advance_filters(*frame_, *frame);
     world_->KeepMeasured(frame->measured);
   }
   scores_.AddTo(*frame);

@@ -31,6 +31,9 @@ class PhysicsWorld;
 struct StepHelpers {
   WorkerPool* pool = nullptr;               // null: everything on the stepping thread
   ControllerDriver* controllers = nullptr;  // null: robots that ask for a controller are errors
+  /// Gives the filters of channels the values of `frame`, the one after `before`; needed if a channel has
+  /// one.
+  void (*advance_filters)(const Frame& before, Frame& frame) = nullptr;
 };
 
 /// What clients want of one step.

@@ -53,6 +53,7 @@ struct RunOptions {
   std::optional<double> speed;
   std::optional<std::uint64_t> seed;
   std::optional<double> duration_s;
+  std::optional<std::uint64_t> steps;  // instead of duration_s: the end, in steps of the first length
   bool paused = false;
   bool stop_on_controller_failure = false;
 };

@@ -311,7 +311,8 @@ void Stepper::TakeOptions(const SimulationOptions& said) {
   if (const auto step = options_.step ? options_.step : said.step) step_length_ = *step;
   std::optional<double>& given = speeds_[static_cast<std::size_t>(mode_)];
   if (said.speed && !options_.speed) given = said.speed;
-  const std::optional<double> duration_s = options_.duration_s ? options_.duration_s : said.duration_s;
+  std::optional<double> duration_s = options_.duration_s ? options_.duration_s : said.duration_s;
+  if (options_.steps) duration_s = static_cast<double>(*options_.steps) * ToSeconds(step_length_);
   duration_.reset();
   if (duration_s) duration_ = std::llround(*duration_s * 1e9);
 }

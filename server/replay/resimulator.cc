@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/render/picture_maker.h"
+#include "server/sensing/channel_filters.h"
 
 namespace coopdyn {
 
@@ -103,8 +104,8 @@ bool Resimulator::BuildWithHost(const std::shared_ptr<const Scene>& scene, std::
   }
   for (const std::string& line : OtherPlugins(header_, *scene)) Warn(line);
   Diagnostics diagnostics;
-  simulation_ =
-      Simulation::Build(scene, seed, kEpoch, {&services_.pool, host_.get()}, services_.clock, diagnostics);
+  simulation_ = Simulation::Build(scene, seed, kEpoch, {&services_.pool, host_.get(), AdvanceFilters},
+                                  services_.clock, diagnostics);
   why = Errors(diagnostics);
   return simulation_ != nullptr;
 }
@@ -123,8 +124,8 @@ bool Resimulator::GiveUpControllers(const std::shared_ptr<const Scene>& scene, s
   host_.reset();
   controllers_given_up_ = true;
   Diagnostics diagnostics;
-  simulation_ =
-      Simulation::Build(scene, seed, kEpoch, {&services_.pool, &recorded_}, services_.clock, diagnostics);
+  simulation_ = Simulation::Build(scene, seed, kEpoch, {&services_.pool, &recorded_, AdvanceFilters},
+                                  services_.clock, diagnostics);
   if (simulation_ == nullptr) {
     error_ = file_ + ": its world cannot be built: " + Errors(diagnostics);
     return false;
@@ -142,8 +143,8 @@ bool Resimulator::Build(const std::shared_ptr<const Scene>& scene, std::uint64_t
   }
   host_.reset();
   Diagnostics diagnostics;
-  simulation_ =
-      Simulation::Build(scene, seed, kEpoch, {&services_.pool, nullptr}, services_.clock, diagnostics);
+  simulation_ = Simulation::Build(scene, seed, kEpoch, {&services_.pool, nullptr, AdvanceFilters},
+                                  services_.clock, diagnostics);
   if (simulation_ == nullptr) error_ = file_ + ": its world cannot be built: " + Errors(diagnostics);
   return simulation_ != nullptr;
 }

@@ -10,25 +10,6 @@
 
 namespace coopdyn {
 
-namespace {
-
-bool IsFiltered(const ChannelModel::Value& value) {
-  return value.filter.kind != ValueFilter::Kind::kNone;
-}
-
-bool HasFilter(const SensorModel& sensor) {
-  const auto* const channel = std::get_if<ChannelModel>(&sensor.kind);
-  return channel != nullptr && std::ranges::any_of(channel->values, IsFiltered);
-}
-
-}  // namespace
-
-bool HasFilters(const Scene& scene) {
-  return std::ranges::any_of(scene.robots, [](const SceneRobot& robot) {
-    return std::ranges::any_of(robot.entry.model->sensors, HasFilter);
-  });
-}
-
 double FilteredValue(const ValueFilter& filter, std::span<const double> cells, double otherwise) {
   if (cells.empty() || cells.front() < 1) return otherwise;
   if (filter.kind == ValueFilter::Kind::kLowPass) return cells[1];
@@ -61,15 +42,15 @@ void AdvanceFilters(const Frame& before, Frame& frame) {
     const RobotModel& model = *scene.robots[i].entry.model;
     const int robot = static_cast<int>(i);
     for (std::size_t sensor = 0; sensor < model.sensors.size(); ++sensor) {
-      if (!HasFilter(model.sensors[sensor])) continue;
-      const auto& channel = std::get<ChannelModel>(model.sensors[sensor].kind);
+      const auto* const channel = std::get_if<ChannelModel>(&model.sensors[sensor].kind);
+      if (channel == nullptr || !channel->is_filtered()) continue;
       const std::size_t first =
           static_cast<std::size_t>(scene.robots[i].first_measured) + model.FirstMeasured(sensor);
       const std::vector<double> raw = UnfilteredValues(frame, robot, model.NumberOf(sensor));
       std::vector<double> start;  // a filter begins with the value of the frame before
-      for (std::size_t k = 0; k < channel.values.size(); ++k) {
-        const ChannelModel::Value& value = channel.values[k];
-        if (!IsFiltered(value)) continue;
+      for (std::size_t k = 0; k < channel->values.size(); ++k) {
+        const ChannelModel::Value& value = channel->values[k];
+        if (!value.is_filtered()) continue;
         const auto cells =
             std::span(frame.measured)
                 .subspan(first + value.first_cell + (value.sums_work ? 1 : 0), value.filter.cells());

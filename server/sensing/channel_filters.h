@@ -8,8 +8,6 @@
 
 namespace coopdyn {
 
-/// Whether a robot has one.
-bool HasFilters(const Scene& scene);
 /// Gives the filters the values of `frame`, the one after `before`, whose memory it has.
 void AdvanceFilters(const Frame& before, Frame& frame);
 

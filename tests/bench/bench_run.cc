@@ -7,6 +7,7 @@
 #include "server/controllers/controller_host.h"
 #include "server/model/drive.h"
 #include "server/physics/stepper.h"
+#include "server/sensing/channel_filters.h"
 #include "server/sensing/readings.h"
 #include "tests/bench/bench_daemon.h"
 #include "tests/bench/measures.h"
@@ -61,7 +62,8 @@ std::optional<BenchRun> RunOnce(const std::shared_ptr<const Scenario>& scenario,
   controller_options.threads = options.threads;
   controller_options.program = options.program.empty() ? ProgramBeside("coopdyn") : options.program;
   ControllerHost controllers(controller_options, clock, NullLogger(), pool);
-  Stepper stepper({frames, commands, edits, control, bell}, clock, NullLogger(), run, {&pool, &controllers});
+  Stepper stepper({frames, commands, edits, control, bell}, clock, NullLogger(), run,
+                  {&pool, &controllers, AdvanceFilters});
   if (!stepper.Start(scenario, diagnostics)) return std::nullopt;
   DriveAtRandom(*frames.Latest()->scene, scenario->simulation.seed, commands);
 

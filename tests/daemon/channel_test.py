@@ -294,6 +294,13 @@ class ChannelTest(unittest.TestCase):
         self.assertEqual(code.returncode, 0, code.stderr)
         self.assertIn("0.5", code.stderr)
 
+    def test_iterations_of_an_experiment_from_a_pipe(self):
+        with open(Path(__file__).resolve().parents[2] / "scenarios" / "braitenberg.xml") as text:
+            code = subprocess.run([BINARY, "yars", "--xml", "-", "--nogui", "--iterations", "50", "--port", "0"], stdin=text,
+                                  stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, timeout=LIMIT_S)
+        self.assertEqual(code.returncode, 0, code.stderr)
+        self.assertIn("0.5", code.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -10,8 +10,7 @@ namespace {
 using Words = std::vector<std::string>;
 
 YarsWords Read(const Words& words) {
-  return ReadYarsWords(
-      words, [](const std::string& file) { return file == "a.xml" ? std::optional(0.01) : std::nullopt; });
+  return ReadYarsWords(words);
 }
 
 TEST(YarsWordsTest, AnExperimentRunsAsFastAsItGoesAndWaitsForItsPrograms) {
@@ -25,12 +24,11 @@ TEST(YarsWordsTest, TheFileMayStandAlone) {
   EXPECT_EQ(Read({"-"}).serve.front(), "/dev/stdin");
 }
 
-TEST(YarsWordsTest, IterationsAreStepsOfTheExperiment) {
-  const Words serve = Read({"--iterations", "1000", "a.xml"}).serve;
-  EXPECT_EQ(Words(serve.end() - 2, serve.end()), (Words{"--duration", "10"}));
+TEST(YarsWordsTest, IterationsAreSteps) {
+  const Words serve = Read({"--iterations", "1000", "-"}).serve;
+  EXPECT_EQ(Words(serve.end() - 2, serve.end()), (Words{"--steps", "1000"}));
   const Words faster = Read({"--simfreq", "200", "--iterations=1000", "a.xml"}).serve;
-  EXPECT_EQ(Words(faster.end() - 4, faster.end()), (Words{"--step", "0.005", "--duration", "5"}));
-  EXPECT_NE(Read({"--iterations", "10", "missing.xml"}).error, "");
+  EXPECT_EQ(Words(faster.end() - 4, faster.end()), (Words{"--step", "0.005", "--steps", "1000"}));
 }
 
 TEST(YarsWordsTest, RealtimeMayHaveAFactor) {

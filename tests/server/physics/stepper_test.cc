@@ -228,6 +228,17 @@ TEST_F(StepperTest, TheRunEndsAtItsDuration) {
   EXPECT_EQ(Do(edit::Run{}).error, Error::kNotPossible);
 }
 
+TEST_F(StepperTest, TheRunEndsWithItsLastStep) {
+  RunOptions options;
+  options.steps = 25;
+  Begin(std::string(kTwoRobots) + "[SIMULATION]\nstep 4ms\nduration 0.01\n", Mode::kFree, options);
+  std::promise<void> ended;
+  stepper_->set_on_ended([&] { ended.set_value(); });
+  StartThread();
+  ended.get_future().wait();
+  EXPECT_EQ(frames_.Latest()->step, 25u);
+}
+
 TEST_F(StepperTest, ADeadlineLetsTheWorldGoOnAndIsAnEvent) {
   Begin(std::string(kTwoRobots) + "deadline 0.02\non_deadline stop\n", Mode::kLockstep);
   StartThread();

@@ -23,6 +23,7 @@
 #include "server/record/recorder.h"
 #include "server/record/run_reader.h"
 #include "server/replay/export_file.h"
+#include "server/sensing/channel_filters.h"
 #include "tests/server/base/temp_folder.h"
 #include "tests/server/state/wheels.h"
 #include "tests/source_dir.h"
@@ -110,7 +111,8 @@ class ExportTest : public testing::Test {
     const auto scenario = ReadScenario(make.scenario, "lesson.scenario", library, false, diagnostics);
     EXPECT_NE(scenario, nullptr) << diagnostics.ToString();
     WorkerPool pool(1);
-    const auto run = Simulation::Build(MakeScene(scenario), 1, 1, {&pool, nullptr}, clock_, diagnostics);
+    const auto run =
+        Simulation::Build(MakeScene(scenario), 1, 1, {&pool, nullptr, AdvanceFilters}, clock_, diagnostics);
     EXPECT_NE(run, nullptr) << diagnostics.ToString();
     RecorderOptions options;
     options.file = File("run.run");

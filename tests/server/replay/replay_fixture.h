@@ -25,6 +25,7 @@
 #include "server/record/run_reader.h"
 #include "server/record/sqlite_db.h"
 #include "server/replay/state_at.h"
+#include "server/sensing/channel_filters.h"
 #include "tests/server/base/temp_folder.h"
 #include "tests/source_dir.h"
 
@@ -136,7 +137,7 @@ class LiveRun {
         controllers_(TestControllers(options.threads), clock_, NullLogger(), pool_),
         recorder_(RecordOptionsOf(file, options), clock_, NullLogger()),
         stepper_({frames_, board_, edits_, control_, bell_}, clock_, NullLogger(), RunOptionsOf(options),
-                 {&pool_, &controllers_}) {}
+                 {&pool_, &controllers_, AdvanceFilters}) {}
 
   static RecorderOptions RecordOptionsOf(const std::string& file, const LiveOptions& options) {
     RecorderOptions record;

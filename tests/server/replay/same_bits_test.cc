@@ -18,6 +18,7 @@
 #include <xxhash.h>
 
 #include "server/physics/simulation.h"
+#include "server/sensing/channel_filters.h"
 #include "tests/server/replay/replay_fixture.h"
 #include "tests/server/state/wheels.h"
 
@@ -148,8 +149,8 @@ TEST_P(SameBitsTest, GivesTheBodiesOfBefore) {
   const auto scenario = ReadScenario(run.scenario, SourceDir() + std::string("/scenarios/same_bits.scenario"),
                                      library, false, diagnostics, run.seed);
   ASSERT_NE(scenario, nullptr) << diagnostics.ToString();
-  const auto simulation =
-      Simulation::Build(MakeScene(scenario), run.seed, 1, {&pool, &controllers}, clock, diagnostics);
+  const auto simulation = Simulation::Build(MakeScene(scenario), run.seed, 1,
+                                            {&pool, &controllers, AdvanceFilters}, clock, diagnostics);
   ASSERT_NE(simulation, nullptr) << diagnostics.ToString();
   simulation->SetStepLength(run.length);
   simulation->StartControllers();
