@@ -195,7 +195,7 @@ Message MakeRequest(const RemoteOptions& options, std::int32_t command) {
 }
 
 /// `words` of `coopdyn world` as a request to /world.
-Message WorldRequest(const std::vector<std::string>& words) {
+Message WorldMessageOf(const std::vector<std::string>& words) {
   const std::string& verb = words.front();
   const CommandTable& table = *FindModuleTable("world");
   const CommandSpec* spec = table.Find(verb == "move" ? "set_pose" : verb);
@@ -337,7 +337,7 @@ int Remote(const RemoteOptions& options, const Verb& verb) {
   try {
     const ServerAddress server(options.at->server);
     const bool is_world = options.verb == "world";
-    const Message request = is_world ? WorldRequest(options.words) : MakeRequest(options, verb.command);
+    const Message request = is_world ? WorldMessageOf(options.words) : MakeRequest(options, verb.command);
     RemoteConnection connection(server);
     if (is_world) {
       CallWorld(connection, options, request);
