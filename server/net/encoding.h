@@ -43,6 +43,8 @@ class Encoding {
   /// What else the endpoint must do before the request is answered, after `reply` to what it was handed last;
   /// what is appended to `out` is sent meanwhile. Nothing: Reply() answers it.
   virtual std::optional<Message> Next(const Message& /*reply*/, std::string& /*out*/) { return std::nullopt; }
+  /// What the log is to say of `reply`, as the client does not see it; empty: nothing.
+  virtual std::string Warning(const Message& /*reply*/) { return {}; }
   /// Connection::party().
   virtual std::string_view party() const { return {}; }
   /// Appends an unasked message. @pre push.message() is not null

@@ -236,6 +236,8 @@ void Session::HandRequest(Message request) {
 void Session::OnReply(std::uint64_t serial, const Message& reply) {
   if (!waiting_ || serial != serial_ || closing_ || closed_) return;
   waiting_ = false;
+  if (const std::string warning = encoding_->Warning(reply); !warning.empty())
+    Log(spdlog::level::warn, warning);
   std::string meanwhile;
   next_ = encoding_->Next(reply, meanwhile);
   if (!meanwhile.empty() && !write_dead_) out_.AddRaw(meanwhile);

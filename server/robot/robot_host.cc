@@ -2,7 +2,9 @@
 #include "server/robot/robot_host.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
+#include <string_view>
 #include <thread>
 #include <unordered_map>
 #include <utility>
@@ -44,27 +46,49 @@ IoThread& RobotHost::ThreadFor(const Scene& scene, bool own) {
   return *pool[next_of_pool_++ % pool.size()];
 }
 
-void RobotHost::TellChannel(const Robot& robot, std::size_t module) const {
+void RobotHost::NoteChannel(const Robot& robot, std::size_t module) {
   const int port = robot.port(module);
+  std::erase_if(last_channel_ports_, [port](const auto& each) { return each.second == port; });
+  last_channel_ports_[robot.name()] = port;
   services_.net.logger()->info("{} is on port {} for clients of YARS, by UDP and TCP",
                                robot.module_path(module), port);
   if (options_.channel_ports_file.empty()) return;
-  const std::string name = options_.channel_ports_file + "-" + robot.name();
+  const std::string name = ChannelFile(robot.name());
   std::ofstream file(name);
   file << port << "\n";
   file.close();
   if (!file) services_.net.logger()->error("{} cannot be written", name);
 }
 
+void RobotHost::FreeChannels(const Robot& robot) {
+  for (std::size_t i = 0; i < robot.module_count(); ++i) {
+    if (!robot.is_channel(i) || robot.port(i) == 0) continue;
+    freed_channel_ports_.push_back(robot.port(i));
+    std::error_code ignored;
+    if (!options_.channel_ports_file.empty()) std::filesystem::remove(ChannelFile(robot.name()), ignored);
+  }
+}
+
+bool RobotHost::ListenAsBefore(Robot& robot, std::size_t module) {
+  if (!robot.is_channel(module)) return false;
+  int port = 0;
+  if (const auto last = last_channel_ports_.find(robot.name()); last != last_channel_ports_.end()) {
+    port = last->second;
+  } else if (!freed_channel_ports_.empty()) {
+    port = freed_channel_ports_.front();
+    freed_channel_ports_.pop_front();
+  }
+  if (port == 0 || !robot.Listen(module, options_.addresses, port).empty()) return false;
+  PlanFor(robot, module).Reserve(port);
+  return true;
+}
+
 std::string RobotHost::OpenModule(Robot& robot, std::size_t module, bool at_start) {
   PortPlan& ports = PlanFor(robot, module);
   // Clients of YARS look for the next free port, and others may have the first.
   const bool must_be_free = at_start && &ports == &ports_;
-  const auto last =
-      robot.is_channel(module) ? last_channel_ports_.find(robot.name()) : last_channel_ports_.end();
-  if (ports.any_port() && last != last_channel_ports_.end() &&
-      robot.Listen(module, options_.addresses, last->second).empty()) {
-    TellChannel(robot, module);
+  if (ListenAsBefore(robot, module)) {
+    NoteChannel(robot, module);
     return {};
   }
   for (int attempt = 0; attempt < kMaxBusyPorts; ++attempt) {
@@ -72,10 +96,7 @@ std::string RobotHost::OpenModule(Robot& robot, std::size_t module, bool at_star
     if (port == 0 && !ports.any_port()) break;
     const std::string error = robot.Listen(module, options_.addresses, port);
     if (error.empty()) {
-      if (robot.is_channel(module)) {
-        last_channel_ports_[robot.name()] = robot.port(module);
-        TellChannel(robot, module);
-      }
+      if (robot.is_channel(module)) NoteChannel(robot, module);
       return {};
     }
     if (must_be_free || ports.any_port()) {
@@ -101,19 +122,24 @@ std::string RobotHost::Open(Robot& robot, const RobotEntry& entry, bool at_start
 }
 
 std::string RobotHost::Apply(const Scene& scene, bool at_start) {
-  std::unordered_map<std::string, std::unique_ptr<Robot>> before;
-  for (std::unique_ptr<Robot>& robot : robots_) before.emplace(robot->name(), std::move(robot));
-  robots_.clear();
-  std::vector<std::unique_ptr<Robot>> kept(scene.robots.size());
-  for (std::size_t i = 0; i < scene.robots.size(); ++i) {
-    const RobotEntry& entry = scene.robots[i].entry;
-    const auto found = before.find(entry.name);
-    if (found == before.end() || !found->second->Is(*entry.model)) continue;
-    kept[i] = std::move(found->second);
-    before.erase(found);
+  std::unordered_map<std::string_view, std::size_t> places;
+  for (std::size_t i = 0; i < scene.robots.size(); ++i) places.emplace(scene.robots[i].entry.name, i);
+  std::vector<std::unique_ptr<Robot>> before = std::exchange(robots_, {}), kept(scene.robots.size());
+  freed_channel_ports_.clear();
+  for (std::unique_ptr<Robot>& robot : before) {
+    const auto found = places.find(robot->name());
+    if (found == places.end()) {
+      FreeChannels(*robot);
+    } else if (robot->Is(*scene.robots[found->second].entry.model)) {
+      kept[found->second] = std::move(robot);
+    }
   }
   // The leaving ones first: their names and ports may be wanted.
-  for (auto& [name, robot] : before) Drop(std::move(robot), name + " is not in the new scenario");
+  for (std::unique_ptr<Robot>& robot : before) {
+    if (robot == nullptr) continue;
+    const std::string reason = robot->name() + " is not in the new scenario";
+    Drop(std::move(robot), reason);
+  }
   const auto with_sockets =
       std::count_if(scene.robots.begin(), scene.robots.end(),
                     [this](const SceneRobot& robot) { return HasSockets(robot.entry); });

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <deque>
 #include <memory>
 #include <string>
 #include <unordered_map>
@@ -73,7 +74,15 @@ class RobotHost {
   PortPlan& PlanFor(const Robot& robot, std::size_t module) {
     return options_.channel_ports != nullptr && robot.is_channel(module) ? *options_.channel_ports : ports_;
   }
-  void TellChannel(const Robot& robot, std::size_t module) const;
+  std::string ChannelFile(const std::string& robot) const {
+    return options_.channel_ports_file + "-" + robot;
+  }
+  /// A channel listens on a port that is its robot's from now on.
+  void NoteChannel(const Robot& robot, std::size_t module);
+  /// The ports of `robot`, which is not in the new scene, are free for robots that are new in it.
+  void FreeChannels(const Robot& robot);
+  /// The channel listens on the port that its robot had before, or else on one of a robot that is gone.
+  bool ListenAsBefore(Robot& robot, std::size_t module);
   std::string OpenModule(Robot& robot, std::size_t module, bool at_start);
   void Drop(std::unique_ptr<Robot> robot, const std::string& reason);
 
@@ -84,6 +93,7 @@ class RobotHost {
   std::size_t next_of_pool_ = 0;
   std::vector<std::unique_ptr<Robot>> robots_;
   std::unordered_map<std::string, int> last_channel_ports_;  // by robot: its client stays where it is
+  std::deque<int> freed_channel_ports_;  // of robots that are not in the new scene, in their order
 };
 
 }  // namespace coopdyn

@@ -115,13 +115,23 @@ class YarsTcpEncoding final : public Encoding {
     }
   }
 
+  std::string Warning(const Message& reply) override {
+    const bool is_reset = reply.error == static_cast<std::int32_t>(Error::kNotPossible);
+    if (asks_ != Asks::kStep || reply.error == 0 || is_reset || std::exchange(told_, true)) return {};
+    return path_ + " has not taken ACTUATORS, and nothing has moved: " + reply.text +
+           " (later ones are not told)";
+  }
+
   void Push(UnaskedMessage& /*push*/, std::string& /*out*/) override {}
 
  private:
   enum class Asks { kNothing, kConfiguration, kSensors, kStep, kWorld };
 
+  /// The client gets the words, as a text, and the end of the connection.
   static Incoming Fatal(const std::string& why) {
-    return {DecodeStatus::kFatal, 0, ErrorReply(command::kUnreadable, Error::kMalformed, why)};
+    Incoming incoming{DecodeStatus::kFatal, 0, ErrorReply(command::kUnreadable, Error::kMalformed, why)};
+    AppendText("ERROR " + why, incoming.answer);
+    return incoming;
   }
   static Incoming Ask(Asks& asks, Asks what, Message request) {
     asks = what;
@@ -200,22 +210,22 @@ class YarsTcpEncoding final : public Encoding {
   const bool fits_;
   char awaited_ = 0;  // the letter of the value that belongs to the command before; 0: none does
   Asks asks_ = Asks::kNothing;
+  bool told_ = false;                  // that ACTUATORS were not taken
   std::optional<std::uint64_t> seed_;  // of the next reset
 };
 
 }  // namespace
 
 EncodingKind YarsTcpEncodingKind(YarsWorld& world) {
-  // By the lengths of the commands: no line of text has these bytes, and a short one need not wait for more.
+  // A text or a list that is no longer than 65535: no line of text has such bytes.
   const auto match = [](std::string_view first) {
-    constexpr std::string_view kLengths = "\x04\x05\x07\x09\x0b\x0d";
     if (first.empty()) return Match::kMaybe;
-    if (first[0] != 's') return Match::kNo;
-    if (first.size() > 1 && kLengths.find(first[1]) == std::string_view::npos) return Match::kNo;
-    for (std::size_t i = 2; i < std::min(first.size(), kHead); ++i) {
+    if (std::string_view("sDI").find(first[0]) == std::string_view::npos) return Match::kNo;
+    const bool is_line = first.size() < kHead && first.find('\n') != std::string_view::npos;
+    for (std::size_t i = 3; i < std::min(first.size(), kHead); ++i) {
       if (first[i] != 0) return Match::kNo;
     }
-    return first.size() < kHead ? Match::kMaybe : Match::kYes;
+    return is_line ? Match::kNo : first.size() < kHead ? Match::kMaybe : Match::kYes;
   };
   return {match, [&world](const Endpoint& endpoint) -> std::unique_ptr<Encoding> {
             return std::make_unique<YarsTcpEncoding>(endpoint, world);

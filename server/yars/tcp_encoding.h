@@ -10,7 +10,8 @@
 
 namespace coopdyn {
 
-/// Its kind: chosen by a text's first five bytes, which nothing else begins with. `world` outlives it.
+/// Its kind: chosen by the first five bytes of a text or a list, which nothing else begins with. What else
+/// the client says is answered with a text, ERROR and what is wrong, and the end. `world` outlives it.
 EncodingKind YarsTcpEncodingKind(YarsWorld& world);
 
 }  // namespace coopdyn

@@ -33,7 +33,13 @@ std::string ToText(const udp::endpoint& peer) {
 
 struct YarsPorts::Shared {
   Mutex mutex;
-  std::map<std::string, std::weak_ptr<YarsUdpPort::Impl>> ports GUARDED_BY(mutex);
+  std::map<int, std::weak_ptr<YarsUdpPort::Impl>> ports GUARDED_BY(mutex);
+
+  std::shared_ptr<YarsUdpPort::Impl> Find(int port) {
+    const MutexLock lock(mutex);
+    const auto found = ports.find(port);
+    return found == ports.end() ? nullptr : found->second.lock();
+  }
 };
 
 std::shared_ptr<YarsPorts::Shared> YarsPorts::MakeShared() {
@@ -55,6 +61,7 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
         watch_(io.context()) {}
 
   std::string Listen(const std::vector<std::string>& addresses, int port) {
+    port_ = port;
     for (const std::string& text : addresses) {
       error_code failed;
       const asio::ip::address address = asio::ip::make_address(text, failed);
@@ -77,12 +84,16 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
   void Start() {
     {
       const MutexLock lock(ports_->mutex);
-      ports_->ports[robot_] = weak_from_this();
+      ports_->ports[port_] = weak_from_this();
     }
     for (const auto& socket : sockets_) Wait(*socket);
   }
 
   void Close() {
+    {
+      const MutexLock lock(ports_->mutex);
+      ports_->ports.erase(port_);
+    }
     for (const auto& socket : sockets_) {
       error_code ignored;
       socket->close(ignored);
@@ -226,17 +237,30 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
   }
 
   void Ask(YarsOrder order) {
+    error_code ignored;
     world_.Ask(std::move(order), *this,
-               [ports = ports_, robot = robot_, peer = *peer_, talk = talk_](const Message& reply) {
-                 std::shared_ptr<Impl> port;
-                 {
-                   const MutexLock lock(ports->mutex);
-                   const auto found = ports->ports.find(robot);
-                   if (found != ports->ports.end()) port = found->second.lock();
-                 }
-                 if (port != nullptr)
+               [ports = ports_, &net = net_, from = socket_->local_endpoint(ignored), peer = *peer_,
+                talk = talk_](const Message& reply) {
+                 if (const auto port = ports->Find(from.port()); port != nullptr) {
                    port->Post([peer, talk, reply](Impl& self) { self.GoOn(peer, talk, reply); });
+                 } else if (talk.waits()) {
+                   TellGone(talk, reply, from, peer, net);
+                 }
                });
+  }
+
+  /// The client of a robot that is gone gets its answer from the same port.
+  static void TellGone(YarsUdpTalk talk, const Message& reply, const udp::endpoint& from,
+                       const udp::endpoint& to, NetServices& net) {
+    const char* const why = "there is no robot on this port any more: the experiment is another one now";
+    const Message gone = reply.error != 0 ? reply : ErrorReply(0, Error::kNoSuchName, why);
+    net.LogPeer(spdlog::level::warn, ToText(to), gone.text);
+    asio::io_context context;
+    udp::socket socket(context);
+    error_code failed;
+    socket.open(from.protocol(), failed);
+    if (!failed) socket.bind(from, failed);
+    for (const std::string& datagram : talk.Done(gone).datagrams) Send(datagram, to, socket);
   }
 
   /// The world has answered; the robot, and this port, may be new since the order.
@@ -264,6 +288,7 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
   }
 
   const std::string robot_;
+  int port_ = 0;
   Endpoint& channel_;
   NetServices& net_;
   const std::shared_ptr<YarsPorts::Shared> ports_;

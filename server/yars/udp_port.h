@@ -17,7 +17,7 @@ namespace coopdyn {
 
 class YarsUdpPort;
 
-/// The ports of a daemon, by their robots: an answer of the world finds the port that a robot has by then.
+/// The ports of a daemon, by their numbers: an answer of the world finds whichever robot is there by then.
 /// Any thread.
 class YarsPorts {
  public:

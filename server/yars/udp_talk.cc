@@ -35,15 +35,9 @@ enum : std::int32_t {
   kQuit = 100,
   kQuitAck = 101,
 };
-enum : std::int32_t {
-  kTagRobot = 0,
-  kTagCompound = 100,
-  kTagSegment = 200,
-  kTagMotor = 300,
-  kTagSensor = 400,
-  kTagAuxiliary = 500,
-  kTagMore = 999,
-};
+constexpr std::int32_t kRobot = 0;
+constexpr const char* kOtherRobot =
+    "the robot of this port is number 0: each robot has a port of its own, where it is the only one";
 
 /// Its acknowledgement, as all but the uploads have it.
 std::int32_t AckOf(std::int32_t id) {
@@ -127,24 +121,27 @@ YarsUdpTalk::Action YarsUdpTalk::Handle(std::int32_t id, YarsReader& fields) {
     return true;
   };
   const auto is_repeated = [&] { return number_ && number_ == last_number_ && !last_answer_.empty(); };
-  const auto ends_with_robot = [&](std::size_t more) { return end(1 + more); };
+  const auto other_robot = [&] { return fields.Int() != kRobot; };
   const std::string unfinished =
       "the request " + std::to_string(id) + " does not end with -1 where it should";
   switch (id) {
     case kPing:
       if (!end(0)) return Refuse(unfinished);
       return Send({Finish(Ints({kPingAck}))});
-    case kHandshake:
+    case kHandshake: {
       if (!end(0)) return Refuse(unfinished);
       if (is_repeated()) return {.datagrams = last_answer_};
-      return BasicHandshake();
+      std::string datagram = Ints({kHandshakeAck});
+      handshake_.AppendBasic(datagram);
+      return Send({Finish(std::move(datagram))});
+    }
     case kExtended:
       if (!end(0) && !end(1)) return Refuse(unfinished);
       if (is_repeated()) return {.datagrams = last_answer_};
       return Handshake(fields);
     case kSensors: {
-      if (!ends_with_robot(0)) return Refuse(unfinished);
-      robot_ = fields.Int().value_or(0);
+      if (!end(1)) return Refuse(unfinished);
+      if (other_robot()) return Refuse(kOtherRobot);
       step_id_ = id;
       waiting_ = Waiting::kValues;
       Action action;
@@ -158,9 +155,9 @@ YarsUdpTalk::Action YarsUdpTalk::Handle(std::int32_t id, YarsReader& fields) {
     case kInit:
     case kNextTry:
     case kReset: {
-      if (!ends_with_robot(id == kReset ? 0 : 1)) return Refuse(unfinished);
+      if (!end(id == kReset ? 1 : 2)) return Refuse(unfinished);
       if (is_repeated()) return {.datagrams = last_answer_};
-      robot_ = fields.Int().value_or(0);
+      if (other_robot()) return Refuse(kOtherRobot);
       YarsOrder order;
       if (id != kReset) order.seed = static_cast<std::uint32_t>(fields.Int().value_or(0));
       return Order(std::move(order), AckOf(id), std::nullopt);
@@ -186,86 +183,14 @@ YarsUdpTalk::Action YarsUdpTalk::Handle(std::int32_t id, YarsReader& fields) {
   }
 }
 
-// --- handshake
-
-void YarsUdpTalk::NoteTree() {
-  tree_ = {{kTagRobot}, {kTagCompound}};
-  motor_order_.clear();
-  value_order_.clear();
-  std::vector<std::size_t> auxiliary;
-  std::int32_t segments = std::max(channel_.segments, std::int32_t{1});
-  for (const auto* entries : {&channel_.motors, &channel_.values}) {
-    for (const YarsEntry& entry : *entries) segments = std::max(segments, entry.segment);
-  }
-  for (std::int32_t segment = 1; segment <= segments; ++segment) {
-    const auto is_here = [&](const YarsEntry& entry) { return std::max(entry.segment, 1) == segment; };
-    tree_.push_back({kTagSegment});
-    for (std::size_t i = 0; i < channel_.motors.size(); ++i) {
-      if (!is_here(channel_.motors[i])) continue;
-      tree_.push_back({kTagMotor, true, channel_.motors[i]});
-      motor_order_.push_back(i);
-    }
-    for (const bool is_auxiliary : {false, true}) {
-      for (std::size_t i = 0; i < channel_.values.size(); ++i) {
-        const YarsEntry& value = channel_.values[i];
-        if (!is_here(value) || value.auxiliary != is_auxiliary) continue;
-        tree_.push_back({is_auxiliary ? kTagAuxiliary : kTagSensor, true, value});
-        (is_auxiliary ? auxiliary : value_order_).push_back(i);
-      }
-    }
-  }
-  value_order_.insert(value_order_.end(), auxiliary.begin(), auxiliary.end());
-}
-
-YarsUdpTalk::Action YarsUdpTalk::BasicHandshake() {
-  std::vector<std::string> datagrams;
-  if (told_ >= tree_.size() || in_handshake_) told_ = 0;
-  in_handshake_ = false;
-  std::string datagram = Ints({kHandshakeAck});
-  constexpr std::size_t kRoom = 12;  // for the last tags and a number
-  while (told_ < tree_.size() && datagram.size() + kRoom <= kUsable) PutInt(tree_[told_++].tag, datagram);
-  if (told_ < tree_.size()) PutInt(kTagMore, datagram);
-  return Send({Finish(std::move(datagram))});
-}
-
 YarsUdpTalk::Action YarsUdpTalk::Handshake(YarsReader& fields) {
   const std::int32_t mode = fields.Int().value_or(kEnd);
   if (mode != kEnd && mode != kSerial && mode != kParallel)
     return Refuse("the extended handshake is 12, 82 (serial) or 80 (parallel), -1");
-  if (mode != kEnd || !in_handshake_) {
-    in_handshake_ = true;
-    told_ = 0;
-    names_next_ = false;
-    std::string datagram = Ints({kExtendedAck});
-    if (mode != kEnd) PutInt(AckOf(mode), datagram);
-    current_head_ = std::move(datagram);
-    return NextOfHandshake();
-  }
-  current_head_ = Ints({kExtendedAck});
-  return NextOfHandshake();
-}
-
-YarsUdpTalk::Action YarsUdpTalk::NextOfHandshake() {
-  std::string datagram = std::exchange(current_head_, {});
-  if (std::exchange(names_next_, false)) {
-    const std::string& name = tree_[told_ - 1].entry.name;
-    return Send({Finish(datagram + Ints({static_cast<std::int32_t>(name.size())}) + name)});
-  }
-  constexpr std::size_t kRoom = 24;  // for an entry and the end
-  while (told_ < tree_.size()) {
-    if (datagram.size() + kRoom > kUsable) {
-      PutInt(kTagMore, datagram);
-      return Send({Finish(std::move(datagram))});
-    }
-    const Tag& tag = tree_[told_++];
-    PutInt(tag.tag, datagram);
-    if (!tag.is_entry) continue;
-    PutFloat(static_cast<float>(tag.entry.external_min), datagram);
-    PutFloat(static_cast<float>(tag.entry.external_max), datagram);
-    names_next_ = true;
-    return Send({Finish(std::move(datagram))});
-  }
-  in_handshake_ = false;
+  std::string datagram = Ints({kExtendedAck});
+  if (mode != kEnd) PutInt(AckOf(mode), datagram);
+  if (mode != kEnd || !handshake_.in_extended()) handshake_.BeginExtended();
+  handshake_.AppendExtended(datagram);
   return Send({Finish(std::move(datagram))});
 }
 
@@ -282,7 +207,7 @@ YarsUdpTalk::Action YarsUdpTalk::Step(std::int32_t id, YarsReader& fields) {
     return Send(std::move(some));
   }
   const std::int32_t count = fields.Int().value_or(kEnd);
-  const std::size_t expected = channel_.motors.size();
+  const std::size_t expected = handshake_.motor_order().size();
   const bool begins = count == static_cast<std::int32_t>(expected);
   if (begins) {
     motors_.clear();
@@ -304,18 +229,21 @@ YarsUdpTalk::Action YarsUdpTalk::Step(std::int32_t id, YarsReader& fields) {
   }
   number_ = fields.Int();
   if (number_ && number_ == last_number_ && !last_answer_.empty()) return {.datagrams = last_answer_};
+  if (robot != kRobot) {
+    motors_.clear();
+    return Refuse(kOtherRobot);
+  }
   if (motors_.size() < expected) {
     const bool wants_ack = ++motor_datagrams_ % kUnacknowledged == 0;
     return wants_ack ? Send({Finish(Ints({AckOf(id)}))}) : Action{};
   }
-  robot_ = robot;
   step_id_ = id;
   waiting_ = Waiting::kStep;
   Action action;
   action.request.emplace();
   action.request->command = command::kSetMotors;
   action.request->data.resize(expected);
-  for (std::size_t i = 0; i < expected; ++i) action.request->data[motor_order_[i]] = motors_[i];
+  for (std::size_t i = 0; i < expected; ++i) action.request->data[handshake_.motor_order()[i]] = motors_[i];
   motors_.clear();
   return action;
 }
@@ -324,9 +252,8 @@ YarsUdpTalk::Action YarsUdpTalk::Answer(const Message& reply) {
   const Waiting waited = std::exchange(waiting_, Waiting::kNot);
   if (waited == Waiting::kChannel) {
     if (reply.error != 0) return GoOn(Refuse(reply.text));
-    channel_ = YarsChannel::Of(reply);
+    handshake_ = YarsUdpHandshake(YarsChannel::Of(reply));
     knows_channel_ = true;
-    NoteTree();
     return GoOn(Begin(std::string(current_)));
   }
   if (reply.error == static_cast<std::int32_t>(Error::kNotPossible) && waited == Waiting::kStep) {
@@ -340,13 +267,14 @@ YarsUdpTalk::Action YarsUdpTalk::Answer(const Message& reply) {
   if (reply.error != 0) return GoOn(Refuse(reply.text));
   constexpr std::int32_t kAbort = 1;
   const std::int32_t state = reply.text == "aborted" ? kAbort : 0;
-  const std::size_t count = value_order_.size();
+  const std::vector<std::size_t>& order = handshake_.value_order();
+  const std::size_t count = order.size();
   std::vector<std::string> datagrams;
   std::size_t sent = 0;
   do {
-    std::string datagram = Ints({AckOf(step_id_), robot_, state, static_cast<std::int32_t>(count - sent)});
+    std::string datagram = Ints({AckOf(step_id_), kRobot, state, static_cast<std::int32_t>(count - sent)});
     for (std::size_t i = 0; i < kValuesEach && sent < count; ++i, ++sent) {
-      const std::size_t index = value_order_[sent];
+      const std::size_t index = order[sent];
       PutFloat(index < reply.data.size() ? static_cast<float>(reply.data[index]) : 0, datagram);
     }
     datagrams.push_back(Finish(std::move(datagram)));
@@ -374,12 +302,11 @@ YarsUdpTalk::Action YarsUdpTalk::Order(YarsOrder order, std::int32_t ack,
 YarsUdpTalk::Action YarsUdpTalk::Done(const Message& reply) {
   waiting_ = Waiting::kNot;
   knows_channel_ = false;  // the robot may be another one
-  in_handshake_ = false;
   left_.clear();
   if (reply.error != 0 && !failed_) return GoOn(Refuse(reply.text));
   const bool has_failed = reply.error != 0;
   std::string datagram = Ints({has_failed ? *failed_ : ack_});
-  if (!failed_) PutInt(robot_, datagram);
+  if (!failed_) PutInt(kRobot, datagram);
   Action action = Send({Finish(std::move(datagram))});
   if (has_failed) action.trouble = reply.text;
   return GoOn(std::move(action));

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "protocol/message.h"
+#include "server/yars/udp_handshake.h"
 #include "server/yars/wire.h"
 #include "server/yars/world.h"
 
@@ -21,7 +22,7 @@ namespace coopdyn {
 
 class YarsUdpTalk {
  public:
-  static constexpr std::size_t kMaxDatagram = 1024, kUsable = 1020;
+  static constexpr std::size_t kMaxDatagram = 1024, kUsable = YarsUdpHandshake::kUsable;
   static constexpr std::size_t kValuesEach = 250;     // in one datagram
   static constexpr std::size_t kUnacknowledged = 80;  // datagrams
   static constexpr std::size_t kMaxText = std::size_t{4} << 20;
@@ -57,8 +58,6 @@ class YarsUdpTalk {
   Action Begin(std::string_view datagram);
   Action Handle(std::int32_t id, YarsReader& fields);
   Action Handshake(YarsReader& fields);
-  Action BasicHandshake();
-  Action NextOfHandshake();
   Action Step(std::int32_t id, YarsReader& fields);
   Action NewSimulation(YarsReader& fields);
   Action NewSimulationData(YarsReader& fields, std::int32_t index);
@@ -69,11 +68,10 @@ class YarsUdpTalk {
   /// `numbers`, then −1 and the number of the request.
   std::string Finish(std::string datagram) const;
   static std::string Ints(std::initializer_list<std::int32_t> numbers);
-  void NoteTree();
   /// Of a later step of the module's answer.
   Action GoOn(Action action);
 
-  YarsChannel channel_;
+  YarsUdpHandshake handshake_;
   bool knows_channel_ = false;
   Waiting waiting_ = Waiting::kNot;
   std::string current_, later_;           // datagrams: being worked on, and to be taken up then
@@ -81,21 +79,9 @@ class YarsUdpTalk {
   std::optional<std::int32_t> number_;    // of the request
   std::optional<std::int32_t> last_number_;
 
-  struct Tag {
-    std::int32_t tag = 0;
-    bool is_entry = false;
-    YarsEntry entry = {};
-  };
-  std::vector<Tag> tree_;
-  std::vector<std::size_t> motor_order_, value_order_;  // as told: index into the channel's
-  std::size_t told_ = 0;                                // of tree_
-  bool names_next_ = false;                             // the name of tree_[told_ − 1]
-  bool in_handshake_ = false;
-  std::string current_head_;  // of the next datagram
-
   std::vector<double> motors_;  // of a step whose datagrams come
   std::size_t motor_datagrams_ = 0;
-  std::int32_t robot_ = 0, step_id_ = 0, ack_ = 0;
+  std::int32_t step_id_ = 0, ack_ = 0;
   std::optional<std::int32_t> failed_;
   std::vector<std::string> left_;  // of the values: sent when the client asks for more
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "server/yars/wire.h"
 
+#include <cmath>
+
 #include "server/base/words.h"
 
 namespace coopdyn {
@@ -13,8 +15,14 @@ YarsChannel YarsChannel::Of(const Message& reply) {
   if (reply.params.size() > 3) channel.segments = reply.params[3];
   for (std::size_t i = 0; i < names.size() && (i + 1) * kEach <= reply.data.size(); ++i) {
     const double* const at = reply.data.data() + i * kEach;
+    // As YARS tells what has no bounds; what is not mapped is exchanged as it is.
+    constexpr double kUnbounded = 100'000;
+    const double low = std::isfinite(at[0]) ? at[0] : -kUnbounded;
+    const double high = std::isfinite(at[1]) ? at[1] : kUnbounded;
+    const bool maps = std::isfinite(at[2]);
     (i < motors ? channel.motors : channel.values)
-        .push_back({names[i], at[0], at[1], at[2], at[3], at[4] != 0, static_cast<std::int32_t>(at[5])});
+        .push_back({names[i], low, high, maps ? at[2] : low, maps ? at[3] : high, at[4] != 0,
+                    static_cast<std::int32_t>(at[5])});
   }
   return channel;
 }

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Clients of YARS drive robots by its UDP and TCP protocols, in mapped values, in lockstep."""
+import math
 import subprocess
 import tempfile
 import unittest
@@ -215,6 +216,16 @@ class ChannelTest(unittest.TestCase):
             self.assertEqual(client.receive()[:4], ints(99))
         client.step([0, 0, 0])
 
+    def test_another_robots_number_is_refused(self):
+        self.serve()
+        client = self.udp()
+        before = self.steps_run()
+        client.robot = 1
+        for request in (client.step_request([0, 0, 0]), ints(20, 1, -1), ints(50, 1, -1)):
+            client.send(request)
+            self.assertIn(b"the robot of this port is number 0", client.receive())
+        self.assertEqual(self.steps_run(), before)
+
     # --- TCP
 
     def test_the_configuration_over_tcp(self):
@@ -238,6 +249,44 @@ class ChannelTest(unittest.TestCase):
         values = client.sensors()
         self.assertEqual(self.steps_run() - before, 100)
         self.assertIn(0.5, [round(value, 1) for value in values])
+
+    def test_ranges_are_finite(self):
+        self.serve()
+        lines = self.tcp().configuration()
+        at = lines.index("NAME bumper")
+        self.assertEqual(lines[at + 2:at + 4], ["INTERNAL DOMAIN 0 1", "EXTERNAL DOMAIN 0 1"])
+        at = lines.index("NAME place")
+        self.assertEqual(lines[at + 2:at + 4], ["INTERNAL DOMAIN -100000 100000", "EXTERNAL DOMAIN -100000 100000"])
+
+    def test_an_unknown_first_command_is_answered(self):
+        self.serve()
+        for word in ("HELLO", "x", "TEN LETTER", "S" * 300):
+            client = self.tcp()
+            client.say(word)
+            self.assertIn(f"ERROR there is no command '{word[:40]}'", client.read_text())
+            self.assertEqual(client.read_to_end(), b"")
+        self.assertIn("there is no command 'HELLO'", self.daemon.stderr())
+
+    def test_wrong_actuators_are_told_in_the_log_and_the_client_goes_on(self):
+        self.serve()
+        for wrong in ([0], [0, 0, math.nan]):
+            client = self.tcp()
+            before = self.steps_run()
+            client.actuators(wrong)
+            client.actuators(wrong)
+            self.assertEqual(len(client.sensors()), 6)
+            self.assertEqual(self.steps_run(), before)
+            client.actuators([0, 0, 0])
+            client.sensors()
+            self.assertEqual(self.steps_run(), before + 5)
+            client.close()
+        said = self.daemon.stderr()
+        self.assertEqual(said.count("has not taken ACTUATORS"), 2, said)
+        self.assertIn("3 values, one for each motor, not 1", said)
+        client = self.tcp()
+        client.say("ACTUATORS")
+        client.say("fast")
+        self.assertIn("ERROR the command before is followed by D", client.read_text())
 
     def test_reset_with_a_seed_over_tcp(self):
         self.serve(DRAWN)

@@ -160,6 +160,23 @@ TEST_F(YarsTcpEncodingTest, WhatIsNoCommandEndsTheConnectionWithWords) {
   const Incoming refused = Decode(Text("SENSOR"));
   EXPECT_EQ(refused.status, DecodeStatus::kFatal);
   EXPECT_NE(refused.message.text.find("no command 'SENSOR'"), std::string::npos);
+  EXPECT_EQ(refused.answer, Text("ERROR " + refused.message.text));
+}
+
+TEST_F(YarsTcpEncodingTest, ActuatorsThatAreNotTakenAreToldOnce) {
+  const auto warning = [this](std::string bytes, const Message& reply) {
+    Decode(Text("ACTUATORS") + bytes);
+    const std::string text = encoding_->Warning(reply);
+    std::string out;
+    encoding_->Reply(reply, out);
+    EXPECT_EQ(out, "");
+    return text;
+  };
+  EXPECT_EQ(warning(Doubles({1, 2}), ReplyTo(command::kSetMotors)), "");
+  EXPECT_EQ(warning(Doubles({1, 2}), ErrorReply(command::kSetMotors, Error::kNotPossible, "reset")), "");
+  const Message wrong = ErrorReply(command::kSetMotors, Error::kWrongData, "takes 2 values, not 1");
+  EXPECT_NE(warning(Doubles({1}), wrong).find("takes 2 values, not 1"), std::string::npos);
+  EXPECT_EQ(warning(Doubles({1}), wrong), "");
 }
 
 TEST_F(YarsTcpEncodingTest, AHugeCountIsRefused) {
@@ -179,10 +196,13 @@ TEST_F(YarsTcpEncodingTest, AnotherModuleRefuses) {
 
 TEST_F(YarsTcpEncodingTest, ItsFirstBytesAreNoOtherEncodings) {
   const auto match = YarsTcpEncodingKind(world_).match;
-  EXPECT_EQ(match(Text("SENSORS")), Match::kYes);
+  for (const std::string& first :
+       {Text("SENSORS"), Text("x"), Text("TEN LETTER"), Text(std::string(300, 'x')), Doubles({1, 2})})
+    EXPECT_EQ(match(first), Match::kYes);
   EXPECT_EQ(match("s"), Match::kMaybe);
+  EXPECT_EQ(match("st"), Match::kMaybe);
   for (const char* other :
-       {"set_motors 1 1\n", "stop\r\n", "s\n", "subscribe\n", "GET / HTTP/1.1\r\n", "COOP"})
+       {"set_motors 1 1\n", "stop\r\n", "s\n", "st\n", "D\n", "subscribe\n", "GET / HTTP/1.1\r\n", "COOP"})
     EXPECT_EQ(match(other), Match::kNo) << other;
 }
 

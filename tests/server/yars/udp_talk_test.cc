@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <initializer_list>
+#include <limits>
 #include <random>
 #include <string>
 #include <variant>
@@ -95,6 +96,25 @@ TEST_F(YarsUdpTalkTest, TheExtendedHandshakeTellsRangesAndNames) {
   EXPECT_EQ(Answer(Ints({12, -1})), Ints({13, 400}) + Floats({-1, 1}) + Ints({-1}));
   EXPECT_EQ(Answer(Ints({12, -1})), Ints({13, 2}) + "v1" + Ints({-1}));
   EXPECT_EQ(Answer(Ints({12, -1})), Ints({13, -1}));
+}
+
+TEST_F(YarsUdpTalkTest, WhatHasNoBoundsHasThoseThatYarsTells) {
+  channel_ = ChannelReply(1, 1);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 6; i < 10; ++i) channel_.data[i] = i % 2 == 0 ? -kInfinity : kInfinity;
+  channel_.data[2] = -kInfinity;  // not mapped
+  channel_.data[3] = kInfinity;
+  EXPECT_EQ(Answer(Ints({12, 82, -1})), Ints({13, 83, 0, 100, 200, 300}) + Floats({-2, 2}) + Ints({-1}));
+  Answer(Ints({12, -1}));
+  EXPECT_EQ(Answer(Ints({12, -1})), Ints({13, 400}) + Floats({-100'000, 100'000}) + Ints({-1}));
+}
+
+TEST_F(YarsUdpTalkTest, AfterAResetTheBasicHandshakeBeginsAnew) {
+  Send(Ints({10, -1}));
+  Send(Ints({50, 0, -1}));
+  channel_ = ChannelReply(3, 5);  // more than before
+  talk_.Done(ReplyTo(command::kReset));
+  EXPECT_EQ(Answer(Ints({10, -1})), Ints({11, 0, 100, 200, 300, 300, 300, 400, 400, 400, 400, 400, -1}));
 }
 
 TEST_F(YarsUdpTalkTest, AHandshakeMayBeginAgain) {
@@ -197,6 +217,19 @@ TEST_F(YarsUdpTalkTest, MoreThan250MotorsComeInSeveralDatagrams) {
   EXPECT_EQ(whole.request->data.size(), 300u);
   EXPECT_EQ(whole.request->data.front(), 0.25);
   EXPECT_EQ(whole.request->data.back(), 0.5);
+}
+
+TEST_F(YarsUdpTalkTest, AWrongRobotIsRefusedInWords) {
+  for (const std::string& wrong :
+       {Ints({40, 1, 2}) + Floats({0, 0}) + Ints({-1, 7}), Ints({20, 3, -1, 7}), Ints({50, 1, -1, 7}),
+        Ints({60, -2, 17, -1, 7}), Ints({70, 9, 17, -1, 7})}) {
+    const YarsUdpTalk::Action refused = Send(wrong);
+    EXPECT_FALSE(refused.request || refused.order);
+    EXPECT_EQ(IdOf(refused), YarsUdpTalk::kRefused);
+    EXPECT_NE(refused.trouble.find("number 0"), std::string::npos);
+    EXPECT_TRUE(refused.datagrams[0].ends_with(Ints({-1, 7})));
+    talk_ = {};
+  }
 }
 
 TEST_F(YarsUdpTalkTest, AWrongNumberOfMotorsIsRefusedInWords) {

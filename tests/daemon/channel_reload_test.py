@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: MIT
+"""The file of an experiment is edited while clients of YARS drive its robots: the next reset has it."""
+import tempfile
+import unittest
+from pathlib import Path
+
+from channel_test import STILL
+from harness import Daemon, until
+from yars_clients import Udp, ints
+
+
+def with_ball(text, name, x=3, more=""):
+    """The experiment with another robot: a ball that a motor turns."""
+    return text.replace("</movables>", f"""<movable name="{name}" type="active"><body>
+        <object name="ball" mass="1"><pose x="{x}" y="2" z="0.1"/><sphere radius="0.1"/>{more}</object>
+        <connector name="spin" type="hinge" source="ball"><drive type="velocity" maxForce="1" maxVelocity="1"/></connector>
+    </body></movable></movables>""")
+
+
+class ChannelReloadTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.file = self.folder / "vehicle.xml"
+
+    def serve(self, text=STILL, *options):
+        self.file.write_text(text)
+        self.daemon = self.enterContext(
+            Daemon(None, "--no-render", "--channel-ports-to", str(self.folder / "port"), *options, name=str(self.file)))
+        return self.daemon
+
+    def port(self, robot):
+        return int((self.folder / f"port-{robot}").read_text())
+
+    def udp(self, robot):
+        client = Udp(self.port(robot))
+        self.addCleanup(client.close)
+        return client
+
+    def test_a_renamed_robot_keeps_port_and_client(self):
+        self.serve()
+        client = self.udp("vehicle")
+        client.handshake()
+        client.step([0, 0, 0])
+        before = self.port("vehicle")
+        self.file.write_text(STILL.replace('movable name="vehicle"', 'movable name="car"'))
+        self.assertEqual(client.ask(50, 0, -1), ints(51, 0, -1))
+        self.assertEqual(self.port("car"), before)
+        self.assertFalse((self.folder / "port-vehicle").exists())
+        client.handshake()
+        client.step([0, 0, 0])
+        self.file.write_text(STILL)
+        self.assertEqual(client.ask(50, 0, -1), ints(51, 0, -1))
+        self.assertEqual(self.port("vehicle"), before)
+
+    def test_two_renamed_robots_keep_their_ports_in_their_order(self):
+        self.serve(with_ball(STILL, "ball"))
+        ports = [self.port("vehicle"), self.port("ball")]
+        client = self.udp("vehicle")
+        client.handshake()
+        self.file.write_text(with_ball(STILL, "b").replace('movable name="vehicle"', 'movable name="a"'))
+        self.assertEqual(client.ask(50, 0, -1), ints(51, 0, -1))
+        self.assertEqual([self.port("a"), self.port("b")], ports)
+
+    def test_a_changed_robot_keeps_its_port_when_the_one_before_it_goes(self):
+        for options in ((), ("--channel-port", "14700")):
+            with self.subTest(options):
+                both = with_ball(with_ball(STILL, "ball"), "other", 4)
+                self.serve(both, *options)
+                client = self.udp("other")
+                client.handshake()
+                before = self.port("other")
+                self.file.write_text(with_ball(STILL, "other", 4, '<contact name="hit"/>'))
+                self.assertEqual(client.ask(50, 0, -1), ints(51, 0, -1))
+                self.assertEqual(self.port("other"), before)
+                self.assertEqual(client.handshake().count(400), 1)
+
+    def test_the_client_of_a_robot_that_is_gone_is_told(self):
+        self.serve(with_ball(STILL, "ball"))
+        client = self.udp("ball")
+        client.handshake()
+        self.file.write_text(STILL)
+        reply = client.ask(50, 0, -1)
+        self.assertEqual(reply[:4], ints(99))
+        self.assertIn(b"no robot", reply)
+        self.assertIn("no robot", self.daemon.stderr())
+
+    def test_a_step_that_anothers_reload_ends_is_answered(self):
+        self.serve(with_ball(STILL, "ball"))
+        vehicle, ball = self.udp("vehicle"), self.udp("ball")
+        vehicle.handshake()
+        ball.handshake()
+        vehicle.send(vehicle.step_request([0, 0, 0]))  # waits for the ball's client
+        until(lambda: self.daemon.awaited() == ["ball"])
+        self.file.write_text(with_ball(STILL.replace('mass="0.1"', 'mass="0.2"'), "ball"))
+        self.assertEqual(ball.ask(50, 0, -1), ints(51, 0, -1))
+        self.assertIn(b"vehicle is no longer", vehicle.receive())
+        self.assertEqual(vehicle.handshake().count(300), 3)
+
+
+if __name__ == "__main__":
+    unittest.main()
