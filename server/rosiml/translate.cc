@@ -31,7 +31,7 @@ std::optional<Translation> Translate(std::string_view text, const std::string& f
   Diagnostics found(file);
   tinyxml2::XMLDocument document;
   std::optional<Translation> made;
-  if (const Element* root = Parse(text, file, document, found)) {
+  if (Element* const root = Parse(text, file, document, found)) {
     const Dialect dialect = DialectOf(*root);
     CheckGrammar(*root, dialect, file, found);
     const Experiment experiment = dialect == Dialect::kPaper ? ReadPaper(*root, file, found)

@@ -40,12 +40,6 @@ TEST(GrammarTest, AnElementThatStandsTwiceIsAnError) {
              "<simulator> stands twice in <rosiml>");
 }
 
-TEST(GrammarTest, AnAttributeThatStandsTwiceIsAnError) {
-  EXPECT_HAS(
-      Said(Public("<pointLightSource x=\"1\" x=\"2\" y=\"0\" z=\"1\" colour=\"FFFFFF\" brightness=\"1\"/>")),
-      "not well-formed XML (XML_ERROR_PARSING_ATTRIBUTE)");
-}
-
 TEST(GrammarTest, TextBetweenTagsIsAnError) {
   EXPECT_HAS(Said("<rosiml version=\"0.8\"><simulator frequency=\"100\">fast</simulator><robots/></rosiml>"),
              "text between the tags of <simulator>");
