@@ -144,9 +144,20 @@ class Checker {
   /// The nearest word that may stand there instead, or nothing.
   std::string ErrorOfUnknown(const Element& child, const ParsedRule& rule) {
     const std::vector<std::string> names = NamesOf(rule.children);
+    const std::string meant = Nearest(child.Name(), names), home = HomeOf(child.Name());
     Error(child, "unknown element <" + Shown(child.Name()) + "> in <" + child.Parent()->Value() + ">" +
-                     DidYouMean(child.Name(), names));
-    return Nearest(child.Name(), names);
+                     (meant.empty() && !home.empty() ? ": it stands in <" + home + ">"
+                                                     : DidYouMean(child.Name(), names)));
+    return meant;
+  }
+
+  /// The only element that may have this child, or nothing.
+  std::string HomeOf(std::string_view child) const {
+    std::vector<std::string> homes;
+    for (const auto& [kind, rule] : rules_) {
+      if (std::ranges::find(rule.children, child, &Word::name) != rule.children.end()) homes.push_back(kind);
+    }
+    return homes.size() == 1 && homes.front().find_first_of("_&") == std::string::npos ? homes.front() : "";
   }
 
   void CheckAttributes(Element& element, const ParsedRule& rule) {

@@ -86,6 +86,12 @@ TEST(MistakesTest, AMisspeltWordIsReadAsItIsMeant) {
             "x.xml:7: error: unknown attribute 'nmae' in <object>; did you mean 'name'?\n");
 }
 
+TEST(MistakesTest, AnElementInAWrongPlaceIsToldWhereItStands) {
+  std::string text = Public("");
+  text.insert(text.find("<environment>"), "<control iterations=\"5\"/>");
+  EXPECT_HAS(Said(text), "unknown element <control> in <rosiml>: it stands in <simulator>");
+}
+
 TEST(MistakesTest, WhatNamesSomethingWithAMistakeIsNoOtherMistake) {
   EXPECT_EQ(Said(Lines("<sphere name=\"s\" radius=\"0\"/>", "<object name=\"a\" mass=\"x\"/>\n",
                        "<score kind=\"reach\" of=\"m/b\" target=\"s\"/>")),
