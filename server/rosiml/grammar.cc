@@ -230,7 +230,7 @@ class Checker {
     if (is_kind && *value <= high && (letter == '+' ? *value > 0 : *value >= low)) return "";
     const std::string said = letter == 'i' ? "is a whole number" : "is a number";
     const bool is_far = has_range || (value && std::abs(*value) > high);
-    if (letter == '+') return said + " above 0" + (is_far ? ", at most " + most : "");
+    if (letter == '+') return said + " above 0" + (value && *value > high ? ", at most " + most : "");
     return said + (is_far ? " from " + least + " to " + most : letter == '0' ? ", 0 or more" : "");
   }
 

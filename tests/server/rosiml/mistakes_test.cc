@@ -26,7 +26,7 @@ TEST(MistakesTest, AnAngleBeyondItsLimitIsToldInDegrees) {
 TEST(MistakesTest, LimitsAreToldWithTheValue) {
   EXPECT_EQ(Said(Lines("<sphere name=\"s\" radius=\"5e3\" mass=\"1e9\"/>",
                        Object("a", "<proximity name=\"p\" range=\"1\" opening=\"9\" rays=\"1000000\"/>\n"))),
-            "x.xml:2: error: 'radius' in <sphere> is a number from 0.0001 to 1000, not '5e3'\n"
+            "x.xml:2: error: 'radius' in <sphere> is a number above 0, at most 1000, not '5e3'\n"
             "x.xml:2: error: 'mass' in <sphere> is a number from 0 to 1000000, not '1e9'\n"
             "x.xml:6: error: 'rays' in <proximity> is a whole number from 1 to 1000, not '1000000'\n");
   EXPECT_HAS(Said(Public(Ball("b", "<pose x=\"1e6\"/>", "1e9"))),
@@ -95,7 +95,7 @@ TEST(MistakesTest, AnElementInAWrongPlaceIsToldWhereItStands) {
 TEST(MistakesTest, WhatNamesSomethingWithAMistakeIsNoOtherMistake) {
   EXPECT_EQ(Said(Lines("<sphere name=\"s\" radius=\"0\"/>", "<object name=\"a\" mass=\"x\"/>\n",
                        "<score kind=\"reach\" of=\"m/b\" target=\"s\"/>")),
-            "x.xml:2: error: 'radius' in <sphere> is a number from 0.0001 to 1000, not '0'\n"
+            "x.xml:2: error: 'radius' in <sphere> is a number above 0, not '0'\n"
             "x.xml:5: error: 'mass' in <object> is a number from 0 to 1000000, not 'x'\n"
             "x.xml:5: error: <object> needs a shape: <box>, <sphere>, <cylinder> or <capsule>\n");
 }
