@@ -57,9 +57,11 @@ class PublicReader : Reader {
   }
 
   void ReadMacros(const Element& macros) {
+    macros_element_ = &macros;
     ForEachChild(macros, [this](const Element& macro) { NoteMacro(macro); });
-    has_sound_macros_ = IsSound(macros);
   }
+  /// Some mistakes in them are found where they are used.
+  bool HasSoundMacros() const { return macros_element_ == nullptr || IsSound(*macros_element_); }
 
   void NoteMacro(const Element& macro) {
     const std::string name = Text(macro, "name");
@@ -91,7 +93,7 @@ class PublicReader : Reader {
           thing.name = body.name;
           thing.line = body.line;
           thing.bodies.push_back(std::move(body));
-          thing.is_sound = IsNew(lines_, child, thing.name) && has_sound_macros_ && IsSound(child);
+          thing.is_sound = IsNew(lines_, child, thing.name) && HasSoundMacros() && IsSound(child);
           experiment_.things.push_back(std::move(thing));
         }
       }
@@ -214,7 +216,7 @@ class PublicReader : Reader {
       constexpr double kUsual_hz = 10;
       robot.exchange_steps = StepsOf(*controller, frequency_hz_, Number(*controller, "frequency", kUsual_hz));
     }
-    robot.is_sound = IsNew(lines_, element) && has_sound_macros_ && IsSound(element);
+    robot.is_sound = IsNew(lines_, element) && HasSoundMacros() && IsSound(element);
     experiment_.robots.push_back(std::move(robot));
   }
 
@@ -380,7 +382,7 @@ class PublicReader : Reader {
   int uses_ = 0;             // of macros
   bool is_full_ = false;     // they go too deep, or make too many bodies
   double frequency_hz_ = 0;  // 0: it is wrong
-  bool has_sound_macros_ = true;
+  const Element* macros_element_ = nullptr;
   const Element* robot_element_ = nullptr;  // that is read
   std::map<std::string, int> lines_;        // of names of things and robots
   HasController has_controller_;
