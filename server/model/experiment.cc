@@ -2,6 +2,7 @@
 #include "server/model/experiment.h"
 
 #include <algorithm>
+#include <set>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -48,6 +49,15 @@ std::shared_ptr<const RobotModel> ReadMade(const rosiml::MadeModel& made, const 
   return model;
 }
 
+/// Robots without a model, and what may name them, would be more mistakes.
+void LeaveOutWrong(const std::set<std::string>& types, std::vector<Section>& sections) {
+  std::erase_if(sections, [&types](const Section& section) {
+    if (section.word == "random") return !types.empty();
+    const auto type = std::ranges::find(section.entries, "type", &Entry::key);
+    return type != section.entries.end() && types.contains(type->value);
+  });
+}
+
 }  // namespace
 
 bool IsExperiment(const std::string& text, const std::string& file) {
@@ -64,27 +74,31 @@ std::vector<Section> ReadExperiment(const std::string& text, const std::string& 
   const auto has_controller = [&](const std::string& controller) {
     return library.path().FindController(controller, beside).has_value();
   };
-  auto made =
-      rosiml::Translate(std::string_view(text).substr(0, size), file, prefix, diagnostics, has_controller);
+  auto made = rosiml::TranslateSound(std::string_view(text).substr(0, size), file, prefix, diagnostics,
+                                     has_controller);
   if (!made) return {};
   std::optional<Resources> resources;
   if (has_files) resources.emplace(library.path().folders, file);
+  std::set<std::string> wrong;  // types
   for (const rosiml::MadeModel& model : made->models) {
     // A recording has its own.
     if (library.Embedded("robot", model.type) != nullptr || library.IsMade(model.type, model.sdf.text))
       continue;
     if (auto read = ReadMade(model, file, resources ? &*resources : nullptr, diagnostics))
       library.AddMade(model.type, model.sdf.text, std::move(read));
+    else
+      wrong.insert(model.type);
   }
-  if (diagnostics.has_errors()) return {};  // robots without a model would be more mistakes
+  const bool is_whole = !diagnostics.has_errors();
   int line = static_cast<int>(std::ranges::count(std::string_view(text).substr(0, size), '\n'));
-  for (std::string_view rest = std::string_view(text).substr(size); !rest.empty();)
+  for (std::string_view rest = std::string_view(text).substr(size); is_whole && !rest.empty();)
     made->scenario.Add(++line, TakeLine(rest));
   std::vector<Section> sections = ReadSections(made->scenario.text, file, diagnostics);
   for (Section& section : sections) {
     section.line = LineIn(made->scenario.lines, section.line);
     for (Entry& entry : section.entries) entry.line = LineIn(made->scenario.lines, entry.line);
   }
+  if (!is_whole) LeaveOutWrong(wrong, sections);
   return sections;
 }
 

@@ -74,7 +74,7 @@ class LinkReader {
       out.is_carrier = xml_link != nullptr && xml_link->Attribute("coopdyn:carrier") != nullptr;
       const tinyxml2::XMLElement* inertial =
           xml_link == nullptr ? nullptr : xml_link->FirstChildElement("inertial");
-      ReadInertial(link, inertial != nullptr && inertial->Attribute("coopdyn:solid") != nullptr, out);
+      ReadInertial(link, inertial != nullptr && inertial->BoolAttribute("coopdyn:solid"), out);
       reading_.robot.links.push_back(std::move(out));
       reading_.assembly.links.push_back({reading_.robot.links.back().name, names});
       if (xml_link != nullptr) xml_link = xml_link->NextSiblingElement("link");

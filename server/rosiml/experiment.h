@@ -184,6 +184,7 @@ struct Movable {
   std::string colour;
   Random random;
   bool is_robot = false;
+  bool is_sound = true;  // without mistakes
   int line = 0;
 };
 
@@ -195,6 +196,7 @@ struct Light {
   Random random;
   int line = 0;
   std::string name;
+  bool is_sound = true;
 };
 
 /// A line of a section: its key with its value.
@@ -208,6 +210,7 @@ struct Score {
   std::vector<std::string> of;    // names of movables and things; none: all robots
   std::string target;             // of a thing or a light
   std::vector<std::string> keys;  // the other lines of its section
+  bool is_sound = true;
   int line = 0;
 };
 

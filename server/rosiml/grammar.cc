@@ -67,25 +67,27 @@ class Checker {
     }
   }
 
-  void Check(const Element& element, const std::string& kind) {
+  void Check(Element& element, const std::string& kind) {
     const SourceLine where{file_, element.GetLineNum()};
     if (diagnostics_.StopAt(where)) return;
     const ParsedRule& rule = rules_.at(kind);
     CheckAttributes(element, rule);
     CheckTexts(element);
     std::map<std::string, int> counts;
-    ForEachChild(element, [&](const Element& child) {
-      const auto word = std::ranges::find(rule.children, child.Name(), &Word::name);
+    for (Element* child = element.FirstChildElement(); child != nullptr;
+         child = child->NextSiblingElement()) {
+      auto word = std::ranges::find(rule.children, child->Name(), &Word::name);
       if (word == rule.children.end()) {
-        Error(child, "unknown element <" + Shown(child.Name()) + "> in <" + element.Name() + ">" +
-                         DidYouMean(child.Name(), NamesOf(rule.children)));
-        return;
+        const std::string meant = ErrorOfUnknown(*child, rule);
+        word = std::ranges::find(rule.children, meant, &Word::name);
+        if (word == rule.children.end() || (word->is_single && counts[meant] > 0)) continue;
+        child->SetName(meant.c_str());
       }
       if (++counts[word->name] == 2 && word->is_single)
-        Error(child, "<" + word->name + "> stands twice in <" + element.Name() + ">: keep one");
-      if (word->is_not_yet) NoteNotYet(child, word->name);
-      if (!word->is_not_yet && !word->is_silent) Check(child, word->kind);
-    });
+        Error(*child, "<" + word->name + "> stands twice in <" + element.Name() + ">: keep one");
+      if (word->is_not_yet) NoteNotYet(*child, word->name);
+      if (!word->is_not_yet && !word->is_silent) Check(*child, word->kind);
+    }
     for (const Word& word : rule.children) {
       if (word.is_needed && counts[word.name] == 0)
         Error(element, "<" + std::string(element.Name()) + "> needs <" + word.name + ">");
@@ -139,7 +141,26 @@ class Checker {
     found.label = is_attribute ? "'" + word + "' of <" + at.Name() + ">" : "<" + word + ">";
   }
 
-  void CheckAttributes(const Element& element, const ParsedRule& rule) {
+  /// The nearest word that may stand there instead, or nothing.
+  std::string ErrorOfUnknown(const Element& child, const ParsedRule& rule) {
+    const std::vector<std::string> names = NamesOf(rule.children);
+    const std::string meant = Nearest(child.Name(), names), home = HomeOf(child.Name());
+    Error(child, "unknown element <" + Shown(child.Name()) + "> in <" + child.Parent()->Value() + ">" +
+                     (meant.empty() && !home.empty() ? ": it stands in <" + home + ">"
+                                                     : DidYouMean(child.Name(), names)));
+    return meant;
+  }
+
+  /// The only element that may have this child, or nothing.
+  std::string HomeOf(std::string_view child) const {
+    std::vector<std::string> homes;
+    for (const auto& [kind, rule] : rules_) {
+      if (std::ranges::find(rule.children, child, &Word::name) != rule.children.end()) homes.push_back(kind);
+    }
+    return homes.size() == 1 && homes.front().find_first_of("_&") == std::string::npos ? homes.front() : "";
+  }
+
+  void CheckAttributes(Element& element, const ParsedRule& rule) {
     std::set<std::string> seen;
     const std::string in = " in <" + std::string(element.Name()) + ">";
     for (const auto* one = element.FirstAttribute(); one != nullptr; one = one->Next()) {
@@ -147,6 +168,9 @@ class Checker {
       if (word == rule.attributes.end()) {
         Error(element, "unknown attribute '" + Shown(one->Name()) + "'" + in +
                            DidYouMean(one->Name(), NamesOf(rule.attributes)));
+        const std::string meant = Nearest(one->Name(), NamesOf(rule.attributes));
+        if (!meant.empty() && element.Attribute(meant.c_str()) == nullptr)
+          element.SetAttribute(meant.c_str(), one->Value());
         continue;
       }
       seen.insert(one->Name());
@@ -177,7 +201,6 @@ class Checker {
 
   /// What a value of this type must be; empty: it is.
   static std::string WrongWith(std::string_view text, std::string_view type) {
-    constexpr double kMost = 1e5, kMostForce = 1e9;
     if (type == "s") return Trim(text).empty() ? "must not be empty" : "";
     if (type == "b")
       return text == "true" || text == "false" || text == "1" || text == "0" ? "" : "is true or false";
@@ -188,13 +211,27 @@ class Checker {
     }
     if (type.find('|') != std::string_view::npos) return WrongChoice(text, type);
     if (type == "r") return WrongRange(text);
+    return WrongNumber(text, type);
+  }
+
+  static std::string WrongNumber(std::string_view text, std::string_view type) {
+    const char letter = type.front();
+    const std::size_t dots = type.find("..");
+    const bool has_range = dots != std::string_view::npos;
+    const std::string most(has_range                        ? type.substr(dots + 2)
+                           : letter == 'n' || letter == '+' ? "100000"
+                                                            : "1e9");
+    const std::string least(has_range       ? std::string(type.substr(1, dots - 1))
+                            : letter == '0' ? "0"
+                                            : "-" + most);
+    const double low = ParseNumber(least).value_or(0), high = *ParseNumber(most);
     const std::optional<double> value = ParseNumber(text);
-    if (!value) return type == "i" ? "is a whole number" : "is a number";
-    if (type == "i" && *value != std::floor(*value)) return "is a whole number";
-    if (type == "+" && !(*value > 0)) return "is a number above 0";
-    if (type == "0" && *value < 0) return "is a number, 0 or more";
-    const double most = type == "n" || type == "+" ? kMost : kMostForce;
-    return std::abs(*value) <= most ? "" : "is too large a number";
+    const bool is_kind = value && (letter != 'i' || *value == std::floor(*value));
+    if (is_kind && *value <= high && (letter == '+' ? *value > 0 : *value >= low)) return "";
+    const std::string said = letter == 'i' ? "is a whole number" : "is a number";
+    const bool is_far = has_range || (value && std::abs(*value) > high);
+    if (letter == '+') return said + " above 0" + (value && *value > high ? ", at most " + most : "");
+    return said + (is_far ? " from " + least + " to " + most : letter == '0' ? ", 0 or more" : "");
   }
 
   static std::string WrongChoice(std::string_view text, std::string_view type) {
@@ -238,7 +275,7 @@ Dialect DialectOf(const Element& root) {
   return is_public ? Dialect::kPublic : Dialect::kPaper;
 }
 
-void CheckGrammar(const Element& root, Dialect dialect, const std::string& file, Diagnostics& diagnostics) {
+void CheckGrammar(Element& root, Dialect dialect, const std::string& file, Diagnostics& diagnostics) {
   Checker checker(dialect, file, diagnostics);
   checker.Check(root, "rosiml");
   checker.SayNotYet();

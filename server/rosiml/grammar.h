@@ -14,7 +14,8 @@ enum class Dialect { kPaper, kPublic };
 Dialect DialectOf(const Element& root);
 
 /// Reports elements and attributes that the grammar does not know or that are missing or stand twice, and
-/// values that cannot be. Warns, once for each kind, of what coopdyn does not simulate yet.
-void CheckGrammar(const Element& root, Dialect dialect, const std::string& file, Diagnostics& diagnostics);
+/// values that cannot be. Warns, once for each kind, of what coopdyn does not simulate yet. What is taken for
+/// a slip of the pen gets its right name, so that the reader goes on without more mistakes.
+void CheckGrammar(Element& root, Dialect dialect, const std::string& file, Diagnostics& diagnostics);
 
 }  // namespace coopdyn::rosiml

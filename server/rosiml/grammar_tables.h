@@ -5,7 +5,8 @@
 // is needed, and of children ! and ? that it stands there once. In front of it: - it changes nothing here, ~
 // it is not simulated yet. Types: s text, n a number, + above 0, 0 at least 0, i a whole number, b true or
 // false, c a colour RRGGBB, r one number or the least and the most, or the words themselves a|b (_ is a
-// space). &ROW stands for all that this row has.
+// space). Behind n, i and + may stand what else the number must lie between, as in i1..1000. &ROW stands for
+// all that this row has. Limits are those of models and scenarios (server/model).
 #pragma once
 
 #include <span>

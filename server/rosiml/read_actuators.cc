@@ -18,7 +18,10 @@ class PublicActuators : Reader {
   using Reader::Reader;
 
   void Read(const Element& actuators, Movable& robot) {
-    ForEachChild(actuators, [&](const Element& actuator) { ReadActuator(actuator, robot); });
+    std::map<std::string, int> lines;
+    ForEachChild(actuators, [&](const Element& actuator) {
+      if (IsNew(lines, actuator)) ReadActuator(actuator, robot);
+    });
   }
 
  private:

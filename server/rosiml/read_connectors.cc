@@ -21,7 +21,8 @@ class PaperConnectors : Reader {
   void Read(const Element& compound, Movable& movable) {
     ForEachChild(compound, [&](const Element& child) {
       if (std::string_view(child.Name()) == "compound") Read(child, movable);
-      if (std::string_view(child.Name()) == "connector") ReadConnector(child, movable);
+      if (std::string_view(child.Name()) == "connector" && IsNew(lines_, child))
+        ReadConnector(child, movable);
     });
   }
 
@@ -220,6 +221,8 @@ class PaperConnectors : Reader {
     joint.friction = 0;
     joint.drive_train = std::move(train);
   }
+
+  std::map<std::string, int> lines_;  // of names
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // RoSiML as the YARS paper tells it: simulator, environment, movables.
 #include <algorithm>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -56,10 +57,11 @@ class PaperReader : Reader {
   }
 
   void ReadSimulator(const Element& simulator) {
-    if (const auto frequency = Number(simulator, "frequency")) {
-      if (const auto step = StepOf(simulator, *frequency)) experiment_.simulation.push_back(*step);
+    if (simulator.Attribute("frequency") != nullptr) {
+      const auto step = StepOf(simulator, Number(simulator, "frequency", 0));
+      if (step) experiment_.simulation.push_back(*step);
+      frequency_hz_ = step ? Number(simulator, "frequency", 0) : 0;
     }
-    frequency_hz_ = Number(simulator, "frequency", kUsual_hz);
     if (const auto controller_hz = Number(simulator, "controllerFrequency"))
       exchange_steps_ = StepsOf(simulator, frequency_hz_, *controller_hz);
     if (const auto seed = Number(simulator, "seed")) Simulate(simulator, "seed " + Whole(*seed));
@@ -81,13 +83,14 @@ class PaperReader : Reader {
       } else if (kind == "light") {
         experiment_.lights.push_back({PoseOf(child).p, Colour(child, "colour"), Number(child, "power", 1),
                                       Flag(child, "shadows", true), RandomOf(child), child.GetLineNum(),
-                                      Text(child, "name")});
+                                      Text(child, "name"), IsNew(lines_, child) && IsSound(child)});
       } else if (kind == "object" || IsShape(kind)) {
         Movable thing;
         thing.name = Text(child, "name");
         thing.line = child.GetLineNum();
         thing.random = RandomOf(child);
         ReadObject(child, Pose{}, thing);
+        thing.is_sound = IsNew(lines_, child) && IsSound(child);
         if (!thing.bodies.empty()) experiment_.things.push_back(std::move(thing));
       }
     });
@@ -140,6 +143,7 @@ class PaperReader : Reader {
 
   void ReadMovable(const Element& element) {
     Movable movable;
+    sensor_lines_.clear();
     movable.name = Text(element, "name");
     movable.line = element.GetLineNum();
     movable.is_robot = true;
@@ -170,6 +174,7 @@ class PaperReader : Reader {
       movable.values.clear();
       movable.aborts.clear();
     }
+    movable.is_sound = IsNew(lines_, element) && IsSound(element);
     experiment_.robots.push_back(std::move(movable));
   }
 
@@ -232,7 +237,9 @@ class PaperReader : Reader {
       const std::size_t before = movable.bodies.size();
       ReadObject(child, X_WC, movable);
       if (movable.bodies.size() > before)
-        ForEachChild(child, [&](const Element& sensor) { ReadSensor(sensor, movable); });
+        ForEachChild(child, [&](const Element& sensor) {
+          if (IsNew(sensor_lines_, sensor)) ReadSensor(sensor, movable);
+        });
     });
   }
 
@@ -323,6 +330,8 @@ class PaperReader : Reader {
     score.of = NamesIn(Text(element, "of"));
     score.target = Text(element, "target");
     const std::string kind = Text(element, "kind"), name = Text(element, "name");
+    if (kind == "reach" && score.target.empty())
+      Error(element, "a score of kind 'reach' needs a 'target', the name of a thing or a light");
     score.keys.push_back("kind " + kind);
     if (!name.empty()) {
       std::string simple = Simple(name, 60);
@@ -345,6 +354,7 @@ class PaperReader : Reader {
         Error(element, "'until' in <score> is 'all' or a comparison such as '>= 3' or '&lt; 0.5', not '" +
                            Printable(until) + "'");
     }
+    score.is_sound = IsNew(score_lines_, element) && IsSound(element);
     experiment_.scores.push_back(std::move(score));
   }
 
@@ -364,6 +374,7 @@ class PaperReader : Reader {
   Experiment experiment_;
   double frequency_hz_ = kUsual_hz;
   int exchange_steps_ = 1;
+  std::map<std::string, int> lines_, sensor_lines_, score_lines_;  // of names: all, of a movable, of scores
 };
 
 }  // namespace

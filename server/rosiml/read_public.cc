@@ -26,8 +26,7 @@ class PublicReader : Reader {
       Warn(root, "version " + Printable(Text(root, "version")) +
                      " is read as 0.8: a word that has changed is not found");
     if (const Element* simulator = Child(root, "simulator")) ReadSimulator(*simulator);
-    if (const Element* macros = Child(root, "macros"))
-      ForEachChild(*macros, [this](const Element& macro) { NoteMacro(macro); });
+    if (const Element* macros = Child(root, "macros")) ReadMacros(*macros);
     if (const Element* environment = Child(root, "environment")) ReadEnvironment(*environment);
     if (const Element* robots = Child(root, "robots")) {
       ForEachChild(*robots, [this](const Element& robot) {
@@ -42,8 +41,11 @@ class PublicReader : Reader {
 
  private:
   void ReadSimulator(const Element& simulator) {
-    const double frequency_hz = frequency_hz_ = Number(simulator, "frequency", 100);
-    if (const auto step = StepOf(simulator, frequency_hz)) experiment_.simulation.push_back(*step);
+    const double frequency_hz = Number(simulator, "frequency", 0);
+    const auto step = StepOf(simulator, frequency_hz);
+    frequency_hz_ = step ? frequency_hz : 0;
+    if (!step) return;
+    experiment_.simulation.push_back(*step);
     const Element* control = Child(simulator, "control");
     if (control == nullptr) return;
     const int line = control->GetLineNum();
@@ -53,6 +55,13 @@ class PublicReader : Reader {
     if (const auto seed = Number(*control, "seed"); seed && *seed >= 0)
       experiment_.simulation.push_back({"seed " + Whole(*seed), line});
   }
+
+  void ReadMacros(const Element& macros) {
+    macros_element_ = &macros;
+    ForEachChild(macros, [this](const Element& macro) { NoteMacro(macro); });
+  }
+  /// Some mistakes in them are found where they are used.
+  bool HasSoundMacros() const { return macros_element_ == nullptr || IsSound(*macros_element_); }
 
   void NoteMacro(const Element& macro) {
     const std::string name = Text(macro, "name");
@@ -84,6 +93,7 @@ class PublicReader : Reader {
           thing.name = body.name;
           thing.line = body.line;
           thing.bodies.push_back(std::move(body));
+          thing.is_sound = IsNew(lines_, child, thing.name) && HasSoundMacros() && IsSound(child);
           experiment_.things.push_back(std::move(thing));
         }
       }
@@ -186,6 +196,7 @@ class PublicReader : Reader {
 
   void ReadRobot(const Element& element) {
     Movable robot;
+    robot_element_ = &element;
     robot.name = Text(element, "name");
     robot.line = element.GetLineNum();
     robot.is_robot = true;
@@ -195,17 +206,25 @@ class PublicReader : Reader {
         if (IsObject(object.Name())) ReadObject(object, robot.X_WM, "", robot, 0);
       });
     }
-    if (robot.bodies.empty()) Error(element, "the robot has no body: write at least one <box>, <sphere>, …");
+    if (robot.bodies.empty() && IsSound(element))
+      Error(element, "the robot has no body: write at least one <box>, <sphere>, …");
     if (const Element* actuators = Child(element, "actuators"))
       ReadActuators(*actuators, robot, file(), diagnostics());
-    if (const Element* sensors = Child(element, "sensors"))
-      ForEachChild(*sensors, [&](const Element& sensor) { ReadSensor(sensor, robot); });
+    if (const Element* sensors = Child(element, "sensors")) ReadSensors(*sensors, robot);
     if (const Element* controller = Child(element, "controller")) {
       robot.controller = LoadedController(*controller, !robot.motors.empty(), has_controller_);
       constexpr double kUsual_hz = 10;
       robot.exchange_steps = StepsOf(*controller, frequency_hz_, Number(*controller, "frequency", kUsual_hz));
     }
+    robot.is_sound = IsNew(lines_, element) && HasSoundMacros() && IsSound(element);
     experiment_.robots.push_back(std::move(robot));
+  }
+
+  void ReadSensors(const Element& sensors, Movable& robot) {
+    std::map<std::string, int> lines;
+    ForEachChild(sensors, [&](const Element& sensor) {
+      if (IsNew(lines, sensor)) ReadSensor(sensor, robot);
+    });
   }
 
   void ReadSensor(const Element& element, Movable& robot) {
@@ -292,7 +311,7 @@ class PublicReader : Reader {
     for (const Muscle& muscle : robot.muscles) names.push_back(muscle.name);
     const auto found = std::ranges::find(names, name);
     if (found == names.end()) {
-      if (!name.empty())
+      if (!name.empty() && IsSound(*robot_element_))
         Warn(element, "there is no muscle '" + Printable(name) + "'" + DidYouMean(name, names));
       return;
     }
@@ -352,16 +371,20 @@ class PublicReader : Reader {
       robot.values.push_back(std::move(value));
       return;
     }
-    if (!name.empty() && !names.empty())
+    // A joint with a mistake is not there.
+    if (!name.empty() && !names.empty() && IsSound(*robot_element_))
       Warn(element,
            "there is no joint '" + Printable(name) + "' that is simulated" + DidYouMean(name, names));
   }
 
   Experiment experiment_;
   std::map<std::string, const Element*> macros_;
-  int uses_ = 0;          // of macros
-  bool is_full_ = false;  // they go too deep, or make too many bodies
-  double frequency_hz_ = 100;
+  int uses_ = 0;             // of macros
+  bool is_full_ = false;     // they go too deep, or make too many bodies
+  double frequency_hz_ = 0;  // 0: it is wrong
+  const Element* macros_element_ = nullptr;
+  const Element* robot_element_ = nullptr;  // that is read
+  std::map<std::string, int> lines_;        // of names of things and robots
   HasController has_controller_;
 };
 

@@ -13,8 +13,8 @@
 namespace coopdyn::rosiml {
 
 Shape Reader::ShapeOf(std::string_view kind, const Element& lengths) {
-  // What is missing or wrong has been reported.
-  constexpr double kLeast_m = 1e-4, kMost_m = 1e3;
+  // What is missing or wrong has been reported; what is too small the model's reader tells.
+  constexpr double kLeast_m = 1e-9, kMost_m = 1e3;
   const auto length = [&](const char* name) {
     return std::clamp(Number(lengths, name, 1), kLeast_m, kMost_m);
   };
@@ -68,13 +68,24 @@ const Named* Reader::Find(const Movable& movable, const std::string& name, const
   return nullptr;
 }
 
+bool Reader::IsNew(std::map<std::string, int>& lines, const Element& element, const std::string& name) {
+  const auto [first, is_new] = lines.emplace(name, element.GetLineNum());
+  if (is_new || name.empty()) return true;
+  Error(element, "the name '" + Printable(name) + "' stands in line " + std::to_string(first->second) +
+                     ", too: give one another name");
+  return false;
+}
+
+bool Reader::IsSound(const Element& element) const {
+  const tinyxml2::XMLNode* last = &element;
+  while (last->LastChild() != nullptr) last = last->LastChild();
+  return std::ranges::none_of(diagnostics_.all(), [&](const Diagnostic& one) {
+    return one.level == Diagnostic::Level::kError && one.where.line >= element.GetLineNum() &&
+           one.where.line <= last->GetLineNum();
+  });
+}
+
 void Reader::AddJoint(Movable& movable, Joint joint, const Element& at) {
-  const auto same = std::ranges::find(movable.joints, joint.name, &Joint::name);
-  if (same != movable.joints.end()) {
-    Error(at, "there are two joints '" + Printable(joint.name) + "' (the first in line " +
-                  std::to_string(same->line) + "): give one another name");
-    return;
-  }
   if (joint.source == joint.destination) {
     Error(at, "the joint '" + Printable(joint.name) + "' joins a body with itself");
     return;
@@ -145,6 +156,7 @@ void Reader::ReadFilter(const Element& filter, Mapped& mapped) {
 }
 
 int Reader::StepsOf(const Element& at, double frequency_hz, double controller_hz) {
+  if (frequency_hz <= 0 || controller_hz <= 0) return 1;  // reported before
   const double steps = std::round(frequency_hz / controller_hz);
   constexpr double kMost = 1e6;
   if (steps >= 1 && steps <= kMost && std::abs(steps * controller_hz / frequency_hz - 1) < 1e-9)
@@ -157,10 +169,7 @@ int Reader::StepsOf(const Element& at, double frequency_hz, double controller_hz
 std::optional<Setting> Reader::StepOf(const Element& simulator, double frequency_hz) {
   constexpr double kMicro = 1e6, kLeast_us = 500, kMost_us = 100'000;
   const double step_us = std::round(kMicro / frequency_hz);
-  if (!(step_us >= kLeast_us && step_us <= kMost_us)) {
-    Error(simulator, "'frequency' must lie between 10 and 2000 steps a second");
-    return std::nullopt;
-  }
+  if (!(step_us >= kLeast_us && step_us <= kMost_us)) return std::nullopt;  // reported before
   if (std::abs(step_us * frequency_hz / kMicro - 1) > 1e-9)
     Warn(simulator, "a step has whole microseconds: it is " + Exact(step_us) + " µs");
   return Setting{"step " + Exact(step_us / 1000) + "ms", simulator.GetLineNum()};

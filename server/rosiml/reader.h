@@ -2,6 +2,7 @@
 // What the readers of both grammars share. One thread.
 #pragma once
 
+#include <map>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -56,6 +57,13 @@ class Reader {
   void AddName(Movable& movable, const std::string& name, const Pose& X_WN, const Element& at);
   /// The body or part called so; null, and reported, if there is none.
   const Named* Find(const Movable& movable, const std::string& name, const Element& at);
+  /// False, and reported, if another one has its name. `lines`: where each name stands first.
+  bool IsNew(std::map<std::string, int>& lines, const Element& element, const std::string& name);
+  bool IsNew(std::map<std::string, int>& lines, const Element& element) {
+    return IsNew(lines, element, Text(element, "name"));
+  }
+  /// Whether no error has been reported in its lines.
+  bool IsSound(const Element& element) const;
   /// Reports a joint of a body with itself; adds any other.
   void AddJoint(Movable& movable, Joint joint, const Element& at);
   /// The line `step` of [SIMULATION] for this number of steps per second.

@@ -25,21 +25,31 @@ bool IsExperiment(std::string_view text) {
   return text.starts_with(kRoot) && text.find_first_of(" \t\r\n/>") == kRoot.size();
 }
 
-std::optional<Translation> Translate(std::string_view text, const std::string& file,
-                                     const std::string& prefix, Diagnostics& diagnostics,
-                                     const HasController& has_controller) {
+std::optional<Translation> TranslateSound(std::string_view text, const std::string& file,
+                                          const std::string& prefix, Diagnostics& diagnostics,
+                                          const HasController& has_controller) {
   Diagnostics found(file);
   tinyxml2::XMLDocument document;
   std::optional<Translation> made;
-  if (const Element* root = Parse(text, file, document, found)) {
+  if (Element* const root = Parse(text, file, document, found)) {
     const Dialect dialect = DialectOf(*root);
     CheckGrammar(*root, dialect, file, found);
     const Experiment experiment = dialect == Dialect::kPaper ? ReadPaper(*root, file, found)
                                                              : ReadPublic(*root, file, has_controller, found);
-    if (!found.has_errors()) made = WriteScenario(experiment, file, prefix, found);
+    // Of more mistakes not all lines are known.
+    if (found.errors() < static_cast<int>(Diagnostics::kMaxKept))
+      made = WriteScenario(experiment, file, prefix, found);
   }
   diagnostics.Append(found);
-  return found.has_errors() ? std::nullopt : std::move(made);
+  return made;
+}
+
+std::optional<Translation> Translate(std::string_view text, const std::string& file,
+                                     const std::string& prefix, Diagnostics& diagnostics,
+                                     const HasController& has_controller) {
+  const int before = diagnostics.errors();
+  auto made = TranslateSound(text, file, prefix, diagnostics, has_controller);
+  return diagnostics.errors() > before ? std::nullopt : std::move(made);
 }
 
 }  // namespace coopdyn::rosiml

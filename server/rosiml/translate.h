@@ -38,5 +38,9 @@ using HasController = std::function<bool(const std::string& name)>;
 std::optional<Translation> Translate(std::string_view text, const std::string& file,
                                      const std::string& prefix, Diagnostics& diagnostics,
                                      const HasController& has_controller = nullptr);
+/// The same, but with mistakes what has none, so that more can be said of that.
+std::optional<Translation> TranslateSound(std::string_view text, const std::string& file,
+                                          const std::string& prefix, Diagnostics& diagnostics,
+                                          const HasController& has_controller = nullptr);
 
 }  // namespace coopdyn::rosiml

@@ -31,17 +31,22 @@ class ScenarioWriter {
     for (const Light& light : experiment.lights) {
       const std::string section = "LIGHT_" + std::to_string(++lights);
       called_.emplace(light.name, section);
-      WriteLight(light, section);
+      if (light.is_sound) WriteLight(light, section);
     }
     for (const Movable& thing : experiment.things) {
+      if (LeavesOut(thing)) continue;
       if (IsThing(thing)) WriteThing(thing);
     }
     // Robots first, so that robot n is [ROBOT_n].
-    for (const Movable& robot : experiment.robots) WriteRobots(robot);
-    for (const Movable& thing : experiment.things) {
-      if (!IsThing(thing)) WriteRobots(thing);
+    for (const Movable& robot : experiment.robots) {
+      if (!LeavesOut(robot)) WriteRobots(robot);
     }
-    for (const Score& score : experiment.scores) WriteScore(score);
+    for (const Movable& thing : experiment.things) {
+      if (thing.is_sound && !IsThing(thing)) WriteRobots(thing);
+    }
+    for (const Score& score : experiment.scores) {
+      if (score.is_sound) WriteScore(score);
+    }
     if (!random_.lines.empty()) {
       Head("RANDOM", random_.lines.front());
       out_.scenario.text += random_.text;
@@ -51,6 +56,12 @@ class ScenarioWriter {
   }
 
  private:
+  /// What has a mistake still has a name.
+  bool LeavesOut(const Movable& movable) {
+    if (!movable.is_sound) called_.emplace(movable.name, movable.name);
+    return !movable.is_sound;
+  }
+
   /// A range of a <randomise>, if it has it.
   struct Drawn {
     const Random* random = nullptr;
@@ -193,7 +204,10 @@ class ScenarioWriter {
       const Model& model = models[i];
       const Body& base = movable.bodies[static_cast<std::size_t>(model.bodies.front())];
       const std::string name = names_.New(i == 0 ? movable.name : movable.name + "_" + base.name);
-      if (i == 0) called_.emplace(movable.name, name);
+      if (i == 0) {
+        called_.emplace(movable.name, name);
+        written_.emplace(movable.name, &movable);
+      }
       WrittenModel written = WriteSdf(movable, model, name, file_, diagnostics_);
       const int line = i == 0 ? movable.line : base.line;
       const std::string section = "ROBOT_" + std::to_string(++robots_);
@@ -231,13 +245,26 @@ class ScenarioWriter {
     if (!score.target.empty()) Add(score.line, "target " + NameOf(score.target, score.line));
   }
 
+  void CheckObject(const std::string& movable, const std::string& object, int line) {
+    const auto found = written_.find(movable);
+    if (found == written_.end()) return;
+    std::vector<std::string> names;
+    for (const Named& one : found->second->names) names.push_back(one.name);
+    if (std::ranges::find(names, object) != names.end()) return;
+    diagnostics_.Error({file_, line}, "<score> names '" + Printable(object) + "', which is no object of '" +
+                                          Printable(movable) + "'" + DidYouMean(object, names));
+  }
+
   /// What the experiment calls `name`.
   std::string NameOf(const std::string& name, int line) {
     const auto found = called_.find(name);
     if (found != called_.end()) return found->second;
     const std::size_t slash = name.find('/');
-    if (slash != std::string::npos)
-      return NameOf(name.substr(0, slash), line) + "/" + Simple(name.substr(slash + 1), 40);
+    if (slash != std::string::npos) {
+      const std::string movable = name.substr(0, slash), object = name.substr(slash + 1);
+      CheckObject(movable, object, line);
+      return NameOf(movable, line) + "/" + Simple(object, 40);
+    }
     std::vector<std::string> names;
     for (const auto& [known, section] : called_) names.push_back(known);
     diagnostics_.Error({file_, line}, "<score> names '" + Printable(name) +
@@ -252,7 +279,8 @@ class ScenarioWriter {
   MadeText random_;
   int robots_ = 0, scores_ = 0;
   std::map<std::string, std::string> called_;  // what the experiment's movables, things and lights are called
-  bool is_full_ = false;                       // too many models
+  std::map<std::string, const Movable*> written_;  // as robots, by name
+  bool is_full_ = false;                           // too many models
   Names names_{"simulation", "world", "swarm", "playback", "recorder", "clock"};
 };
 

@@ -14,7 +14,12 @@ namespace coopdyn::rosiml {
 struct WrittenModel {
   MadeText sdf;
   bool has_modules = false;  // that a client or controller has something to do with
+
+  void AddModule(int line, const char* type, const std::string& name);
 };
+
+/// <tag>text</tag>
+std::string Tag(const char* tag, const std::string& text);
 
 WrittenModel WriteSdf(const Movable& movable, const Model& model, const std::string& name,
                       const std::string& file, Diagnostics& diagnostics);

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "server/base/words.h"
+#include "server/rosiml/xml_mistakes.h"
 
 namespace coopdyn::rosiml {
 
@@ -46,8 +47,8 @@ bool IsTooMany(const Element& root) {
 
 }  // namespace
 
-const Element* Parse(std::string_view text, const std::string& file, tinyxml2::XMLDocument& document,
-                     Diagnostics& diagnostics) {
+Element* Parse(std::string_view text, const std::string& file, tinyxml2::XMLDocument& document,
+               Diagnostics& diagnostics) {
   if (text.size() > kMaxBytes) {
     diagnostics.Error({file, 0}, "an experiment has at most 4 MiB, this text has more");
     return nullptr;
@@ -58,15 +59,13 @@ const Element* Parse(std::string_view text, const std::string& file, tinyxml2::X
         "a DOCTYPE and entities are not read: remove it, and write out what entities stand for");
     return nullptr;
   }
-  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
-    diagnostics.Error({file, document.ErrorLineNum()},
-                      std::string("not well-formed XML (") + document.ErrorName() + ")");
-    return nullptr;
-  }
-  const Element* root = document.RootElement();
-  if (root == nullptr || std::string_view(root->Name()) != "rosiml") {
-    diagnostics.Error({file, root == nullptr ? 0 : root->GetLineNum()},
-                      "an experiment starts with <rosiml version=\"…\">");
+  const int before = diagnostics.errors();
+  FindXmlMistakes(text, file, diagnostics);
+  if (diagnostics.errors() > before) return nullptr;
+  const bool is_parsed = document.Parse(text.data(), text.size()) == tinyxml2::XML_SUCCESS;
+  Element* const root = is_parsed ? document.RootElement() : nullptr;
+  if (root == nullptr) {
+    diagnostics.Error({file, document.ErrorLineNum()}, "this is not well-formed XML");
     return nullptr;
   }
   if (IsTooMany(*root)) {

@@ -21,8 +21,8 @@ inline constexpr std::size_t kMaxBytes = 4u << 20;
 inline constexpr int kMaxElements = 50'000;
 
 /// Parses `text` into `document`. Null, and reported, if it is no XML, has a DOCTYPE or is too large.
-const Element* Parse(std::string_view text, const std::string& file, tinyxml2::XMLDocument& document,
-                     Diagnostics& diagnostics);
+Element* Parse(std::string_view text, const std::string& file, tinyxml2::XMLDocument& document,
+               Diagnostics& diagnostics);
 
 /// A finite number, the whole of `word`.
 std::optional<double> ParseNumber(std::string_view word);

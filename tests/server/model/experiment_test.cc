@@ -83,6 +83,28 @@ TEST(ExperimentTest, AMistakeThatTheScenarioShowsHasTheLineOfTheXml) {
   EXPECT_THAT(diagnostics.ToString(), HasSubstr("x.xml:3: error: "));
 }
 
+TEST(ExperimentTest, MistakesOfTheXmlTheModelsAndTheScenarioAreToldAtOnce) {
+  const auto movable = [](const std::string& name, const std::string& kg) {
+    return "<movable name=\"" + name + "\" type=\"active\">\n<body><object name=\"a\" mass=\"" + kg +
+           "\"><pose z=\"0.5\"/><sphere radius=\"0.5\"/></object></body>\n</movable>\n";
+  };
+  const std::string xml =
+      "<rosiml version=\"1.0\">\n<environment>\n"
+      "<sphere name=\"b\" radius=\"0.1\" mass=\"1e-9\"><randomise x=\"1 3\"/></sphere>\n"
+      "</environment>\n<movables>\n" +
+      movable("m", "fat") + movable("n", "1e-9") + movable("o", "1") +
+      "</movables>\n<score kind=\"distance\" of=\"m, n, o\"/>\n"
+      "<score kind=\"time\" tilt=\"3\"/>\n</rosiml>\n# file: x.xml\n";
+  RobotLibrary robots(Shipped());
+  Diagnostics diagnostics;
+  EXPECT_EQ(ReadScenario(xml, "x.xml", robots, false, diagnostics), nullptr);
+  EXPECT_EQ(diagnostics.ToString(),
+            "x.xml:3: error: a mass below 1 mg cannot be simulated: write 0 for something that never moves\n"
+            "x.xml:7: error: 'mass' in <object> is a number from 0 to 1000000, not 'fat'\n"
+            "x.xml:10: error: robot 'n': the mass of link 'a' must be a positive number of kg, at most 1e6\n"
+            "x.xml:17: error: 'tilt' goes with 'kind upright' only: leave it out\n");
+}
+
 TEST(ExperimentTest, SettingsChangeItAndStandBehindTheXml) {
   RobotLibrary robots(Shipped());
   Diagnostics diagnostics;

@@ -199,6 +199,16 @@ TEST(RobotModelTest, InertiaMustBeThatOfABody) {
   EXPECT_THAT(ReadChanged("<izz>0.1152</izz>", "<izz>-1</izz>"), HasSubstr("error:"));
 }
 
+TEST(RobotModelTest, OnlyASolidNeedsNoInertia) {
+  const std::string text = CoopbotText();
+  const std::size_t begin = text.find("<inertial>"), end = text.find("</inertial>", begin);
+  const auto said = [&](const std::string& solid) {
+    return ReadChanged(text.substr(begin, end - begin), "<inertial" + solid + "><mass>9</mass>");
+  };
+  EXPECT_EQ(said(" coopdyn:solid=\"true\""), "");
+  EXPECT_THAT(said(" coopdyn:solid=\"false\""), HasSubstr("needs <inertia>"));
+}
+
 TEST(RobotModelTest, OtherShapesAreErrors) {
   EXPECT_THAT(
       ReadChanged("<sphere><radius>0.025</radius></sphere>", "<ellipsoid><radii>1 1 1</radii></ellipsoid>"),

@@ -93,7 +93,13 @@ TEST(PaperTest, AScoreSaysWhatARunIsWorth) {
 }
 
 TEST(PaperTest, AScoreCanBeOfAnObject) {
-  EXPECT_HAS(Made(Scored("<score kind=\"distance\" of=\"m/left foot\"/>")).scenario.text, "of m/left_foot\n");
+  const auto scored = [](const std::string& of) {
+    std::string text = Scored("<score kind=\"distance\" of=\"" + of + "\"/>");
+    return text.insert(text.find("</body>"),
+                       "<object name=\"left foot\" mass=\"1\"><sphere radius=\"1\"/></object>");
+  };
+  EXPECT_HAS(Made(scored("m/left foot")).scenario.text, "of m/left_foot\n");
+  EXPECT_HAS(Said(scored("m/left foo")), "which is no object of 'm'; did you mean 'left foot'?");
 }
 
 TEST(PaperTest, WhatAScoreNamesIsThere) {

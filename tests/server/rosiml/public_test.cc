@@ -215,7 +215,7 @@ TEST(PublicTest, AProximitySensorOfALimbIsTheSame) {
 
 TEST(PublicTest, ProximitySensorsStayInTheirOrder) {
   const auto sensor = [](const std::string& gamma, const std::string& meter) {
-    return "<proximity name=\"p\"><object name=\"a\"/><pose beta=\"90\" gamma=\"" + gamma +
+    return "<proximity name=\"p" + meter + "\"><object name=\"a\"/><pose beta=\"90\" gamma=\"" + gamma +
            "\"/><distance meter=\"" + meter + "\"/><openingAngles x=\"1\" y=\"1\"/></proximity>";
   };
   const std::string sdf =

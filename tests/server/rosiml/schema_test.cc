@@ -13,18 +13,33 @@
 namespace coopdyn::rosiml {
 namespace {
 
+struct Word {
+  std::string name, type;
+};
+
+/// The type in the schema of a number with limits; empty of another word.
+std::string LimitedType(const std::string& type) {
+  const std::size_t dots = type.find("..");
+  if (dots == std::string::npos) return "";
+  const std::string least = type.substr(1, dots - 1), most = type.substr(dots + 2);
+  if (type.front() == '+') return "above0to" + most;
+  return (type.front() == 'i' ? "whole" : "from") + least + "to" + most;
+}
+
 /// The words of a row, without the marks around them, and of its &ROWs.
-std::vector<std::string> WordsOf(std::string_view kind, std::string_view Rule::*part) {
-  std::vector<std::string> words;
+std::vector<Word> WordsOf(std::string_view kind, std::string_view Rule::*part) {
+  std::vector<Word> words;
   for (const Rule& rule : RulesOf(Dialect::kPaper)) {
     if (rule.kind != kind) continue;
     for (std::string word : SplitWords(rule.*part)) {
       if (word.starts_with('&')) {
-        for (std::string& inside : WordsOf(word, part)) words.push_back(std::move(inside));
+        for (Word& inside : WordsOf(word, part)) words.push_back(std::move(inside));
         continue;
       }
       word.erase(0, word.find_first_not_of("-~"));
-      words.push_back(word.substr(0, word.find_first_of("!?=:")));
+      const std::size_t colon = word.find(':');
+      words.push_back({word.substr(0, word.find_first_of("!?=:")),
+                       colon == std::string::npos ? std::string() : word.substr(colon + 1)});
     }
   }
   return words;
@@ -44,8 +59,10 @@ TEST(SchemaTest, ItHasEachElementAndAttributeOfTheTables) {
     std::size_t names = 0;
     for (const auto part : {&Rule::attributes, &Rule::children}) {
       const std::string element = part == &Rule::attributes ? "<xs:attribute name=\"" : "<xs:element name=\"";
-      for (const std::string& word : WordsOf(rule.kind, part)) {
-        EXPECT_NE(type.find(element + word + "\""), std::string::npos) << rule.kind << " " << word;
+      for (const Word& word : WordsOf(rule.kind, part)) {
+        const std::string limited = LimitedType(word.type);
+        const std::string end = limited.empty() ? "\"" : "\" type=\"" + limited + "\"";
+        EXPECT_NE(type.find(element + word.name + end), std::string::npos) << rule.kind << " " << word.name;
         ++names;
       }
     }

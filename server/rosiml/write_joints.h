@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// The joints of a model as SDF: drive trains, joints of several axes, the drive, muscles and thrusters. Pure;
+// any thread.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "server/base/diagnostics.h"
+#include "server/rosiml/connect.h"
+#include "server/rosiml/experiment.h"
+#include "server/rosiml/names.h"
+#include "server/rosiml/write_sdf.h"
+
+namespace coopdyn::rosiml {
+
+/// What those of a model are called in its SDF.
+struct JointNames {
+  std::vector<std::string> joints;                // of Model::links
+  std::map<int, std::string> muscles, thrusters;  // of those in the model, by index into the Movable
+};
+
+/// Adds them to `written`, which has the bodies. `links`: their names, by index into Movable::bodies.
+JointNames WriteJoints(const Movable& movable, const Model& model, const std::map<int, std::string>& links,
+                       const std::string& file, Names& names, WrittenModel& written,
+                       Diagnostics& diagnostics);
+
+}  // namespace coopdyn::rosiml
