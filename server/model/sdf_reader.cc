@@ -13,26 +13,13 @@
 
 #include "server/model/readers.h"
 #include "server/model/sdf_body.h"
+#include "server/model/sdf_description.h"
 #include "server/model/text_file.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
 
 namespace {
-
-/// What may stand in a file with these elements. libsdformat reads the description of worlds and actors for
-/// twice as long as that of models.
-sdf::SDFPtr DescriptionFor(const tinyxml2::XMLElement& root) {
-  constexpr const char* kModelOnly =
-      "<element name='sdf' required='1'><attribute name='version' type='string' default='" SDF_VERSION
-      "' required='1'/><include filename='model.sdf' required='0'/></element>";
-  bool is_model = root.Name() == std::string_view("sdf");
-  for (const auto* child = root.FirstChildElement(); child != nullptr; child = child->NextSiblingElement())
-    is_model = is_model && child->Name() == std::string_view("model");
-  sdf::SDFPtr description = std::make_shared<sdf::SDF>();
-  is_model ? sdf::initString(kModelOnly, description) : sdf::init(description);
-  return description;
-}
 
 class RobotReader {
  public:
@@ -120,8 +107,13 @@ class RobotReader {
   const sdf::Model* Load(const tinyxml2::XMLElement& root, sdf::Root& loaded) {
     // libsdformat's console is the process's, and everything it says comes back as errors too.
     sdf::Console::Instance()->SetQuiet(true);
-    const sdf::SDFPtr description = DescriptionFor(root);
-    CheckSdf(root, description->Root(), file_, diagnostics_);
+    sdf::SDFPtr description = DescriptionFor(root);
+    Diagnostics found;
+    CheckSdf(root, description->Root(), file_, found);
+    if (!found.all().empty()) {  // what could stand there belongs to the words
+      description = WholeDescription(root);
+      CheckSdf(root, description->Root(), file_, diagnostics_);
+    }
     if (const auto* model = root.FirstChildElement("model"))
       sensors_ = ReadSensorElements(*model, file_, diagnostics_);
     // A text with mistakes would be taken for URDF next, whose parser prints to the console.
