@@ -54,9 +54,9 @@ std::vector<Session::Waiting> Session::WhoSteps(const TeamRequest& command) {
 void Session::Step(int n, double timeout_s, const TeamRequest& team_request) {
   RequireOpen();
   if (n > 1 && std::any_of(links_.begin(), links_.end(),
-                           [](const auto& link) { return link->has_joints() && link->kept; })) {
+                           [](const auto& link) { return link->has_parts() && link->kept; })) {
     const Deadline deadline = After(timeout_s);
-    Step(1, timeout_s);  // a command of joints stands for one step
+    Step(1, timeout_s);  // such a command stands for one step
     return Step(n - 1, std::max(0.0, Until(deadline)));
   }
   std::vector<Waiting> waiting = WhoSteps(team_request);

@@ -2299,10 +2299,11 @@ class _Session:
                              f"{link.take_again()} takes it again")
         if isinstance(link, _Link):
             for other in self.links:
-                if other.robot == link.robot and other is not link and other.motors is not None:
+                if other.robot == link.robot and other is not link and not other.in_team:
                     other.lost = link.lost
                     other.forget_commands()
-                    other.motors.close()
+                    if other.motors is not None:
+                        other.motors.close()
         return link.lost
 
     def command(self, link: _Link, command: int, data: Tuple[float, ...] = (), joints: Tuple[int, ...] = ()) -> None:

@@ -178,6 +178,17 @@ class Limbs(DaemonTestCase):
         self.sim.step()
         self.assertEqual(self.robot.sense().step, 1)
 
+    def test_a_robot_that_was_freed_from_its_channel_is_taken_again_with_all(self):
+        channel = self.robot.channel()
+        channel.set(0)
+        self.sim.step()
+        self.connect(self.daemon).release_robot("robot1")
+        self.assert_error(6, lambda: (channel.get(), self.sim.step()), "not driven by this sim any more")
+        muscles = self.sim.robot("robot1").muscles()
+        muscles.set_activations(0.5)
+        self.sim.step()
+        self.assertEqual(muscles.get().activation, [0.5, 0.5])
+
     def test_the_first_exchange_sets_all_motors(self):
         channel = self.robot.channel()
         self.assert_error(5, lambda: channel.set(0.2, "pull"), "all 2 motors first")
