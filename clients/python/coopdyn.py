@@ -1766,8 +1766,10 @@ class _Link:
         """Of the module of this type or name."""
         return f"/{self.robot}/{self.modules.get(module, module)}"
 
-    def is_among(self, robots: "set[str]") -> bool:
-        return self.robot in robots
+    def is_among(self, awaited: "set[str]") -> bool:
+        """Of a robot with several actuators the world awaits ROBOT/MODULE; its channel drives them all."""
+        return any(robot == self.robot and (not module or module == self.actuator or self.kind == "channel")
+                   for robot, _, module in (name.partition("/") for name in awaited))
 
     def robots(self) -> int:
         return 1
@@ -1929,8 +1931,8 @@ class _TeamLink:
     def forget_commands(self) -> None:
         self.reply = None
 
-    def is_among(self, robots: "set[str]") -> bool:
-        return not self.playing and not robots.isdisjoint(self.names)
+    def is_among(self, awaited: "set[str]") -> bool:
+        return not self.playing and not {name.partition("/")[0] for name in awaited}.isdisjoint(self.names)
 
     def robots(self) -> int:
         return len(self.names)
