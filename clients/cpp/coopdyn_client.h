@@ -24,6 +24,7 @@
 #include <string>
 #include <vector>
 
+#include "clients/cpp/actuators.h"
 #include "clients/cpp/address.h"
 #include "clients/cpp/error.h"
 #include "clients/cpp/joints.h"
@@ -241,6 +242,12 @@ class Robot {
   /// Its joints of this name: a group of `<coopdyn:group>` in its model, "joints" if it names none. Without a
   /// name the only group. Error 5 if there are several, or none.
   Joints joints(const std::string& group = "");
+  /// Its muscles and thrusters. Error 5 if it has none.
+  Muscles muscles();
+  Thrusters thrusters();
+  /// Its channel: all motors and values that its model maps, in one exchange. From then on it drives the
+  /// robot alone: what is told its wheels, joints, muscles or thrusters is error 5. Error 5 if it has none.
+  Channel channel();
 
   /// Has the first reading of a module sent every n steps; next() takes them. n = 0 ends it. What is not
   /// taken in time is dropped, the oldest first (64 are kept).
@@ -255,6 +262,8 @@ class Robot {
  private:
   friend class Simulation;
   Robot(std::shared_ptr<Session> session, std::shared_ptr<RobotLink> link);
+  /// The link to its actuator of this type.
+  std::shared_ptr<RobotLink> Actuator(const std::string& type);
 
   std::shared_ptr<Session> session_;
   std::shared_ptr<RobotLink> link_;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
 #include <utility>
 
 #include "clients/cpp/session.h"
@@ -16,57 +15,10 @@ namespace {
 
 constexpr std::array kJointModes = {"idle", "position", "direct", "velocity", "effort", "pwm"};
 
-/// One value for each of the joints: as many, or one for all.
-template <class T>
-std::vector<T> Spread(const std::vector<T>& values, std::size_t joints) {
-  if (values.size() == 1) return std::vector<T>(joints, values[0]);
-  if (values.size() != joints)
-    throw Error(3, "write a value for each of the " + std::to_string(joints) +
-                       " joints, or one for all, not " + std::to_string(values.size()));
-  return values;
-}
-
 }  // namespace
 
 Joints::Joints(std::shared_ptr<Session> session, std::shared_ptr<RobotLink> link)
-    : session_(std::move(session)), link_(std::move(link)) {
-  names_ = Words(link_->Read(link_->actuator, {command::kGetJointLimits}).text);
-}
-
-const std::string& Joints::name() const {
-  return link_->actuator;
-}
-
-std::vector<std::int32_t> Joints::Ids(const WhichJoints& joints) const {
-  const auto count = static_cast<std::int32_t>(names_.size());
-  std::vector<std::int32_t> ids = joints.ids;
-  for (const std::string& name : joints.names) {
-    const auto found = std::find(names_.begin(), names_.end(), name);
-    if (found == names_.end())
-      throw Error(10, link_->label() + " has no joint '" + name + "'; " + Nearest(name, names_) +
-                          "there are: " + ListOf(names_));
-    ids.push_back(static_cast<std::int32_t>(found - names_.begin()) + 1);
-  }
-  if (ids.empty()) {
-    for (std::int32_t id = 1; id <= count; ++id) ids.push_back(id);
-  }
-  for (const std::int32_t id : ids) {
-    if (id < 1 || id > count)
-      throw Error(4, link_->label() + " has the joints 1 to " + std::to_string(count) + ", not " +
-                         std::to_string(id));
-  }
-  if (std::set<std::int32_t>(ids.begin(), ids.end()).size() < ids.size())
-    throw Error(2, "name each joint once; there are: " + ListOf(names_));
-  return ids;
-}
-
-void Joints::Actuate(std::int32_t command, const std::vector<double>& values, const WhichJoints& joints,
-                     const char* what) {
-  for (const double value : values) Finite(value, what);
-  std::vector<std::int32_t> ids = Ids(joints);
-  std::vector<double> data = Spread(values, ids.size());
-  link_->Actuate(command, std::move(data), std::move(ids));
-}
+    : Parts(std::move(session), std::move(link), "joint", command::kGetJointLimits) {}
 
 void Joints::set_positions(const std::vector<double>& positions, const WhichJoints& joints) {
   Actuate(command::kSetPositions, positions, joints, "a position");
@@ -82,6 +34,10 @@ void Joints::set_velocities(const std::vector<double>& velocities, const WhichJo
 
 void Joints::set_efforts(const std::vector<double>& efforts, const WhichJoints& joints) {
   Actuate(command::kSetEfforts, efforts, joints, "an effort");
+}
+
+void Joints::set_pwm(const std::vector<double>& duties, const WhichJoints& joints) {
+  Actuate(command::kSetPwm, duties, joints, "a duty");
 }
 
 void Joints::set_modes(const std::vector<std::string>& modes, const WhichJoints& joints) {
@@ -107,7 +63,7 @@ void Joints::Tune(std::int32_t command, const std::vector<const std::vector<doub
   const std::size_t count = request.params.size();
   request.data.resize(count * columns.size());
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    const std::vector<double> column = Spread(*columns[c], count);
+    const std::vector<double> column = Spread(*columns[c], count, one_);
     for (std::size_t i = 0; i < count; ++i) request.data[i * columns.size() + c] = column[i];
   }
   link_->Read(link_->actuator, std::move(request));
@@ -136,16 +92,6 @@ void Joints::set_gains(const std::vector<double>& p, const std::vector<double>& 
   for (const double value : i) Finite(value, "an i [1/s2]");
   for (const double value : d) Finite(value, "a d");
   Tune(command::kSetGains, {&p, &i, &d}, joints);
-}
-
-std::vector<std::vector<double>> Joints::Columns(std::int32_t command, std::size_t count,
-                                                 const WhichJoints& joints) {
-  const std::vector<std::int32_t> ids = Ids(joints);
-  const Message reply = link_->Read(link_->actuator, {command, ids});
-  Require(reply, 0, count * ids.size());
-  std::vector<std::vector<double>> columns(count);
-  for (std::size_t k = 0; k < count * ids.size(); ++k) columns[k % count].push_back(reply.data[k]);
-  return columns;
 }
 
 JointReading Joints::get(const WhichJoints& joints) {
@@ -200,6 +146,11 @@ bool Joints::arrived(const WhichJoints& joints) {
 
 std::vector<double> Joints::get_references(const WhichJoints& joints) {
   return std::move(Columns(command::kGetReferences, 1, joints)[0]);
+}
+
+DriveTrains Joints::get_drive_trains(const WhichJoints& joints) {
+  auto c = Columns(command::kGetDriveTrains, 4, joints);
+  return {std::move(c[0]), std::move(c[1]), std::move(c[2]), std::move(c[3])};
 }
 
 const Chain& Joints::get_chain() {

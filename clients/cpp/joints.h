@@ -10,19 +10,15 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
-#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "clients/cpp/chain.h"
+#include "clients/cpp/parts.h"
 
 namespace coopdyn::client {
-
-class Session;
-struct RobotLink;
 
 /// Where each joint is [rad, m], how fast, and the effort of its motor [N m, N; nan before the first step].
 struct JointReading {
@@ -50,30 +46,19 @@ struct Motion {
   std::vector<double> target;
 };
 
-/// Joints by name or by id, counted from 1; {}: all.
-struct WhichJoints {
-  WhichJoints() = default;
-  WhichJoints(const char* name) : names{name} {}
-  WhichJoints(std::string name) : names{std::move(name)} {}
-  WhichJoints(std::int32_t id) : ids{id} {}
-  WhichJoints(std::initializer_list<std::string> all) : names(all) {}
-  WhichJoints(std::initializer_list<std::int32_t> all) : ids(all) {}
-  WhichJoints(std::vector<std::string> all) : names(std::move(all)) {}
-  WhichJoints(std::vector<std::int32_t> all) : ids(std::move(all)) {}
-
-  std::vector<std::string> names;
-  std::vector<std::int32_t> ids;
+/// Where the rotor of each joint's drive train is, as the joint counts [rad], how fast [rad/s], the motor's
+/// current [A] and the energy that it has drawn [J]; nan without a drive train.
+struct DriveTrains {
+  std::vector<double> rotor_position, rotor_velocity, current, energy;
 };
+
+using WhichJoints = Which;
 
 /// Made by Robot::joints(). Commands take a value for each joint that is named (none: for all), or one value
 /// for all of them. As set_velocity, they go with the next sim.step() in lockstep, and at once in real time.
 /// Each puts its joints into its mode.
-class Joints {
+class Joints : public Parts {
  public:
-  const std::string& name() const;
-  /// Of the joints, in their order: the first has the id 1.
-  const std::vector<std::string>& names() const { return names_; }
-
   /// Moves joints smoothly to positions [rad, m], within their profile of speed and acceleration.
   void set_positions(const std::vector<double>& positions, const WhichJoints& joints = {});
   /// Where joints are to be at the end of the step [rad, m]: for trajectories of one's own.
@@ -82,8 +67,10 @@ class Joints {
   void set_velocities(const std::vector<double>& velocities, const WhichJoints& joints = {});
   /// Efforts of the motors [N m, N].
   void set_efforts(const std::vector<double>& efforts, const WhichJoints& joints = {});
-  /// How joints are driven: "idle", "position", "direct", "velocity" or "effort". Each keeps still where it
-  /// is (idle and effort: without effort) until its next command.
+  /// Duties of the motors of drive trains, -1 to 1: the sign is the direction, 0 short-circuits the motor.
+  void set_pwm(const std::vector<double>& duties, const WhichJoints& joints = {});
+  /// How joints are driven: "idle", "position", "direct", "velocity", "effort" or, of a drive train, "pwm".
+  /// Each keeps still where it is (idle and effort: without effort; pwm: braked) until its next command.
   void set_modes(const std::vector<std::string>& modes, const WhichJoints& joints = {});
   /// Holds joints where they are.
   void hold(const WhichJoints& joints = {});
@@ -110,8 +97,9 @@ class Joints {
   Motion get_motion(const WhichJoints& joints = {});
   /// True if joints are where set_positions sent them; false until a step has run since.
   bool arrived(const WhichJoints& joints = {});
-  /// The reference in force: position, velocity or effort by the mode.
+  /// The reference in force: position, velocity, effort or duty by the mode.
   std::vector<double> get_references(const WhichJoints& joints = {});
+  DriveTrains get_drive_trains(const WhichJoints& joints = {});
 
   /// The chain from the robot's frame R to the tool. Error 5 if the joints branch.
   const Chain& get_chain();
@@ -128,14 +116,8 @@ class Joints {
   friend class Robot;
   Joints(std::shared_ptr<Session> session, std::shared_ptr<RobotLink> link);
 
-  std::vector<std::int32_t> Ids(const WhichJoints& joints) const;
-  void Actuate(std::int32_t command, const std::vector<double>& values, const WhichJoints& joints,
-               const char* what);
   void Tune(std::int32_t command, const std::vector<const std::vector<double>*>& columns,
             const WhichJoints& joints);
-  /// What is read of each joint, by column.
-  std::vector<std::vector<double>> Columns(std::int32_t command, std::size_t count,
-                                           const WhichJoints& joints);
   /// q, or where the joints are if it is empty.
   std::vector<double> Posture(const std::vector<double>& q);
   /// The values of q of the chain's joints, in its order.
@@ -143,9 +125,6 @@ class Joints {
   template <class Target>
   std::vector<double> Inverse(const Target& target, const std::vector<double>& q0);
 
-  std::shared_ptr<Session> session_;
-  std::shared_ptr<RobotLink> link_;
-  std::vector<std::string> names_;
   std::optional<Chain> chain_;
   std::vector<std::size_t> chain_joints_;  // indices of the chain's joints
 };

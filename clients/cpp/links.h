@@ -20,7 +20,7 @@ namespace coopdyn::client {
 
 class Session;
 
-/// An actuator command. That of joints names its joints, as many values for each.
+/// An actuator command. That of joints, muscles and thrusters names these, as many values for each.
 struct Command {
   std::int32_t id = 0;
   std::vector<double> data = {};
@@ -31,7 +31,8 @@ struct Command {
   Command After(const std::optional<Command>& kept, const std::string& whose) const;
 };
 
-inline constexpr const char* kMotors = "motors";  // a type of module
+// Types of modules.
+inline constexpr const char *kMotors = "motors", *kJoints = "joints", *kChannel = "channel";
 /// Before the name of a group of joints, among types of modules.
 inline constexpr std::string_view kGroup = "joints/";
 
@@ -45,12 +46,18 @@ struct ScanGeometry {
 /// The connections to an actuator module of a robot, and the command kept for the next step. The first of a
 /// robot, its motors if it has any, has the robot's other connections, too.
 struct RobotLink {
-  RobotLink(Session& session_of, std::string name, std::string actuator_of = kMotors)
-      : session(session_of), robot(std::move(name)), actuator(std::move(actuator_of)) {}
+  RobotLink(Session& session_of, std::string name, std::string actuator_of = kMotors,
+            std::string type_of = kMotors)
+      : session(session_of),
+        robot(std::move(name)),
+        actuator(std::move(actuator_of)),
+        type(std::move(type_of)) {}
 
   /// Opens the connections to all actuators of the robot, `others` included, and claims them unless the
   /// session watches.
   void Take();
+  /// The link to the robot's channel, which drives all that its other actuators drive: these are given up.
+  std::shared_ptr<RobotLink> TakeChannel(const std::string& name);
   /// An actuator command: kept in lockstep, sent at once otherwise.
   void Actuate(std::int32_t command, std::vector<double> data = {}, std::vector<std::int32_t> joints = {});
   /// A reading of the newest frame. A connection that broke since it was last used is opened again.
@@ -72,16 +79,18 @@ struct RobotLink {
   bool LetGo();
   /// The daemon closed the connection to the motors.
   [[noreturn]] void Lose(const Closed& closed);
-  bool has_joints() const { return actuator != kMotors; }
+  /// Its commands stand for one step, and say of what: a group of joints, muscles, thrusters.
+  bool has_parts() const { return type != kMotors; }
   /// In errors: of joints "robot1/arm".
-  std::string label() const { return has_joints() ? robot + "/" + actuator : robot; }
+  std::string label() const { return has_parts() ? robot + "/" + actuator : robot; }
   bool is_ours() const { return motors && motors->is_open() && !unclaimed && !lost; }
   void ForgetCommands();
   void Close();
 
   Session& session;
   const std::string robot;
-  std::string actuator;                                        // "motors", or the name of a group of joints
+  std::string actuator;                                        // "motors", or the name of a module
+  std::string type;                                            // of that module
   std::vector<std::shared_ptr<RobotLink>> others;              // the robot's further actuators
   std::unique_ptr<Connection> motors;                          // null: it has no actuator, or `in_team`
   std::map<std::string, std::unique_ptr<Connection>> readers;  // by module
@@ -89,7 +98,8 @@ struct RobotLink {
   std::map<std::string, std::string> modules;                  // names by type, once they were needed
   std::optional<Command> kept;                                 // for the next step
   std::optional<Command> sent;                                 // its reply has not come yet
-  std::int64_t sent_at = 0;                                    // the newest step when it was sent
+  std::optional<Command> last;        // what it is told when the session is closed, if not to stop or hold
+  std::int64_t sent_at = 0;           // the newest step when it was sent
   std::int64_t told_at = -1;          // the newest when a command was answered at once
   int unstepped = 0;                  // commands since the last step
   std::int64_t unstepped_since = 0;   // the step of the first of them
@@ -98,6 +108,7 @@ struct RobotLink {
   bool unclaimed = false;             // only looked at: when it was last asked for a recording was played, or
   bool another = false;               // another had it; then not asked for again before it is commanded
   bool in_team = false;               // a team of ours drives it: for reading only
+  bool by_channel = false;            // the robot's channel drives it
   std::vector<std::string> attached;  // types of modules, in the order of their readings
   std::optional<Message> carried;     // the readings that came with the reply to the last step
   double labels_step = -1;            // of ids and colours of the targets
@@ -108,6 +119,8 @@ struct RobotLink {
 
  private:
   void Claim();
+  /// Lets its channel have it.
+  void GiveToChannel();
   bool AwaitCommand();
   /// Has every reply to get_time bring the readings of these modules.
   void AttachTo(Connection& connection, const std::vector<std::string>& types) const;

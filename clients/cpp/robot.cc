@@ -269,6 +269,36 @@ Joints Robot::joints(const std::string& group) {
                       "there are: " + ListOf(groups));
 }
 
+std::shared_ptr<RobotLink> Robot::Actuator(const std::string& type) {
+  session_->RequireOpen();
+  if (link_->lost && link_->lost->code() == 10) throw Error(*link_->lost);
+  if (link_->type == type) return link_;
+  for (const auto& other : link_->others) {
+    if (other->type == type) return other;
+  }
+  std::vector<std::string> names;
+  for (const auto& [module, its_type] : session_->ActuatorsOf(name())) {
+    if (its_type == type && type == kChannel) {
+      session_->Add(link_->TakeChannel(module));
+      return link_->others.back();
+    }
+    names.push_back(module);
+  }
+  throw Error(5, name() + " has no " + type + "; its actuators: " + ListOf(names));
+}
+
+Muscles Robot::muscles() {
+  return Muscles(session_, Actuator("muscles"));
+}
+
+Thrusters Robot::thrusters() {
+  return Thrusters(session_, Actuator("thrusters"));
+}
+
+Channel Robot::channel() {
+  return Channel(Actuator(kChannel));
+}
+
 void Robot::subscribe(const std::string& module, int n) {
   session_->RequireOpen();
   link_->pushers.erase(module);

@@ -62,17 +62,41 @@ void RobotLink::Take() {
       motors.reset();  // it has no motors
     }
   }
-  const std::vector<std::string> groups = session.GroupsOf(robot);
-  if (!groups.empty() && !motors && !in_team) {
-    actuator = groups[0];
-    open(*this, actuator);
-  }
-  for (const std::string& group : groups) {
-    if (group == actuator) continue;
-    others.push_back(std::make_shared<RobotLink>(session, robot, group));
+  for (const auto& [name, its_type] : session.ActuatorsOf(robot)) {
+    if (its_type == kMotors || its_type == kChannel) continue;
+    if (!motors && !in_team) {
+      actuator = name;
+      type = its_type;
+      open(*this, name);
+      continue;
+    }
+    others.push_back(std::make_shared<RobotLink>(session, robot, name, its_type));
     others.back()->in_team = in_team;
-    if (!in_team) open(*others.back(), group);
+    if (!in_team) open(*others.back(), name);
   }
+}
+
+std::shared_ptr<RobotLink> RobotLink::TakeChannel(const std::string& name) {
+  auto channel = std::make_shared<RobotLink>(session, robot, name, kChannel);
+  channel->in_team = in_team;
+  if (!in_team) {
+    GiveToChannel();
+    for (const auto& other : others) other->GiveToChannel();
+    channel->motors = std::make_unique<Connection>(session.address(), Path(name), !session.watches());
+    channel->OpenMotors();
+  }
+  others.push_back(channel);
+  return channel;
+}
+
+void RobotLink::GiveToChannel() {
+  if (motors) {
+    Settle();
+    if (!session.watches() && !unclaimed) motors->Ask({command::kRelease});
+  }
+  motors.reset();
+  ForgetCommands();
+  by_channel = true;
 }
 
 void RobotLink::ForgetCommands() {
@@ -211,8 +235,10 @@ void RobotLink::Lose(const Closed& closed) {
 
 void RobotLink::Actuate(std::int32_t command, std::vector<double> data, std::vector<std::int32_t> joints) {
   session.RequireDriving();
-  if (!motors || has_joints() != !joints.empty())
-    throw Error(kNotPossible, robot + (in_team ? " is driven by its team" : " has no motors"));
+  if (!motors || has_parts() != !joints.empty())
+    throw Error(kNotPossible, robot + (in_team      ? " is driven by its team"
+                                       : by_channel ? " is driven through its channel"
+                                                    : " has no motors"));
   if (lost) throw Error(*lost);
   if (session.mode() != kLockstep || unclaimed) Settle();
   if (unclaimed) Claim();  // a branch may go on live from there

@@ -19,7 +19,9 @@ constexpr std::int32_t kStatusRobots = 1000;  // robots in one status
 bool CarriesMode(std::int32_t id) {
   return id == command::kReady || id == command::kGetTime || id == command::kSetWheelSpeeds ||
          id == command::kSetVelocity || id == command::kStop || id == command::kStepAll ||
-         (id >= command::kSetPositions && id <= command::kSetModes) || id == command::kHold;
+         (id >= command::kSetPositions && id <= command::kSetModes) || id == command::kHold ||
+         id == command::kSetPwm || id == command::kSetActivations || id == command::kSetThrusts ||
+         id == command::kSetMotors;
 }
 
 }  // namespace
@@ -83,19 +85,28 @@ std::map<std::string, std::string> Session::ModulesOf(const std::string& robot) 
   return names;
 }
 
-std::vector<std::string> Session::GroupsOf(const std::string& robot) {
-  if (!groups_.contains(robot)) {
-    groups_.clear();
+std::vector<std::pair<std::string, std::string>> Session::ActuatorsOf(const std::string& robot) {
+  if (!actuators_.contains(robot)) {
+    static const std::set<std::string> kTypes = {kMotors, kJoints, "muscles", "thrusters", kChannel};
+    actuators_.clear();
     for (const Json& status : Robots()) {
-      std::vector<std::string>& groups = groups_[status["name"].text()];
+      auto& actuators = actuators_[status["name"].text()];
       for (const Json& module : status["modules"].items()) {
-        const std::string& path = module["name"].text();
-        if (module["type"].text() == "joints") groups.push_back(path.substr(path.rfind('/') + 1));
+        const std::string &path = module["name"].text(), &type = module["type"].text();
+        if (kTypes.contains(type)) actuators.emplace_back(path.substr(path.rfind('/') + 1), type);
       }
     }
   }
-  const auto found = groups_.find(robot);
-  return found != groups_.end() ? found->second : std::vector<std::string>{};
+  const auto found = actuators_.find(robot);
+  return found != actuators_.end() ? found->second : std::vector<std::pair<std::string, std::string>>{};
+}
+
+std::vector<std::string> Session::GroupsOf(const std::string& robot) {
+  std::vector<std::string> groups;
+  for (const auto& [name, type] : ActuatorsOf(robot)) {
+    if (type == kJoints) groups.push_back(name);
+  }
+  return groups;
 }
 
 std::vector<Json> Session::Robots() {
@@ -176,10 +187,10 @@ bool Session::LetGo(const std::string& robot) {
 
 void Session::LoseOthers(const RobotLink& lost) {
   for (const auto& link : links_) {
-    if (link->robot != lost.robot || link.get() == &lost || !link->motors) continue;
+    if (link->robot != lost.robot || link.get() == &lost || link->in_team) continue;
     link->lost.emplace(*lost.lost);
     link->ForgetCommands();
-    link->motors->Close();
+    if (link->motors) link->motors->Close();
   }
 }
 
@@ -320,7 +331,7 @@ void Session::ThrowIfLoaded(const Error& error) {
 
 void Session::StartedAnew() {
   reached_ = 0;
-  groups_.clear();
+  actuators_.clear();
   ForgetCommands();
 }
 
@@ -376,7 +387,11 @@ void Session::Close() {
   for (const auto& link : links_) {
     if (watch_ || !link->is_ours()) continue;
     try {
-      link->motors->Send(link->has_joints() ? command::kHold : command::kStop);
+      const std::int32_t still = link->type == kMotors   ? command::kStop
+                                 : link->type == kJoints ? command::kHold
+                                                         : command::kReady;
+      const Command last = link->last.value_or(Command{still});
+      link->motors->Send(last.id, {}, last.data);
       link->motors->FinishSending();
     } catch (const Error&) {
       // It is gone already.

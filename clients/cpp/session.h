@@ -49,6 +49,10 @@ class Session {
   std::vector<std::string> RobotNames();
   /// The names of a robot's modules by type: of several of a type the one named like it, else the first.
   std::map<std::string, std::string> ModulesOf(const std::string& robot);
+  /// The names and types of a robot's actuator modules, in its order.
+  std::vector<std::pair<std::string, std::string>> ActuatorsOf(const std::string& robot);
+  /// Steps with a link that was taken later.
+  void Add(std::shared_ptr<RobotLink> link) { links_.push_back(std::move(link)); }
   /// The names of a robot's groups of joints.
   std::vector<std::string> GroupsOf(const std::string& robot);
   /// What a module says about its commands.
@@ -139,8 +143,9 @@ class Session {
 
   const Address address_;
   const bool watch_;
-  std::map<std::string, Connection> modules_;               // of the whole simulation
-  std::map<std::string, std::vector<std::string>> groups_;  // of joints, by robot; empty: not asked yet
+  std::map<std::string, Connection> modules_;  // of the whole simulation
+  /// Names and types of actuator modules by robot; empty: not asked yet.
+  std::map<std::string, std::vector<std::pair<std::string, std::string>>> actuators_;
   std::vector<std::shared_ptr<RobotLink>> links_;
   std::vector<std::shared_ptr<TeamLink>> teams_;
   int mode_ = 0;

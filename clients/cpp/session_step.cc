@@ -54,9 +54,9 @@ std::vector<Session::Waiting> Session::WhoSteps(const TeamRequest& command) {
 void Session::Step(int n, double timeout_s, const TeamRequest& team_request) {
   RequireOpen();
   if (n > 1 && std::any_of(links_.begin(), links_.end(),
-                           [](const auto& link) { return link->has_joints() && link->kept; })) {
+                           [](const auto& link) { return link->has_parts() && link->kept; })) {
     const Deadline deadline = After(timeout_s);
-    Step(1, timeout_s);  // a command of joints stands for one step
+    Step(1, timeout_s);  // such a command stands for one step
     return Step(n - 1, std::max(0.0, Until(deadline)));
   }
   std::vector<Waiting> waiting = WhoSteps(team_request);
@@ -170,11 +170,15 @@ void Session::CatchUp(std::vector<Waiting>& waiting) {
   std::set<std::string> awaited;
   const Json status = FreshStatus();
   for (const Json& a : status["awaiting"].items()) awaited.insert(a["robot"].text());
+  /// Of a robot with several actuators the world awaits ROBOT/MODULE; its channel drives them all.
   const auto is_awaited = [&](const Waiting& w) {
-    if (w.link != nullptr) return awaited.contains(w.link->robot);
-    return w.team != nullptr && w.team->playing.empty() &&
-           std::any_of(w.team->names.begin(), w.team->names.end(),
-                       [&](const std::string& name) { return awaited.contains(name); });
+    return std::any_of(awaited.begin(), awaited.end(), [&](const std::string& name) {
+      const std::string robot = name.substr(0, name.find('/'));
+      if (w.link != nullptr)
+        return robot == w.link->robot &&
+               (robot == name || w.link->type == kChannel || name == robot + "/" + w.link->actuator);
+      return w.team != nullptr && w.team->playing.empty() && w.team->Has(robot);
+    });
   };
   if (std::any_of(waiting.begin(), waiting.end(), [&](auto& w) { return !w.done && is_awaited(w); })) return;
   std::size_t stepped = 0;

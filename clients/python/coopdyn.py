@@ -69,7 +69,9 @@ _GET_IMAGE, _GET_CAMERA, _GET_BATTERY, _GET_LIGHT, _GET_SONAR, _GET_INFRARED, _G
 _RGB, _JPEG, _DEPTH, _SEGMENTATION = 0, 1, 2, 3
 _GET_JOINTS, _SET_POSITIONS, _SET_POSITIONS_DIRECT, _SET_VELOCITIES, _SET_EFFORTS, _SET_MODES = 203, 204, 205, 206, 207, 208
 _GET_MODES, _SET_COMPLIANCE, _GET_COMPLIANCE, _SET_PROFILE, _GET_PROFILE, _SET_GAINS, _GET_GAINS = 209, 210, 211, 212, 213, 214, 215
-_GET_JOINT_LIMITS, _GET_MOTION, _GET_REFERENCES, _HOLD, _GET_CHAIN = 216, 217, 218, 219, 220
+_GET_JOINT_LIMITS, _GET_MOTION, _GET_REFERENCES, _HOLD, _GET_CHAIN, _SET_PWM, _GET_DRIVE_TRAINS = 216, 217, 218, 219, 220, 222, 223
+_SET_ACTIVATIONS, _GET_MUSCLES, _GET_MUSCLE_LIMITS, _SET_THRUSTS, _GET_THRUSTS, _GET_THRUSTER_LIMITS = range(224, 230)
+_GET_VALUES, _SET_MOTORS, _GET_CHANNEL = 350, 351, 352
 _GET_STATUS, _RUN, _PAUSE, _RESET, _SET_MODE, _SET_STEP, _SET_SPEED = 100, 101, 102, 104, 105, 106, 107
 _LOAD_SCENARIO, _STOP_ALL, _SET_PARTICIPANTS, _RELOAD, _RELEASE_ROBOT = 108, 190, 191, 192, 193
 _SIMULATION, _RECORDER, _PLAYBACK, _WORLD = "/simulation", "/recorder", "/playback", "/world"
@@ -79,8 +81,11 @@ _GET_RECORDING, _START_RECORDING, _STOP_RECORDING, _NOTE, _LIST_RUNS = 120, 121,
 _GET_PLAYBACK, _SEEK, _PLAY, _SET_PLAY_SPEED, _SKIP, _SET_LOOP, _BRANCH, _OPEN, _CLOSE = 130, 131, 132, 134, 135, 136, 137, 138, 139
 _STEP_ALL, _SELECT_READINGS, _READ_ALL, _GET_TEAM, _STOP_TEAM = 110, 111, 112, 113, 114
 _OF_JOINTS = {_SET_POSITIONS: "set_positions", _SET_POSITIONS_DIRECT: "set_positions_direct", _SET_VELOCITIES: "set_velocities",
-              _SET_EFFORTS: "set_efforts", _SET_MODES: "set_modes", _HOLD: "hold"}  # commands that take effect with a step
-_CARRY_MODE = frozenset((_READY, _GET_TIME, _SET_VELOCITY, _SET_WHEEL_SPEEDS, _STOP, _STEP_ALL, *_OF_JOINTS))
+              _SET_EFFORTS: "set_efforts", _SET_PWM: "set_pwm", _SET_MODES: "set_modes", _HOLD: "hold"}  # they take effect with a step
+_CARRY_MODE = frozenset((_READY, _GET_TIME, _SET_VELOCITY, _SET_WHEEL_SPEEDS, _STOP, _STEP_ALL, *_OF_JOINTS, _SET_ACTIVATIONS,
+                         _SET_THRUSTS, _SET_MOTORS))
+_PARTS = ("joints", "muscles", "thrusters")  # types of actuators whose commands name what they move
+_LAST = {"motors": _STOP, "joints": _HOLD}  # what actuators are told when a sim is closed
 _GET_NEIGHBOURS, _SEND_MESSAGE, _GET_MESSAGES = 200, 201, 202
 
 _CLOSE_S = 0.2
@@ -445,6 +450,61 @@ class Gains(NamedTuple):
     p: List[float]
     i: List[float]
     d: List[float]
+
+
+class DriveTrains(NamedTuple):
+    """Of each joint's drive train: where the rotor is, as the joint counts [rad], how fast [rad/s], the motor's current [A] and
+    the energy that it has drawn [J]; nan without one."""
+
+    rotor_position: List[float]
+    rotor_velocity: List[float]
+    current: List[float]
+    energy: List[float]
+
+
+class MuscleReading(NamedTuple):
+    """What each muscle is told (0 to 1), how it pulls [N], how long it is [m], how fast it grows longer [m/s], and the factors
+    of length and velocity of its force."""
+
+    activation: List[float]
+    force: List[float]
+    length: List[float]
+    velocity: List[float]
+    length_factor: List[float]
+    velocity_factor: List[float]
+
+
+class MuscleLimits(NamedTuple):
+    """Of each muscle: its greatest force [N], at the length [m], and the velocity [m/s] at which it no longer pulls."""
+
+    max_force: List[float]
+    optimal_length: List[float]
+    max_velocity: List[float]
+
+
+class ThrusterReading(NamedTuple):
+    """How each thruster pushes or turns its link [N, N m], and how fast that moves along or about its direction [m/s, rad/s]."""
+
+    thrust: List[float]
+    velocity: List[float]
+
+
+class ThrusterLimits(NamedTuple):
+    """The greatest force or torque of each thruster, either way [N, N m]."""
+
+    max_thrust: List[float]
+
+
+class Mapped(NamedTuple):
+    """A motor or value of a channel: its range in the robot [SI units], internal_min to internal_max, is
+    external_min to external_max here; inf = not mapped. `auxiliary`: for the experimenter alone."""
+
+    name: str
+    internal_min: float
+    internal_max: float
+    external_min: float
+    external_max: float
+    auxiliary: bool
 
 
 class Motion(NamedTuple):
@@ -1367,6 +1427,13 @@ def _image_value(reply: Message, kind: int) -> Any:
     return labels
 
 
+# Readings of joints, muscles and thrusters: a row of each, here by columns.
+_COLUMNS: Dict[int, Any] = {_GET_JOINTS: JointReading, _GET_COMPLIANCE: Compliance, _GET_PROFILE: Profile, _GET_GAINS: Gains,
+                            _GET_JOINT_LIMITS: JointLimits, _GET_DRIVE_TRAINS: DriveTrains, _GET_MUSCLES: MuscleReading,
+                            _GET_MUSCLE_LIMITS: MuscleLimits, _GET_THRUSTS: ThrusterReading,
+                            _GET_THRUSTER_LIMITS: ThrusterLimits}
+
+
 def _reading_value(command: int, message: Message) -> Any:
     """What the get-command number `command` returns, out of its message."""
     data = message.data[:-2]
@@ -1386,9 +1453,8 @@ def _reading_value(command: int, message: Message) -> Any:
         return [pressed != 0 for pressed in data]
     if command == _GET_CAMERA:
         return Camera(int(data[0]), int(data[1]), *data[2:9])
-    if command in (_GET_JOINTS, _GET_COMPLIANCE, _GET_PROFILE, _GET_GAINS, _GET_JOINT_LIMITS):
-        columns = {_GET_JOINTS: JointReading, _GET_COMPLIANCE: Compliance, _GET_PROFILE: Profile, _GET_GAINS: Gains,
-                   _GET_JOINT_LIMITS: JointLimits}[command]
+    columns = _COLUMNS.get(command)
+    if columns is not None:
         width = len(columns._fields)
         return columns(*(data[k::width] for k in range(width)))
     if command == _GET_MOTION:
@@ -1634,7 +1700,7 @@ def _pose_parts(pose: Any) -> Tuple[_Rotation, _Vector]:
 
 
 class _Command(NamedTuple):
-    """An actuator command. That of joints names its joints, as many values for each."""
+    """An actuator command. That of joints, muscles and thrusters names these, as many values for each."""
 
     command: int
     params: Tuple[int, ...] = ()
@@ -1656,9 +1722,11 @@ class _Link:
     """An actuator module of a robot as this client drives it, and the command kept for the next step. The first of a robot,
     its motors if it has any, has the robot's other connections, too."""
 
-    def __init__(self, session: "_Session", robot: str, actuator: str = "motors") -> None:
+    def __init__(self, session: "_Session", robot: str, actuator: str = "motors", kind: str = "motors") -> None:
         self.robot = robot
-        self.actuator = actuator  # "motors", or the name of a group of joints
+        self.actuator = actuator  # "motors", or the name of a module of the type
+        self.kind = kind  # motors, channel or one of _PARTS
+        self.last = b""  # the request that a sim sends when it is closed, if it is not that of _LAST
         self.others: List["_Link"] = []  # the robot's further actuators
         self.label = robot  # in errors
         self.in_team = False  # a team of this sim drives it; it can only be read
@@ -1682,9 +1750,9 @@ class _Link:
         self.scans: Dict[str, _ScanGeometry] = {}  # of lidars, by module, once they were needed
 
     @property
-    def has_joints(self) -> bool:
-        """Its actuator is a group of joints."""
-        return self.actuator != "motors"
+    def has_parts(self) -> bool:
+        """Its commands stand for one step, and say of what: a group of joints, muscles, thrusters."""
+        return self.kind != "motors"
 
     def connections(self) -> List[_Connection]:
         return ([self.motors] if self.motors else []) + list(self.readers.values()) + list(self.pushers.values())
@@ -1698,8 +1766,10 @@ class _Link:
         """Of the module of this type or name."""
         return f"/{self.robot}/{self.modules.get(module, module)}"
 
-    def is_among(self, robots: "set[str]") -> bool:
-        return self.robot in robots
+    def is_among(self, awaited: "set[str]") -> bool:
+        """Of a robot with several actuators the world awaits ROBOT/MODULE; its channel drives them all."""
+        return any(robot == self.robot and (not module or module == self.actuator or self.kind == "channel")
+                   for robot, _, module in (name.partition("/") for name in awaited))
 
     def robots(self) -> int:
         return 1
@@ -1861,8 +1931,8 @@ class _TeamLink:
     def forget_commands(self) -> None:
         self.reply = None
 
-    def is_among(self, robots: "set[str]") -> bool:
-        return not self.playing and not robots.isdisjoint(self.names)
+    def is_among(self, awaited: "set[str]") -> bool:
+        return not self.playing and not {name.partition("/")[0] for name in awaited}.isdisjoint(self.names)
 
     def robots(self) -> int:
         return len(self.names)
@@ -1889,7 +1959,8 @@ class _Session:
         self.teams: List[_TeamLink] = []
         self.others: Dict[str, _Connection] = {}  # to modules of the whole, and of call()
         self.commands: Dict[str, Dict[str, int]] = {}  # numbers of commands by module and name
-        self.groups: Dict[str, List[str]] = {}  # names of the groups of joints of each robot; empty: not asked yet
+        # Types of the actuator modules of each robot by their names; empty: not asked yet.
+        self.actuators: Dict[str, Dict[str, str]] = {}
         self.mode = 0
         self.time = 0.0
         self.steps = 0
@@ -2067,12 +2138,12 @@ class _Session:
                 self.open_motors(link)
             else:
                 link.motors = None  # it has no motors
-        groups = self.groups_of(robot)
-        if groups and link.motors is None and not in_team:
-            link.actuator = groups[0]
-            link.motors = _Connection(self.address, link.path(groups[0]), drives=not self.watch)
+        parts = [(name, kind) for name, kind in self.actuators_of(robot).items() if kind in _PARTS]
+        if parts and link.motors is None and not in_team:
+            link.actuator, link.kind = parts[0]
+            link.motors = _Connection(self.address, link.path(link.actuator), drives=not self.watch)
             self.open_motors(link)
-        link.others = [_Link(self, robot, group) for group in groups if group != link.actuator]
+        link.others = [_Link(self, robot, name, kind) for name, kind in parts if name != link.actuator]
         for one in (link, *link.others):
             one.in_team = in_team
             if in_team:
@@ -2080,12 +2151,38 @@ class _Session:
             elif one is not link:
                 self.open_motors(one)
 
+    def drive_channel(self, first: _Link, name: str) -> _Link:
+        """The link to the robot's channel. It drives all that its other actuators drive: these are given up."""
+        channel = _Link(self, first.robot, name, "channel")
+        channel.in_team = first.in_team
+        if first.in_team:
+            channel.motors = None
+        else:
+            for link in (first, *first.others):
+                if link.motors is None:
+                    continue
+                self.settle(link)
+                if not (self.watch or link.unclaimed):
+                    link.motors.request(_RELEASE)
+                link.motors.close()
+                link.motors = None
+                link.forget_commands()
+            self.open_motors(channel)
+        first.others.append(channel)
+        self.links.append(channel)
+        return channel
+
+    def actuators_of(self, robot: str) -> Dict[str, str]:
+        """The types of its actuator modules by their names, in its order."""
+        if robot not in self.actuators:
+            self.actuators = {status["name"]: {module["name"].split("/")[-1]: module["type"]
+                                               for module in status.get("modules", [])
+                                               if module["type"] in ("motors", *_PARTS, "channel")} for status in self.robots()}
+        return self.actuators.get(robot, {})
+
     def groups_of(self, robot: str) -> List[str]:
         """The names of its groups of joints, in its order."""
-        if robot not in self.groups:
-            self.groups = {status["name"]: [module["name"].split("/")[-1] for module in status.get("modules", [])
-                                            if module["type"] == "joints"] for status in self.robots()}
-        return self.groups.get(robot, [])
+        return [name for name, kind in self.actuators_of(robot).items() if kind == "joints"]
 
     def open_motors(self, link: _Link) -> None:
         """Opens (again) the connection that commands go through: `hello` takes the module back, `claim` makes it ours."""
@@ -2204,10 +2301,11 @@ class _Session:
                              f"{link.take_again()} takes it again")
         if isinstance(link, _Link):
             for other in self.links:
-                if other.robot == link.robot and other is not link and other.motors is not None:
+                if other.robot == link.robot and other is not link and not other.in_team:
                     other.lost = link.lost
                     other.forget_commands()
-                    other.motors.close()
+                    if other.motors is not None:
+                        other.motors.close()
         return link.lost
 
     def command(self, link: _Link, command: int, data: Tuple[float, ...] = (), joints: Tuple[int, ...] = ()) -> None:
@@ -2215,8 +2313,10 @@ class _Session:
         self.require_open()
         if self.watch:
             raise Error(5, "this sim only watches; connect() without watch=True to drive")
-        if link.motors is None or link.has_joints != bool(joints):
-            raise Error(5, f"{link.robot} {'is driven by its team' if link.in_team else 'has no motors'}")
+        if link.motors is None or link.has_parts != bool(joints):
+            through_channel = any(other.robot == link.robot and other.kind == "channel" for other in self.links)
+            raise Error(5, f"{link.robot} " + ("is driven by its team" if link.in_team else "is driven through its channel"
+                                               if through_channel else "has no motors"))
         if link.lost is not None:
             raise link.lost
         if self.mode != _LOCKSTEP or link.unclaimed:
@@ -2402,9 +2502,9 @@ class _Session:
     def step(self, n: int, timeout: Optional[float], team: Optional[_TeamLink] = None, frame: bytes = b"") -> None:
         """Sends what was kept (or `ready`) for every robot and every team of this sim, then takes in the replies."""
         self.require_open()
-        if n > 1 and any(link.has_joints and link.kept is not None for link in self.links):
+        if n > 1 and any(link.has_parts and link.kept is not None for link in self.links):
             wait = _Wait(self, timeout, "the step did not come")
-            self.step(1, timeout)  # a command of joints stands for one step
+            self.step(1, timeout)  # such a command stands for one step
             wait.check()
             n, timeout = n - 1, None if timeout is None else wait.deadline - wait.now
         waiting: Dict[_Connection, Optional[_Driven]] = {}
@@ -2587,7 +2687,7 @@ class _Session:
     def started_anew(self) -> None:
         """After a reset or load: what was kept belongs to the old world."""
         self.reached = 0
-        self.groups = {}
+        self.actuators = {}
         self.forget_commands()
 
     def forget_commands(self) -> None:
@@ -2649,7 +2749,7 @@ class _Session:
         for link in self.links:
             if link.motors is not None and link.motors.sock is not None and not (self.watch or link.unclaimed or link.lost):
                 try:
-                    link.motors.send(encode(_HOLD if link.has_joints else _STOP))
+                    link.motors.send(link.last or encode(_LAST.get(link.kind, _READY)))
                     link.motors.try_read()  # what is unread would make closing a reset, which loses the stop
                     assert link.motors.sock is not None
                     link.motors.sock.shutdown(socket.SHUT_WR)
@@ -2947,6 +3047,19 @@ class Robot:
                 return Joints(session, one)
         raise Error(10, f"{self.name} has no joints {name!r}; {_nearest(str(name), groups)}there are: {_list_of(groups)}")
 
+    def muscles(self) -> "Muscles":
+        """Its muscles. Error 5 if it has none."""
+        return Muscles(self._session, self._part("muscles"))
+
+    def thrusters(self) -> "Thrusters":
+        """Its thrusters. Error 5 if it has none."""
+        return Thrusters(self._session, self._part("thrusters"))
+
+    def channel(self) -> "Channel":
+        """Its channel: all motors and values that its model maps, in one exchange. From then on it drives the robot alone:
+        what is told its wheels, joints, muscles or thrusters is error 5. Error 5 if the robot has no channel."""
+        return Channel(self._session, self._part("channel"))
+
     # --- pushed readings ---
     @_usage('r.subscribe("distance")')
     def subscribe(self, module: str, n: int = 1) -> None:
@@ -3009,6 +3122,21 @@ class Robot:
         return _call(self._session, self._link.path(module), command, params, data, text, timeout)
 
     # --- inside ---
+    def _part(self, kind: str) -> _Link:
+        """The link to its actuator of this type."""
+        session, link = self._session, self._link
+        session.require_open()
+        if link.lost is not None and link.lost.code == 10:
+            raise link.lost
+        for one in (link, *link.others):
+            if one.kind == kind:
+                return one
+        actuators = session.actuators_of(self.name)
+        for name, its_kind in actuators.items():
+            if its_kind == kind == "channel":
+                return session.drive_channel(link, name)
+        raise Error(5, f"{self.name} has no {kind}; its actuators: {_list_of(list(actuators))}")
+
     def _get(self, module: str, command: int, params: Sequence[int] = (), text: str = "") -> Any:
         return _reading_value(command, self._session.read(self._link, module, command, params, text))
 
@@ -3057,11 +3185,85 @@ class Robot:
         return ids, colours
 
 
-Names = Union[str, int, Sequence[Union[str, int]], None]  # of joints: by name or by id, counted from 1; None: all
+Names = Union[str, int, Sequence[Union[str, int]], None]  # of joints, muscles, …: by name or by id, from 1; None: all
+
+
+def _chosen(given: Names, names: List[str], one: str, whose: str) -> Tuple[int, ...]:
+    """Ids of joints or the like, `one` of them, from names or ids."""
+    if given is None:
+        return tuple(range(1, len(names) + 1))
+    ids = []
+    for part in [given] if isinstance(given, (str, int)) or not hasattr(given, "__iter__") else list(given):
+        if isinstance(part, str):
+            if part not in names:
+                raise Error(10, f"{whose} has no {one} {part!r}; {_nearest(part, names)}there are: {_list_of(names)}")
+            ids += [i + 1 for i, name in enumerate(names) if name == part]  # values of a channel may be called alike
+        else:
+            number = _count(part, f"the id of a {one}")
+            if number > len(names):
+                raise Error(4, f"{whose} has {len(names)} {one}s, not {number}")
+            ids.append(number)
+    if not ids or len(set(ids)) < len(ids):
+        raise Error(2, f"name each {one} once, not {given!r}; there are: {_list_of(names)}")
+    return tuple(ids)
+
+
+def _spread(values: List[float], count: int, what: str, one: str) -> Tuple[float, ...]:
+    if len(values) == 1:
+        return tuple(values * count)
+    if len(values) != count:
+        raise Error(3, f"write {what} for each of the {count} {one}s, or one for all, not {len(values)}")
+    return tuple(values)
+
+
+def _numbers(values: Any, count: int, what: str, one: str, finite: bool = True) -> Tuple[float, ...]:
+    if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):
+        values = [values]
+    return _spread([value if value == math.inf and not finite else _number(value, what) for value in values], count, what, one)
+
+
+class _Parts:
+    """Joints, muscles or thrusters of a robot: what is driven one by one, by name or id."""
+
+    _ONE = "joint"
+
+    def __init__(self, session: _Session, link: _Link, limits: int) -> None:
+        self._session = session
+        self._link = link
+        reply = session.read(link, link.actuator, limits)
+        self._names = reply.text.split()
+        self._limits = _reading_value(limits, reply)
+
+    def __repr__(self) -> str:
+        return f"<coopdyn {type(self).__name__.lower()} {self._link.robot}/{self.name}: {', '.join(self._names)}>"
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    @property
+    def name(self) -> str:
+        return self._link.actuator
+
+    @property
+    def names(self) -> List[str]:
+        """Of them all, in their order: the first has the id 1."""
+        return list(self._names)
+
+    # --- inside ---
+    def _ids(self, chosen: Names) -> Tuple[int, ...]:
+        return _chosen(chosen, self._names, self._ONE, f"{self._link.robot}/{self.name}")
+
+    def _command(self, command: int, values: Any, chosen: Names, what: str) -> None:
+        ids = self._ids(chosen)
+        self._session.command(self._link, command, _numbers(values, len(ids), what, self._ONE), ids)
+
+    def _get(self, command: int, chosen: Names) -> Any:
+        ids = () if chosen is None else self._ids(chosen)
+        return _reading_value(command, self._session.read(self._link, self.name, command, ids))
 
 
 @_usages("arm")
-class Joints:
+class Joints(_Parts):
     """A group of joints that are driven together, as an arm. Made by `r.joints("arm")`.
 
         arm = r.joints("arm")
@@ -3075,27 +3277,8 @@ class Joints:
     """
 
     def __init__(self, session: _Session, link: _Link) -> None:
-        self._session = session
-        self._link = link
-        limits = session.read(link, link.actuator, _GET_JOINT_LIMITS)
-        self._names = limits.text.split()
-        self._limits: JointLimits = _reading_value(_GET_JOINT_LIMITS, limits)
+        super().__init__(session, link, _GET_JOINT_LIMITS)
         self._chain: Optional[Tuple[List[int], Chain]] = None
-
-    def __repr__(self) -> str:
-        return f"<coopdyn joints {self._link.robot}/{self.name}: {', '.join(self._names)}>"
-
-    def __len__(self) -> int:
-        return len(self._names)
-
-    @property
-    def name(self) -> str:
-        return self._link.actuator
-
-    @property
-    def names(self) -> List[str]:
-        """Of the joints, in their order: the first has the id 1."""
-        return list(self._names)
 
     # --- commands ---
     @_usage('arm.set_positions([0.5, 0.2]) or arm.set_positions(0.5, "elbow")')
@@ -3118,10 +3301,16 @@ class Joints:
         """Efforts of the motors [N m, N]."""
         self._command(_SET_EFFORTS, efforts, joints, "an effort")
 
+    @_usage('arm.set_pwm([0.5, 0.2]) or arm.set_pwm(0.5, "elbow")')
+    def set_pwm(self, duties: Any, joints: Names = None) -> None:
+        """Duties of the motors of drive trains, -1 to 1: the sign is the direction, 0 short-circuits the motor. Error 5 for a
+        joint without a drive train."""
+        self._command(_SET_PWM, duties, joints, "a duty")
+
     @_usage('arm.set_modes("idle") or arm.set_modes(["position", "idle"], joints=[1, 3])')
     def set_modes(self, modes: Any, joints: Names = None) -> None:
-        """How joints are driven: "idle", "position", "direct", "velocity" or "effort". Each keeps still where it is (idle
-        and effort: without effort) until its next command."""
+        """How joints are driven: "idle", "position", "direct", "velocity", "effort" or, of a drive train, "pwm". Each keeps
+        still where it is (idle and effort: without effort; pwm: braked) until its next command."""
         ids = self._ids(joints)
         given = [modes] if isinstance(modes, (str, int, float)) else list(modes)
         numbers = []
@@ -3131,7 +3320,7 @@ class Joints:
             if mode not in range(len(JOINT_MODES)):
                 raise Error(4, f"there is no mode {mode!r}; write one of: {_list_of(JOINT_MODES)}")
             numbers.append(float(mode))
-        self._session.command(self._link, _SET_MODES, self._spread(numbers, ids, "a mode"), ids)
+        self._session.command(self._link, _SET_MODES, _spread(numbers, len(ids), "a mode", self._ONE), ids)
 
     @_usage('arm.hold() or arm.hold("elbow")')
     def hold(self, joints: Names = None) -> None:
@@ -3202,8 +3391,13 @@ class Joints:
 
     @_usage('arm.get_references() or arm.get_references("elbow")')
     def get_references(self, joints: Names = None) -> List[float]:
-        """The reference in force: position, velocity or effort by the mode."""
+        """The reference in force: position, velocity, effort or duty by the mode."""
         return self._get(_GET_REFERENCES, joints)
+
+    @_usage('arm.get_drive_trains() or arm.get_drive_trains("elbow")')
+    def get_drive_trains(self, joints: Names = None) -> DriveTrains:
+        """Rotor, current and energy of joints that have a drive train."""
+        return self._get(_GET_DRIVE_TRAINS, joints)
 
     # --- kinematics ---
     def get_chain(self) -> Chain:
@@ -3229,55 +3423,13 @@ class Joints:
         return q
 
     # --- inside ---
-    def _ids(self, joints: Names) -> Tuple[int, ...]:
-        """Ids of joints, from names or ids."""
-        if joints is None:
-            return tuple(range(1, len(self._names) + 1))
-        given = [joints] if isinstance(joints, (str, int)) or not hasattr(joints, "__iter__") else list(joints)
-        ids = []
-        for joint in given:
-            if isinstance(joint, str):
-                if joint not in self._names:
-                    raise Error(10, f"{self._link.robot}/{self.name} has no joint {joint!r}; {_nearest(joint, self._names)}"
-                                    f"there are: {_list_of(self._names)}")
-                ids.append(self._names.index(joint) + 1)
-            else:
-                number = _count(joint, "the id of a joint")
-                if number > len(self._names):
-                    raise Error(4, f"{self._link.robot}/{self.name} has {len(self._names)} joints, not {number}")
-                ids.append(number)
-        if not ids or len(set(ids)) < len(ids):
-            raise Error(2, f"name each joint once, not {joints!r}; there are: {_list_of(self._names)}")
-        return tuple(ids)
-
-    def _spread(self, values: List[float], ids: Tuple[int, ...], what: str) -> Tuple[float, ...]:
-        if len(values) == 1:
-            return tuple(values * len(ids))
-        if len(values) != len(ids):
-            raise Error(3, f"write {what} for each of the {len(ids)} joints, or one for all, not {len(values)}")
-        return tuple(values)
-
-    def _values(self, values: Any, ids: Tuple[int, ...], what: str, finite: bool = True) -> Tuple[float, ...]:
-        if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):
-            values = [values]
-        if finite:
-            return self._spread([_number(value, what) for value in values], ids, what)
-        return self._spread([value if value == math.inf else _number(value, what) for value in values], ids, what)
-
-    def _command(self, command: int, values: Any, joints: Names, what: str) -> None:
-        ids = self._ids(joints)
-        self._session.command(self._link, command, self._values(values, ids, what), ids)
-
     def _tune(self, command: int, columns: Sequence[Any], whats: Sequence[str], joints: Names) -> None:
         if self._session.watch:
             raise Error(5, "this sim only watches; connect() without watch=True to drive")
         ids = self._ids(joints)
-        rows = zip(*(self._values(column, ids, what, what != "a k [N m/rad]") for column, what in zip(columns, whats)))
+        rows = zip(*(_numbers(column, len(ids), what, self._ONE, what != "a k [N m/rad]")
+                     for column, what in zip(columns, whats)))
         self._session.read(self._link, self.name, command, ids, data=list(itertools.chain.from_iterable(rows)))
-
-    def _get(self, command: int, joints: Names) -> Any:
-        ids = () if joints is None else self._ids(joints)
-        return _reading_value(command, self._session.read(self._link, self.name, command, ids))
 
     def _posture(self, q: Optional[Sequence[float]]) -> Sequence[float]:
         if q is None:
@@ -3300,6 +3452,129 @@ class Joints:
             self._chain = ids, Chain(kinds, [row[:3] for row in rows], [row[3:] for row in rows], tool,
                                      [limits.lower[i - 1] for i in ids], [limits.upper[i - 1] for i in ids])
         return self._chain
+
+
+@_usages("m")
+class Muscles(_Parts):
+    """The muscles of a robot. Made by `r.muscles()`.
+
+        m = r.muscles()
+        m.set_activations(0.2)                # of all: the part of their force that they give, 0 to 1
+        m.set_activations(0.8, "biceps")      # one muscle, by its name or its number from 1
+        sim.step()
+        print(m.get().force)                  # N, of each
+
+    Commands go with the next `sim.step()` in lockstep, and at once in real time, as those of Joints. An activation stays
+    until the next.
+    """
+
+    _ONE = "muscle"
+
+    def __init__(self, session: _Session, link: _Link) -> None:
+        super().__init__(session, link, _GET_MUSCLE_LIMITS)
+        link.last = encode(_SET_ACTIVATIONS, data=[0.0] * len(self))
+
+    @_usage('m.set_activations([0.5, 0.2]) or m.set_activations(0.5, "biceps")')
+    def set_activations(self, activations: Any, muscles: Names = None) -> None:
+        """How much of their force muscles give, 0 to 1: a value for each, or one for all."""
+        self._command(_SET_ACTIVATIONS, activations, muscles, "an activation")
+
+    @_usage('m.get() or m.get("biceps")')
+    def get(self, muscles: Names = None) -> MuscleReading:
+        """Activation, force [N], length [m], velocity [m/s; positive grows longer] and the factors of these two."""
+        return self._get(_GET_MUSCLES, muscles)
+
+    def get_limits(self) -> MuscleLimits:
+        """Greatest force [N], optimal length [m] and greatest velocity [m/s] of all muscles."""
+        return self._limits
+
+
+@_usages("t")
+class Thrusters(_Parts):
+    """The thrusters of a robot. Made by `r.thrusters()`.
+
+        t = r.thrusters()
+        t.set_thrusts([2.0, 0.1])             # N, or N m of those that turn their link
+        t.set_thrusts(0, "jet")               # one thruster, by its name or its number from 1
+
+    Commands go with the next `sim.step()` in lockstep, and at once in real time, as those of Joints. A thrust stays until
+    the next.
+    """
+
+    _ONE = "thruster"
+
+    def __init__(self, session: _Session, link: _Link) -> None:
+        super().__init__(session, link, _GET_THRUSTER_LIMITS)
+        link.last = encode(_SET_THRUSTS, data=[0.0] * len(self))
+
+    @_usage('t.set_thrusts([2, 0.1]) or t.set_thrusts(2, "jet")')
+    def set_thrusts(self, thrusts: Any, thrusters: Names = None) -> None:
+        """Forces [N] and torques [N m] of thrusters: a value for each, or one for all."""
+        self._command(_SET_THRUSTS, thrusts, thrusters, "a thrust")
+
+    @_usage('t.get() or t.get("jet")')
+    def get(self, thrusters: Names = None) -> ThrusterReading:
+        """Thrust [N, N m], and how fast the link moves along or about its direction [m/s, rad/s]."""
+        return self._get(_GET_THRUSTS, thrusters)
+
+    def get_limits(self) -> ThrusterLimits:
+        """Greatest force [N] or torque [N m] of all thrusters."""
+        return self._limits
+
+
+@_usages("c")
+class Channel:
+    """All motors and values that a robot's model maps (docs/yars.md), in one exchange. Made by `r.channel()`.
+
+        c = r.channel()
+        print([motor.name for motor in c.motors], [value.name for value in c.values])
+        c.set([0.5, 0.5])                     # of all motors
+        c.set(0.2, "left_motor")              # one of them, by its name or its number from 1; the others as they were set
+        sim.step(c.steps)                     # one exchange
+        print(c.get(), c.get("right_motor_velocity"))
+
+    What is set goes with the next `sim.step()` in lockstep, and at once in real time.
+    """
+
+    def __init__(self, session: _Session, link: _Link) -> None:
+        self._session = session
+        self._link = link
+        reply = session.read(link, link.actuator, _GET_CHANNEL)
+        count, _, self.steps = reply.params[:3]  # steps of one exchange
+        mapped = [Mapped(name, *reply.data[6 * k : 6 * k + 4], reply.data[6 * k + 4] != 0)
+                  for k, name in enumerate(reply.text.split())]
+        self.motors, self.values = mapped[:count], mapped[count:]
+        self._told: List[float] = []
+
+    def __repr__(self) -> str:
+        return f"<coopdyn channel {self._link.robot}/{self._link.actuator}: {len(self.motors)} motors, {len(self.values)} values>"
+
+    @_usage('c.set([0.5, 0.2]) or c.set(0.5, "left_motor")')
+    def set(self, values: Any, motors: Names = None) -> None:
+        """Sets motors, mapped: a value for each, or one for all. Motors that are not named stay as they were set."""
+        ids = self._ids(motors, self.motors, "motor")
+        numbers = _numbers(values, len(ids), "a value", "motor")
+        if len(ids) < len(self.motors) and not self._told:
+            raise Error(5, f"set all {len(self.motors)} motors first: c.set([…]), then one by its name")
+        told = dict(enumerate(self._told, 1))
+        told.update(zip(ids, numbers))
+        data = tuple(told[i + 1] for i in range(len(self.motors)))
+        self._session.command(self._link, _SET_MOTORS, data, (1,))  # for one step; then they stay
+        self._told = list(data)
+
+    @_usage('c.get() or c.get("left_motor_velocity")')
+    def get(self, values: Names = None) -> List[float]:
+        """The values, mapped; of all that are called alike."""
+        ids = self._ids(values, self.values, "value")
+        data = self._session.read(self._link, self._link.actuator, _GET_VALUES).data
+        return [data[i - 1] for i in ids]
+
+    def aborted(self) -> bool:
+        """Whether the try is to end: a contact that the model says to end it is pressed."""
+        return self._session.read(self._link, self._link.actuator, _GET_VALUES).text == "aborted"
+
+    def _ids(self, chosen: Names, mapped: List[Mapped], one: str) -> Tuple[int, ...]:
+        return _chosen(chosen, [part.name for part in mapped], one, f"{self._link.robot}/{self._link.actuator}")
 
 
 @_usages("team")

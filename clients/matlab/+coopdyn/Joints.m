@@ -1,33 +1,23 @@
 % SPDX-License-Identifier: MIT
-classdef Joints < handle
+classdef Joints < coopdyn.internal.Parts
 %JOINTS A group of joints that are driven together, as an arm. Made by r.joints('arm').
 %     arm = r.joints('arm');
 %     arm.set_positions([0.5 -0.3 0 1.2 0 0.4 0]);     % rad, or m of a slider: a smooth move within the profile
 %     while ~arm.arrived(), sim.step(); end
 %     arm.set_positions(0.5, 'elbow');                 % one joint, by its name or its number from 1
-%   Commands: set_positions, set_positions_direct, set_velocities, set_efforts, set_modes, hold. They take a value for each
+%   Commands: set_positions, set_positions_direct, set_velocities, set_efforts, set_pwm, set_modes, hold. They take a value for each
 %   joint that is named (none: for all), or one value for all of them; joints are a name, {'elbow', 'wrist'} or [1 3]. As
 %   set_velocity of a robot, they go with the next sim.step() in lockstep, and at once in real time.
 %   How joints are driven: set_compliance, set_profile, set_gains. Readings: get, get_modes, get_compliance, get_profile,
-%   get_gains, get_limits, get_motion, arrived, get_references. Kinematics: get_chain, forward, inverse.
+%   get_gains, get_limits, get_motion, arrived, get_references, get_drive_trains. Kinematics: get_chain, forward, inverse.
 %   Units: rad, rad/s, N m; m, m/s, N of sliders. Rows are 1 x n.
-  properties (SetAccess = private)
-    name
-    names  % of the joints: the first has the id 1
-  end
   properties (Access = private)
-    session
-    link
     ids     % of the joints in chain
     chain = []
   end
   methods
     function j = Joints(session, link)
-      j.session = session;
-      j.link = link;
-      j.name = link.actuator;
-      reply = session.read(link, link.actuator, 216, [], '');
-      j.names = strsplit(strtrim(reply.text), ' ');
+      j = j@coopdyn.internal.Parts(session, link, 'joint', 216);
     end
 
     % --- commands
@@ -59,9 +49,16 @@ classdef Joints < handle
       j.command(207, efforts, joints);
     end
 
+    function set_pwm(j, duties, joints)
+    %SET_PWM Duties of the motors of drive trains, -1 to 1: the sign is the direction, 0 short-circuits the motor.
+      coopdyn.internal.need(nargin, 2, 'arm.set_pwm([0.5 0.2]) or arm.set_pwm(0.5, ''elbow'')');
+      if nargin < 3, joints = []; end
+      j.command(222, duties, joints);
+    end
+
     function set_modes(j, modes, joints)
-    %SET_MODES How joints are driven: 'idle', 'position', 'direct', 'velocity' or 'effort', or a cell array of these. Each
-    %   keeps still where it is (idle and effort: without effort) until its next command.
+    %SET_MODES How joints are driven: 'idle', 'position', 'direct', 'velocity', 'effort' or, of a drive train, 'pwm', or a cell
+    %   array of these. Each keeps still where it is (idle and effort: without effort; pwm: braked) until its next command.
       coopdyn.internal.need(nargin, 2, 'arm.set_modes(''idle'')');
       if nargin < 3, joints = []; end
       modes = cellstr(modes);
@@ -155,8 +152,14 @@ classdef Joints < handle
     end
 
     function v = get_references(j, varargin)
-    %GET_REFERENCES The reference in force: position, velocity or effort by the mode.
+    %GET_REFERENCES The reference in force: position, velocity, effort or duty by the mode.
       v = j.reading(218, varargin{:});
+    end
+
+    function v = get_drive_trains(j, varargin)
+    %GET_DRIVE_TRAINS Of drive trains: rotor_position [rad, as the joint counts], rotor_velocity [rad/s], current [A] and energy
+    %   that the motor has drawn [J]; NaN of joints without one.
+      v = j.reading(223, varargin{:});
     end
 
     % --- kinematics
@@ -199,45 +202,6 @@ classdef Joints < handle
     end
   end
   methods (Access = private)
-    function ids = ids_of(j, joints)
-    % Ids of joints, from names or ids; [] are all.
-      n = numel(j.names);
-      if isempty(joints)
-        ids = 1:n;
-        return
-      end
-      who = [j.link.label ' has '];
-      if isnumeric(joints)
-        ids = reshape(double(joints), 1, []);
-        if ~all(ids == round(ids) & ids >= 1 & ids <= n)
-          coopdyn.internal.fail(4, [who 'the joints 1 to ' num2str(n) ', not ' coopdyn.internal.show(joints)]);
-        end
-      else
-        joints = cellstr(joints);
-        ids = zeros(1, numel(joints));
-        for k = 1:numel(joints)
-          at = find(strcmp(j.names, joints{k}), 1);
-          if isempty(at)
-            coopdyn.internal.fail(10, [who 'no joint ''' joints{k} '''; ' coopdyn.internal.nearest(joints{k}, j.names) ...
-              'there are: ' coopdyn.internal.list_of(j.names)]);
-          end
-          ids(k) = at;
-        end
-      end
-      if numel(unique(ids)) < numel(ids)
-        coopdyn.internal.fail(2, ['name each joint once; there are: ' coopdyn.internal.list_of(j.names)]);
-      end
-    end
-
-    function command(j, number, values, joints)
-      ids = j.ids_of(joints);
-      values = spread(values, numel(ids));
-      if ~all(isfinite(values))
-        coopdyn.internal.fail(4, ['values must be finite, not ' coopdyn.internal.show(values)]);
-      end
-      j.link.command(j.session, number, values, ids);
-    end
-
     function tune(j, number, columns, joints)
       if j.session.watch
         coopdyn.internal.fail(5, 'this sim only watches; connect without ''watch'' to drive');
@@ -245,21 +209,12 @@ classdef Joints < handle
       ids = j.ids_of(joints);
       rows = zeros(numel(columns), numel(ids));
       for k = 1:numel(columns)
-        rows(k, :) = spread(columns{k}, numel(ids));
+        rows(k, :) = coopdyn.internal.spread(columns{k}, numel(ids), j.one);
       end
       if any(isnan(rows(:))) || any(any(isinf(rows(2:end, :)))) || (number ~= 210 && any(isinf(rows(1, :))))
         coopdyn.internal.fail(4, 'values must be finite; only k of a compliance may be Inf: a servo');
       end
       j.session.read(j.link, j.name, number, ids, '', reshape(rows, 1, []));
-    end
-
-    function v = reading(j, number, joints)
-      params = [];
-      if nargin > 2
-        params = j.ids_of(joints);
-      end
-      reply = j.session.read(j.link, j.name, number, params, '');
-      v = coopdyn.internal.value(number, reply.params, reply.text, reply.data(1:end - 2));
     end
 
     function q = posture(j, q)
@@ -277,16 +232,4 @@ end
 
 function words = joint_modes()
   words = {'idle', 'position', 'direct', 'velocity', 'effort', 'pwm'};
-end
-
-function values = spread(values, n)
-% One value for each of n joints: as many, or one for all.
-  if ~isnumeric(values) || ~isreal(values) || ~any(numel(values) == [1 n])
-    coopdyn.internal.fail(3, sprintf('write a value for each of the %d joints, or one for all, not %s', n, ...
-                                     coopdyn.internal.show(values)));
-  end
-  values = reshape(double(values), 1, []);
-  if numel(values) == 1
-    values = repmat(values, 1, n);
-  end
 end

@@ -1,7 +1,8 @@
 % SPDX-License-Identifier: MIT
 classdef Robot < coopdyn.internal.SensorCalls
 %ROBOT One robot of a simulation. Readings are always those of the newest step.
-%   Commands: set_velocity, set_wheel_speeds, stop, send_message; joints: its arm and what else has motors. Readings:
+%   Commands: set_velocity, set_wheel_speeds, stop, send_message; joints: its arm and what else has motors; muscles,
+%   thrusters, channel: of robots that have these. Readings:
 %   get_pose, get_pose_3d, get_distances, get_geometry, get_targets, get_target, get_robots, get_neighbours, get_messages,
 %   get_compass, get_support, get_wheels, get_limits; sense: all of one step at once. Of robots with such sensors: get_imu,
 %   get_wrench, get_scan, get_contacts, get_bumper, get_sonar, get_infrared, get_light, get_battery, get_odometry; of their
@@ -216,6 +217,22 @@ classdef Robot < coopdyn.internal.SensorCalls
         name = '';
       end
       j = coopdyn.Joints(r.session, coopdyn.internal.group(r.session, r.link, char(name)));
+    end
+
+    function m = muscles(r)
+    %MUSCLES Its muscles, a coopdyn.Muscles.
+      m = coopdyn.Muscles(r.session, coopdyn.internal.actuator(r.session, r.link, 'muscles'));
+    end
+
+    function t = thrusters(r)
+    %THRUSTERS Its thrusters, a coopdyn.Thrusters.
+      t = coopdyn.Thrusters(r.session, coopdyn.internal.actuator(r.session, r.link, 'thrusters'));
+    end
+
+    function c = channel(r)
+    %CHANNEL Its channel, a coopdyn.Channel: all motors and values that its model maps. From then on it drives the robot alone:
+    %   what is told its wheels, joints, muscles or thrusters is an error.
+      c = coopdyn.Channel(r.session, coopdyn.internal.actuator(r.session, r.link, 'channel'));
     end
 
     % --- pushed readings

@@ -2,40 +2,17 @@
 // Modules are found by their type: a model may give them names of their own.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
-#include <string>
-
 #include "clients/cpp/coopdyn_client.h"
 #include "tests/clients/cpp/error_of.h"
+#include "tests/clients/cpp/made_robot.h"
 #include "tests/clients/cpp/server_process.h"
-#include "tests/source_dir.h"
 
 namespace coopdyn::client {
 namespace {
 
-namespace fs = std::filesystem;
-
-class ModuleNames : public testing::Test {
- protected:
-  ModuleNames() {
-    std::string name = (fs::temp_directory_path() / "coopdyn_legs_XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-    const std::string command =
-        "python3 " + SourceDir() + "/tests/clients/python/legs.py " + folder_.string() + " > /dev/null";
-    EXPECT_EQ(std::system(command.c_str()), 0);
-    setenv("COOPDYN_PATH", folder_.c_str(), 1);
-  }
-  ~ModuleNames() override {
-    unsetenv("COOPDYN_PATH");
-    fs::remove_all(folder_);
-  }
-
-  fs::path folder_;
-};
-
-TEST_F(ModuleNames, MotorsCalledLegsDriveAndACompassCalledNorthIsRead) {
-  const auto daemon = ServerProcess::Command({"serve", (folder_ / "legs.scenario").string()});
+TEST(ModuleNames, MotorsCalledLegsDriveAndACompassCalledNorthIsRead) {
+  const MadeRobot made("legs");
+  const auto daemon = ServerProcess::Command({"serve", made.scenario()});
   auto sim = connect(daemon.server());
   auto robot = sim.robot("robot1");
   robot.set_velocity(0.2, 0);

@@ -3,8 +3,8 @@
 
 The first line after the licence says what it needs: `% needs: nothing`, `% needs: fake --robots 2 --mode lockstep` (the
 scripted daemon), `% needs: daemon classroom --mode lockstep` (the real one) or `% needs: recording classroom --duration 1`
-(one that plays a run recorded so; the scenario is one of the shipped ones or of tests/clients/python) or `% needs: legs` (the
-robot of legs.py). COOPDYN_SERVER tells the script where the daemon is. A script passes if it prints `passed` at the end, and each text of a line `% prints once: TEXT` just once.
+(one that plays a run recorded so; the scenario is one of the shipped ones or of tests/clients/python) or `% needs: legs` or
+`limbs` (the robots of legs.py and limbs.py). COOPDYN_SERVER tells the script where the daemon is. A script passes if it prints `passed` at the end, and each text of a line `% prints once: TEXT` just once.
 """
 import os
 import pathlib
@@ -16,6 +16,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "python"))
 import harness  # noqa: E402
 import legs  # noqa: E402
+import limbs  # noqa: E402
 
 
 def octave(script, server):
@@ -39,9 +40,10 @@ def main():
         own = HERE.parent / "python" / f"{needs[1]}.scenario"
         with harness.Daemon(own.read_text(encoding="utf-8") if own.exists() else needs[1], *needs[2:]) as daemon:
             return octave(script, daemon.server)
-    if needs[0] == "legs":
+    if needs[0] in ("legs", "limbs"):
         with tempfile.TemporaryDirectory() as folder:
-            scenario = pathlib.Path(legs.make(folder)).read_text(encoding="utf-8")
+            make = legs.make if needs[0] == "legs" else limbs.make
+            scenario = pathlib.Path(make(folder)).read_text(encoding="utf-8")
             os.environ["COOPDYN_PATH"] = folder
             with harness.Daemon(scenario) as daemon:
                 return octave(script, daemon.server)

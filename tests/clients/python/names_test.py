@@ -9,7 +9,8 @@ import coopdyn
 
 MATLAB = harness.ROOT / "clients" / "matlab" / "+coopdyn"
 CPP_HEADER = harness.ROOT / "clients" / "cpp" / "coopdyn_client.h"
-CPP_HEADERS = [CPP_HEADER] + [CPP_HEADER.parent / name for name in ("team.h", "run_file.h", "joints.h", "chain.h", "sensors.h")]
+CPP_HEADERS = [CPP_HEADER] + [CPP_HEADER.parent / name for name in ("team.h", "run_file.h", "joints.h", "chain.h", "sensors.h",
+                                                              "parts.h", "actuators.h")]
 
 SIMULATION = set("""robot robots team step time steps mode dt run pause stop_all reset reload load_scenario set_mode set_step
     set_speed set_participants release_robot status hash scores log logged end_run waiting snapshot describe modules call close
@@ -17,12 +18,16 @@ SIMULATION = set("""robot robots team step time steps mode dt run pause stop_all
     playback seek play set_play_speed skip set_loop branch open_run close_run
     insert remove move change rename undo redo world save_scenario pick""".split())
 ROBOT = set("""name set_velocity set_wheel_speeds stop get_pose get_pose_3d get_distances get_geometry get_targets
-    get_target get_robots get_neighbours get_messages send_message get_compass get_support get_wheels get_limits sense joints subscribe next call
+    get_target get_robots get_neighbours get_messages send_message get_compass get_support get_wheels get_limits sense joints muscles thrusters channel
+    subscribe next call
     get_imu get_wrench get_scan get_contacts get_bumper get_image get_jpeg get_depth get_segmentation get_camera get_battery get_light
     get_sonar get_infrared get_odometry""".split())
-JOINTS = set("""name names set_positions set_positions_direct set_velocities set_efforts set_modes hold set_compliance set_profile
-    set_gains get get_modes get_compliance get_profile get_gains get_limits get_motion arrived get_references get_chain forward
-    inverse""".split())
+JOINTS = set("""name names set_positions set_positions_direct set_velocities set_efforts set_pwm set_modes hold set_compliance set_profile
+    set_gains get get_modes get_compliance get_profile get_gains get_limits get_motion arrived get_references get_drive_trains
+    get_chain forward inverse""".split())
+MUSCLES = {"name", "names", "set_activations", "get", "get_limits"}
+THRUSTERS = {"name", "names", "set_thrusts", "get", "get_limits"}
+CHANNEL = {"motors", "values", "steps", "set", "get", "aborted"}
 TEAM = set("n names ids step step_wheels read select stop release close".split())
 RUN = set("file info scenario names time steps hash pose pose_3d reading joints commands events score scores logged".split())
 READINGS = set("pose distances targets neighbours wheels compass support joints".split())
@@ -30,7 +35,8 @@ FUNCTIONS = {"connect", "launch", "doctor", "read_run"}
 
 
 def python_names(cls):
-    return {n for n in vars(cls) if not n.startswith("_")}
+    bases = [base for base in cls.__mro__ if base.__module__ == "coopdyn"]
+    return {n for base in bases for n in vars(base) if not n.startswith("_")}
 
 
 def matlab_names(name):
@@ -54,14 +60,15 @@ def matlab_names(name):
 
 def cpp_class(name):
     text = "".join(path.read_text(encoding="utf-8") for path in CPP_HEADERS)
-    return re.search(rf"^(?:class|struct) {name} {{\n(.*?)^}};$", text, re.M | re.S).group(1)
+    return re.search(rf"^(?:class|struct) {name}(?: : public \w+)? {{\n(.*?)^}};$", text, re.M | re.S).group(1)
 
 
 def cpp_names(name):
-    public = cpp_class(name).split(" private:")[0]
+    public = re.split(" (?:private|protected):", cpp_class(name))[0]
     public = re.sub(r"//[^\n]*", "", public)
     calls = (re.search(r"(\w+)\(", statement) for statement in public.split(";"))
-    return {call.group(1) for call in calls if call} - {name}
+    inherited = cpp_names("Parts") if name in ("Joints", "Muscles", "Thrusters") else set()
+    return {call.group(1) for call in calls if call} - {name} | inherited
 
 
 def cpp_fields(name):
@@ -94,6 +101,18 @@ class NamesTest(unittest.TestCase):
         self.assertEqual(python_names(coopdyn.Joints), JOINTS)
         self.assertEqual(matlab_names("Joints"), JOINTS)
         self.assertEqual(cpp_names("Joints"), JOINTS)
+
+    def test_muscles_and_thrusters_have_the_same_calls(self):
+        for name, names in (("Muscles", MUSCLES), ("Thrusters", THRUSTERS)):
+            with self.subTest(name):
+                self.assertEqual(python_names(getattr(coopdyn, name)), names)
+                self.assertEqual(matlab_names(name), names)
+                self.assertEqual(cpp_names(name), names)
+
+    def test_channels_have_the_same_calls(self):
+        self.assertEqual(python_names(coopdyn.Channel), CHANNEL - {"motors", "values", "steps"})  # those are attributes
+        self.assertEqual(matlab_names("Channel"), CHANNEL)
+        self.assertEqual(cpp_names("Channel"), CHANNEL)
 
     def test_chains_have_the_same_calls(self):
         for names in (python_names(coopdyn.Chain), matlab_names("Chain"), cpp_names("Chain")):
@@ -137,13 +156,16 @@ class NamesTest(unittest.TestCase):
         functions = {n for n, f in inspect.getmembers(coopdyn, inspect.isfunction)
                      if not n.startswith("_") and f.__module__ == "coopdyn"}
         self.assertEqual(functions - {"encode", "decode"}, FUNCTIONS)
-        self.assertEqual({p.stem for p in MATLAB.glob("*.m")} - {"Simulation", "Robot", "Team", "Run", "Joints", "Chain"}, FUNCTIONS)
+        self.assertEqual({p.stem for p in MATLAB.glob("*.m")} - {"Simulation", "Robot", "Team", "Run", "Joints", "Muscles",
+                                                                "Thrusters", "Channel", "Chain"}, FUNCTIONS)
         headers = "".join(path.read_text(encoding="utf-8") for path in CPP_HEADERS)
         self.assertEqual(set(re.findall(r"^(?:Simulation|bool|Run) (\w+)\(", headers, re.M)), FUNCTIONS)
 
     def test_readings_have_the_same_fields(self):
         for command, name in ((12, "Wheels"), (13, "Limits"), (21, "Geometry"), (31, "Bearing"), (40, "Pose"), (41, "Pose3d"),
                               (203, "JointReading"), (211, "Compliance"), (213, "Profile"), (215, "Gains"), (216, "JointLimits"),
+                              (223, "DriveTrains"), (225, "MuscleReading"), (226, "MuscleLimits"), (228, "ThrusterReading"),
+                              (229, "ThrusterLimits"),
                               (230, "Imu"), (240, "Wrench"), (271, "Camera"), (280, "Support"), (290, "Battery"), (340, "Odometry")):
             with self.subTest(name):
                 fields = set(getattr(coopdyn, name)._fields)

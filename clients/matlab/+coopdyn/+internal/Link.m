@@ -8,7 +8,10 @@ classdef Link < handle
     names              % of the robots that this drives
     is_team = false
     in_team = false    % a team of this sim drives it; it can only be read
-    actuator = 'motors'  % or the name of a group of joints
+    by_channel = false % the robot's channel drives it
+    actuator = 'motors'  % or the name of a module
+    type = 'motors'      % of that module
+    last = {}            % {command, data} when the sim is closed, if not to stop or hold
     others = {}        % the robot's further actuators
     motors = []        % the connection that commands go through; [] = it has no actuator
     readers = struct() % connections to other modules, by module
@@ -18,7 +21,7 @@ classdef Link < handle
     commanded = false  % by this program, ever
     unclaimed = false  % only read: a recording was played when it was last asked for, or
     another = false    % another program had it; it is asked for again with the next command
-    kept = []          % {command, data, joints}, for the next step
+    kept = []          % {command, data, joints or the like}, for the next step
     sent = []          % the same of a command whose reply has not come yet
     sent_at = 0        % the newest step when it was sent
     told_at = -1       % the newest step when a command was answered at once: it runs with a later one
@@ -39,15 +42,17 @@ classdef Link < handle
       link.motors = coopdyn.internal.Connection(address, ['/' robot '/motors'], drives);
     end
 
-    function drive_joints(link, address, group, drives)
-    % Its actuator is a group of joints.
-      link.actuator = group;
-      link.label = [link.robot '/' group];
-      link.motors = coopdyn.internal.Connection(address, ['/' link.robot '/' group], drives);
+    function drive_part(link, address, name, type, drives)
+    % Its actuator is a group of joints, muscles, thrusters or a channel.
+      link.actuator = name;
+      link.type = type;
+      link.label = [link.robot '/' name];
+      link.motors = coopdyn.internal.Connection(address, ['/' link.robot '/' name], drives);
     end
 
-    function yes = has_joints(link)
-      yes = ~strcmp(link.actuator, 'motors');
+    function yes = has_parts(link)
+    % Its commands stand for one step, and say of what.
+      yes = ~strcmp(link.type, 'motors');
     end
 
     function p = path(link, module)
@@ -215,9 +220,11 @@ classdef Link < handle
       if session.watch
         coopdyn.internal.fail(5, 'this sim only watches; connect without ''watch'' to drive');
       end
-      if isempty(link.motors) || link.has_joints() == isempty(joints)
+      if isempty(link.motors) || link.has_parts() == isempty(joints)
         if link.in_team
           coopdyn.internal.fail(5, [link.robot ' is driven by its team']);
+        elseif link.by_channel
+          coopdyn.internal.fail(5, [link.robot ' is driven through its channel']);
         end
         coopdyn.internal.fail(5, [link.robot ' has no motors']);
       end

@@ -8,7 +8,7 @@ classdef Session < handle
     teams = {}
     others = {}      % connections to modules of the whole, and of call
     described = {}   % names and numbers of commands, by module: {module, names, ids; ...}
-    groups = cell(0, 2)  % of joints: robot and names; empty = not asked yet
+    actuators = cell(0, 3)  % robot, names and types of its actuator modules; empty = not asked yet
     mode = 0
     newest = [0 0]   % time [s] and step of the newest reply
     reached = 0      % the newest step of this world that a reading, command or step has told; 0 again after a reset
@@ -31,7 +31,7 @@ classdef Session < handle
       end
       if ~isempty(reply.params)
         switch reply.command
-          case {2, 3, 10, 11, 14, 110, 204, 205, 206, 207, 208, 219}
+          case {2, 3, 10, 11, 14, 110, 204, 205, 206, 207, 208, 219, 222, 224, 227, 351}
             s.mode = reply.params(1);
         end
       end
@@ -220,9 +220,9 @@ classdef Session < handle
     function step(s, n, limit, commanded, bytes)
     % Sends what was kept (or ready) for every robot and every team of this sim, then takes in the replies. One of the
     % teams may be commanded otherwise: bytes.
-      if n > 1 && any(cellfun(@(link) link.has_joints() && ~isempty(link.kept), s.links))
+      if n > 1 && any(cellfun(@(link) link.has_parts() && ~isempty(link.kept), s.links))
         started = tic;
-        s.step(1, limit);  % a command of joints stands for one step
+        s.step(1, limit);  % such a command stands for one step
         n = n - 1;
         limit = max(0, limit - toc(started));
       end
@@ -292,7 +292,7 @@ classdef Session < handle
     function started_anew(s)
     % After a reset or load: what was kept belongs to the old world.
       s.reached = 0;
-      s.groups = cell(0, 2);
+      s.actuators = cell(0, 3);
       s.forget_commands();
     end
 
@@ -343,11 +343,16 @@ classdef Session < handle
         link = s.links{k};
         if ~isempty(link.motors) && ~s.watch && ~link.unclaimed && isempty(link.lost) && link.motors.alive()
           try
-            last = 14;
-            if link.has_joints()
-              last = 219;  % hold
+            last = link.last;
+            if isempty(last)
+              last = {2, []};  % ready
+              at = strcmp(link.type, {'motors', 'joints'});
+              if any(at)
+                still = [14 219];  % stop, hold
+                last{1} = still(at);
+              end
             end
-            link.motors.send(last, coopdyn.internal.encode(last, [], []));
+            link.motors.send(last{1}, coopdyn.internal.encode(last{1}, [], last{2}));
             stopping{end + 1} = link.motors;
           catch
             % it is gone already

@@ -61,7 +61,7 @@ function again = catch_up(s, connections, links, stepped, waiting)
   end
   awaited = {status.awaiting.robot};
   for j = waiting
-    if ~isempty(links{j}) && any(ismember(awaited, links{j}.names))
+    if ~isempty(links{j}) && is_among(links{j}, awaited)
       return
     end
   end
@@ -76,7 +76,7 @@ function again = catch_up(s, connections, links, stepped, waiting)
   end
   for j = stepped
     link = links{j};
-    if isempty(link) || ~any(ismember(awaited, link.names))
+    if isempty(link) || ~is_among(link, awaited)
       continue
     end
     number = 2;
@@ -89,4 +89,14 @@ function again = catch_up(s, connections, links, stepped, waiting)
     c.send(number, coopdyn.internal.encode(number, steps, []));
     again(end + 1) = j; %#ok<AGROW>
   end
+end
+
+function yes = is_among(link, awaited)
+% Of a robot with several actuators the world awaits ROBOT/MODULE; its channel drives them all.
+  robots = strtok(awaited, '/');
+  yes = ismember(robots, link.names);
+  if ~link.is_team && ~strcmp(link.type, 'channel')
+    yes = yes & ismember(awaited, {link.robot, [link.robot '/' link.actuator]});
+  end
+  yes = any(yes);
 end

@@ -26,12 +26,14 @@ function lose(session, link, cause)
   if ~link.is_team
     for k = 1:numel(session.links)  % its other actuators are not ours any more, either
       other = session.links{k};
-      if strcmp(other.robot, link.robot) && isempty(other.lost) && ~isempty(other.motors)
+      if strcmp(other.robot, link.robot) && isempty(other.lost) && ~other.in_team
         other.lost = link.lost;
         other.lost_code = 6;
         other.forget_commands();
         other.drives = false;
-        other.motors.close();
+        if ~isempty(other.motors)
+          other.motors.close();
+        end
       end
     end
   end

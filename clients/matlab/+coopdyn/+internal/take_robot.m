@@ -20,19 +20,17 @@ function link = take_robot(session, robot)
   else
     open_motors(session, link);
   end
-  groups = coopdyn.internal.groups_of(session, robot);
+  [names, types] = coopdyn.internal.actuators_of(session, robot);
   try
-    if ~isempty(groups) && isempty(link.motors) && ~in_team
-      link.drive_joints(session.address, groups{1}, ~session.watch);
-      link.open(session);
-    end
-    for k = 1:numel(groups)
-      if strcmp(groups{k}, link.actuator)
+    for k = find(~ismember(types, {'motors', 'channel'}))
+      if isempty(link.motors) && ~in_team
+        link.drive_part(session.address, names{k}, types{k}, ~session.watch);
+        link.open(session);
         continue
       end
       other = coopdyn.internal.Link(session.address, robot, ~session.watch);
       other.in_team = in_team;
-      other.drive_joints(session.address, groups{k}, ~session.watch);
+      other.drive_part(session.address, names{k}, types{k}, ~session.watch);
       link.others{end + 1} = other;
       if in_team
         other.motors = [];

@@ -39,6 +39,18 @@ function v = value(command, params, text, data)
       v = struct('lower', data(1:4:end), 'upper', data(2:4:end), 'velocity', data(3:4:end), 'effort', data(4:4:end));
     case 217
       v = struct('arrived', params ~= 0, 'target', data);
+    case 223
+      v = struct('rotor_position', data(1:4:end), 'rotor_velocity', data(2:4:end), 'current', data(3:4:end), ...
+                 'energy', data(4:4:end));
+    case 225
+      v = struct('activation', data(1:6:end), 'force', data(2:6:end), 'length', data(3:6:end), 'velocity', data(4:6:end), ...
+                 'length_factor', data(5:6:end), 'velocity_factor', data(6:6:end));
+    case 226
+      v = struct('max_force', data(1:3:end), 'optimal_length', data(2:3:end), 'max_velocity', data(3:3:end));
+    case 228
+      v = struct('thrust', data(1:2:end), 'velocity', data(2:2:end));
+    case 229
+      v = struct('max_thrust', data);
     case 230
       v = struct('qw', data(1), 'qx', data(2), 'qy', data(3), 'qz', data(4), 'wx', data(5), 'wy', data(6), 'wz', data(7), ...
                  'ax', data(8), 'ay', data(9), 'az', data(10));

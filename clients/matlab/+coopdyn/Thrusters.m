@@ -1,0 +1,32 @@
+% SPDX-License-Identifier: MIT
+classdef Thrusters < coopdyn.internal.Parts
+%THRUSTERS The thrusters of a robot. Made by r.thrusters().
+%     t = r.thrusters();
+%     t.set_thrusts([2 0.1]);             % N, or N m of those that turn their link
+%     t.set_thrusts(0, 'jet');            % one thruster, by its name or its number from 1
+%   Commands go with the next sim.step() in lockstep, and at once in real time, as those of coopdyn.Joints. A thrust stays until
+%   the next. Rows are 1 x n.
+  methods
+    function t = Thrusters(session, link)
+      t = t@coopdyn.internal.Parts(session, link, 'thruster', 229);
+      link.last = {227, zeros(1, numel(t.names))};
+    end
+
+    function set_thrusts(t, thrusts, thrusters)
+    %SET_THRUSTS Forces [N] and torques [N m] of thrusters: a value for each, or one for all.
+      coopdyn.internal.need(nargin, 2, 't.set_thrusts([2 0.1]) or t.set_thrusts(2, ''jet'')');
+      if nargin < 3, thrusters = []; end
+      t.command(227, thrusts, thrusters);
+    end
+
+    function v = get(t, varargin)
+    %GET thrust [N, N m], and velocity: how fast the link moves along or about its direction [m/s, rad/s], a struct of rows.
+      v = t.reading(228, varargin{:});
+    end
+
+    function v = get_limits(t)
+    %GET_LIMITS max_thrust [N, N m] of all thrusters.
+      v = t.reading(229);
+    end
+  end
+end
