@@ -14,6 +14,8 @@ namespace coopdyn {
 struct SourceLine {
   std::string file;
   int line = 0;
+  int part = 0;  // tells sections apart that an experiment makes of one line
+  bool operator==(const SourceLine&) const = default;
 };
 
 struct Diagnostic {

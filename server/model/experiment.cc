@@ -94,7 +94,9 @@ std::vector<Section> ReadExperiment(const std::string& text, const std::string& 
   for (std::string_view rest = std::string_view(text).substr(size); is_whole && !rest.empty();)
     made->scenario.Add(++line, TakeLine(rest));
   std::vector<Section> sections = ReadSections(made->scenario.text, file, diagnostics);
+  int part = 0;
   for (Section& section : sections) {
+    section.part = ++part;
     section.line = LineIn(made->scenario.lines, section.line);
     for (Entry& entry : section.entries) entry.line = LineIn(made->scenario.lines, entry.line);
   }

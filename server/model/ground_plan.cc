@@ -107,7 +107,7 @@ std::vector<Standing> GroundPlan(const Scenario& scenario) {
 }
 
 bool Overlap(const Standing& a, const Standing& b) {
-  if (a.where.line == b.where.line && a.where.file == b.where.file) return false;  // e.g. a team and its bar
+  if (a.where == b.where) return false;  // e.g. a team and its bar
   if (a.low_m + kTouch_m >= b.high_m || b.low_m + kTouch_m >= a.high_m) return false;
   return ShadowsOverlap(a, b);
 }

@@ -67,7 +67,8 @@ RandomSections::RandomSections(std::vector<Section>& sections, std::string file,
       ReadKey(entry, sections);
     }
   }
-  std::ranges::stable_sort(placed_, {}, &Placed::line);
+  std::ranges::stable_sort(placed_, {},
+                           [](const Placed& placed) { return std::pair(placed.of.line, placed.of.part); });
 }
 
 void RandomSections::ReadKey(const Entry& entry, std::vector<Section>& sections) {
@@ -128,7 +129,7 @@ void RandomSections::ReadKey(const Entry& entry, std::vector<Section>& sections)
                       section->word != "target" && !IsNumbered(section->word, "swarm") &&
                       !IsNumbered(section->word, "light") && !IsNumbered(section->word, "score");
   const bool known = std::ranges::find(placed_, key.section, &Placed::section) != placed_.end();
-  if (places && stands && !known) placed_.push_back({key.section, section->line, entry.In(file_), 0});
+  if (places && stands && !known) placed_.push_back({key.section, section->In(file_), entry.In(file_), 0});
   keys_.push_back(std::move(key));
 }
 
@@ -157,8 +158,7 @@ void RandomSections::Apply(std::uint64_t seed, std::vector<Section>& sections) c
 bool RandomSections::CountOn(const Scenario& scenario, std::uint64_t seed) {
   const std::vector<Standing> all = GroundPlan(scenario);
   const auto number_of = [this](const Standing& one) {
-    const auto found =
-        one.where.file != file_ ? placed_.end() : std::ranges::find(placed_, one.where.line, &Placed::line);
+    const auto found = std::ranges::find(placed_, one.where, &Placed::of);
     return found == placed_.end() ? -1 : static_cast<int>(found - placed_.begin());
   };
   std::vector<int> numbers;

@@ -44,8 +44,8 @@ class RandomSections {
   /// A section with keys that place it.
   struct Placed {
     std::string section;
-    int line = 0;  // of the section
-    SourceLine where;
+    SourceLine of;     // the section
+    SourceLine where;  // its first line in [RANDOM]
     std::uint32_t tries = 0;
   };
 

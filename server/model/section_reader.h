@@ -38,9 +38,10 @@ struct Section {
   int line = 0;
   std::vector<Entry> entries;
   std::string set_as = {};  // "--set SECTION.key=value", in place of the line, if a setting made it
+  int part = 0;             // of the line
 
   SourceLine In(const std::string& file) const {
-    return set_as.empty() ? SourceLine{file, line} : SourceLine{set_as, 0};
+    return set_as.empty() ? SourceLine{file, line, part} : SourceLine{set_as, 0};
   }
 };
 

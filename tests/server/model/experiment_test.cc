@@ -45,6 +45,27 @@ TEST(ExperimentTest, ItsTextAndSourcesGiveTheSameScenarioAgain) {
   EXPECT_EQ(again->robots[0].model->text, first->robots[0].model->text);
 }
 
+TEST(ExperimentTest, WhatIsDrawnStandsClearWhateverTheLineBreaks) {
+  std::string lines = "<rosiml version=\"1.0\">\n<environment>\n";
+  for (int i = 0; i < 4; ++i) {
+    lines += "<box name=\"b" + std::to_string(i) + "\" width=\"0.5\" depth=\"0.5\" height=\"1\">\n" +
+             "<pose z=\"0.5\"/><randomise x=\"0 1.5\" y=\"0 1.5\"/></box>\n";
+  }
+  lines += "</environment>\n</rosiml>\n";
+  std::string one_line = lines;
+  std::erase(one_line, '\n');
+  RobotLibrary robots(Shipped());
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Diagnostics diagnostics;
+    const auto apart = ReadScenario(lines, "x.xml", robots, false, diagnostics, seed);
+    const auto together = ReadScenario(one_line, "x.xml", robots, false, diagnostics, seed);
+    ASSERT_TRUE(apart != nullptr && together != nullptr) << diagnostics.ToString();
+    ASSERT_EQ(together->objects.size(), 4u);
+    for (std::size_t i = 0; i < 4; ++i)
+      EXPECT_EQ(together->objects[i].X_WO.p, apart->objects[i].X_WO.p) << "seed " << seed;
+  }
+}
+
 TEST(ExperimentTest, AMeshNeedsTheFilesThatAnExperimentWithoutThemCannotHave) {
   RobotLibrary robots(Shipped());
   Diagnostics diagnostics;
