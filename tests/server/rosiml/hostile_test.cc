@@ -41,6 +41,27 @@ TEST(HostileTest, MistakesWithoutNumberEnd) {
   EXPECT_HAS(Said("<rosiml version=\"1\">" + Times(40'000, "<a/>\n") + "</rosiml>"), "error");
 }
 
+TEST(HostileTest, AttributesWithoutNumberAreRefusedBeforeTheyAreParsed) {
+  const auto with = [](int count) {
+    std::string attributes;
+    for (int i = 0; i < count; ++i) attributes += " a" + std::to_string(i) + "=\"1\"";
+    return Said("<rosiml version=\"1\">\n<simulator" + attributes + "/></rosiml>");
+  };
+  EXPECT_EQ(with(100'000), "x.xml:2: error: <simulator> has more than 100 attributes\n");
+  EXPECT_HAS(with(101), "more than 100 attributes");
+  EXPECT_HAS_NOT(with(100), "more than 100 attributes");
+}
+
+TEST(HostileTest, AnElementOfAttributesWithoutQuotesEnds) {
+  EXPECT_HAS(Said("<rosiml " + Times(1'000'000, "a=1 ")), "and 100 more errors");
+}
+
+TEST(HostileTest, SignsThatAreNoEntitiesEnd) {
+  const std::string said = Said("<rosiml version=\"1\">" + Times(1'000'000, "&\n") + "</rosiml>");
+  EXPECT_HAS(said, "x.xml:100: error: a & by itself is no XML");
+  EXPECT_HAS(said, "the rest was not read");
+}
+
 TEST(HostileTest, ElementsInsideEachOtherWithoutEndAreRefused) {
   EXPECT_HAS(
       Said(Paper("", "<movable name=\"m\" type=\"active\"><body>" + Times(20'000, "<compound name=\"c\">") +
