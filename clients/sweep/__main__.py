@@ -40,7 +40,8 @@ def read_options(words):
         prog="coopdyn sweep", allow_abbrev=False,
         description="Run a scenario many times. Each run has a key; one that has a result in OUT is not run again.",
         epilog='Example: coopdyn sweep arena20 --set SWARM_1.count=10,20,50 --controller "diffuse speed=0.1,0.2" --seeds 1..30 '
-               "--duration 60 --out results    then: coopdyn sweep report results")
+               "--duration 60 --out results    then: coopdyn sweep report results. "
+               "coopdyn sweep evolve looks for values that make a score large: coopdyn sweep evolve --help")
     add = options.add_argument
     add("scenario", help="a file or a name, as for coopdyn serve")
     add("--set", action="append", default=[], metavar="SECTION.key=a,b", help="values of a key of the scenario; may stand several times")

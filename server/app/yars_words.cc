@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "server/base/printable.h"
 #include "server/base/words.h"
 #include "server/model/values.h"
 
@@ -18,12 +19,14 @@ namespace {
 
 enum class Takes { kNothing, kMayTake, kValue };
 
-/// A flag of YARS: what it takes, and what it is here. `serve` with %: its value; empty: it changes nothing.
+/// A flag of YARS: what it takes, and what it is here. `serve` with %: its value; empty: it changes nothing,
+/// or is an error.
 struct YarsFlag {
   std::string_view name;
   Takes takes = Takes::kNothing;
   std::string_view serve = {};
-  std::string_view note = {};  // why it changes nothing
+  std::string_view note = {};     // why it changes nothing
+  std::string_view instead = {};  // what to write, as it would change much
 };
 
 constexpr std::string_view kPage = "the page shows the simulation: open the URL that the program prints";
@@ -58,8 +61,15 @@ constexpr std::array kFlags = {
     YarsFlag{"--noctrl",
              Takes::kNothing,
              {},
-             "--set ROBOT_1.controller= of coopdyn serve takes a controller away"},
-    YarsFlag{"--config", Takes::kValue, {}, "coopdyn serve --config reads a file of coopdyn's own options"},
+             {},
+             "write coopdyn serve FILE --mode lockstep --set ROBOT_1.controller= with a --set for each robot "
+             "that has a controller"},
+    YarsFlag{"--config",
+             Takes::kValue,
+             {},
+             {},
+             "write the options here, or coopdyn serve FILE --config OPTIONS with a file of coopdyn's own "
+             "options"},
     YarsFlag{
         "--writeConfig", Takes::kMayTake, {}, "coopdyn serve --config reads a file of coopdyn's own options"},
     YarsFlag{"--printTime", Takes::kNothing, {}, "coopdyn status tells the time"},
@@ -94,11 +104,9 @@ class YarsLine {
     } else if (name == "--xml" || name == "-d" || name == "-x") {
       TakeFile(Value(name, "experiment.xml"));
     } else if (name == "--iterations") {
-      iterations_ = Value(name, "1000");
+      ReadIterations(Value(name, "1000"));
     } else if (name == "--simfreq") {
-      frequency_hz_ = PositiveOf(Value(name, "100"));
-      if (!frequency_hz_ && out_.error.empty())
-        out_.error = "--simfreq takes steps a second, e.g. --simfreq 100";
+      ReadFrequency(Value(name, "100"));
     } else if (name == "--ctrlfreq") {
       Value(name, "10");
       out_.notes.emplace_back(
@@ -117,6 +125,34 @@ class YarsLine {
     }
   }
 
+  void ReadIterations(const std::string& text) {
+    if (!out_.error.empty()) return;
+    constexpr double kMost = 1e9;
+    const std::optional<double> steps = PositiveOf(text);
+    if (!steps || *steps > kMost || *steps != std::floor(*steps)) {
+      out_.error =
+          "--iterations must be a whole number of steps from 1 to 1,000,000,000, not " + Printable(text);
+      return;
+    }
+    iterations_ = FormatNumber(*steps);
+  }
+
+  /// As `frequency` of an experiment.
+  void ReadFrequency(const std::string& text) {
+    if (!out_.error.empty()) return;
+    constexpr double kLeast_hz = 10, kMost_hz = 2000, kMicro = 1e6;
+    const std::optional<double> frequency_hz = PositiveOf(text);
+    if (!frequency_hz || *frequency_hz < kLeast_hz || *frequency_hz > kMost_hz) {
+      out_.error = "--simfreq must be from 10 to 2000 steps a second, not " + Printable(text);
+      return;
+    }
+    const double step_us = std::round(kMicro / *frequency_hz);
+    if (std::abs(step_us * *frequency_hz / kMicro - 1) > 1e-9)
+      out_.notes.push_back("--simfreq " + FormatNumber(*frequency_hz) +
+                           ": a step has whole microseconds: it is " + FormatNumber(step_us) + " µs");
+    step_s_ = step_us / kMicro;
+  }
+
   void ReadFlag(const std::string& name) {
     const auto* const flag =
         std::find_if(kFlags.begin(), kFlags.end(), [&](const YarsFlag& one) { return one.name == name; });
@@ -124,6 +160,10 @@ class YarsLine {
       std::vector<std::string> names = {"--xml", "--iterations", "--simfreq", "--realtime", "--norealtime"};
       for (const YarsFlag& one : kFlags) names.emplace_back(one.name);
       out_.error = "there is no option " + name + " of YARS that coopdyn knows" + DidYouMean(name, names);
+      return;
+    }
+    if (!flag->instead.empty()) {
+      out_.error = name + " of YARS is not read: " + std::string(flag->instead);
       return;
     }
     std::string value;
@@ -164,7 +204,7 @@ class YarsLine {
     // As YARS: as fast as it goes, and robots wait for their programs.
     add("--mode", realtime_ ? "realtime" : "lockstep");
     add("--speed", realtime_ ? FormatNumber(*realtime_) : "0");
-    if (frequency_hz_) add("--step", FormatNumber(1 / *frequency_hz_));
+    if (step_s_) add("--step", FormatNumber(*step_s_));
     if (iterations_) add("--steps", *iterations_);
     out_.serve.insert(out_.serve.begin(), first.begin(), first.end());
   }
@@ -174,7 +214,7 @@ class YarsLine {
   std::optional<std::string> given_;  // by NAME=VALUE
   std::string file_;
   std::optional<std::string> iterations_;
-  std::optional<double> frequency_hz_, realtime_;
+  std::optional<double> step_s_, realtime_;
   YarsWords out_;
 };
 
@@ -198,7 +238,9 @@ std::string YarsHelp() {
     const std::string name = std::string(flag.name) + (flag.takes == Takes::kValue ? " VALUE" : "");
     text += fmt::format("  {:<26} As coopdyn serve {}\n", name, flag.serve);
   }
-  return text + "\nOptions of YARS for its window and its films are read and change nothing.\n";
+  return text +
+         "\nOptions of YARS for its window and its films are read and change nothing.\n"
+         "--noctrl and --config are errors that say what to write instead.\n";
 }
 
 }  // namespace coopdyn

@@ -78,6 +78,7 @@ class Checker {
          child = child->NextSiblingElement()) {
       auto word = std::ranges::find(rule.children, child->Name(), &Word::name);
       if (word == rule.children.end()) {
+        if (diagnostics_.StopAt({file_, child->GetLineNum()})) return;
         const std::string meant = ErrorOfUnknown(*child, rule);
         word = std::ranges::find(rule.children, meant, &Word::name);
         if (word == rule.children.end() || (word->is_single && counts[meant] > 0)) continue;

@@ -3,11 +3,16 @@
 // thread.
 #pragma once
 
+#include <functional>
 #include <initializer_list>
 #include <map>
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "server/base/diagnostics.h"
+#include "server/base/words.h"
 
 namespace coopdyn::rosiml {
 
@@ -26,5 +31,18 @@ class Names {
 
 /// A module's name: a-z, 0-9 and _, a letter first.
 std::string ModuleName(std::string_view name);
+
+/// DidYouMean() of the first hundreds of what is called so; nothing once more is wrong than is told.
+template <typename Things, typename Name>
+std::string MeantOf(std::string_view word, const Things& things, Name name, const Diagnostics& diagnostics) {
+  constexpr std::size_t kMost = 300;
+  if (diagnostics.all().size() >= Diagnostics::kMaxKept) return {};
+  std::vector<std::string> names;
+  for (const auto& thing : things) {
+    if (names.size() == kMost) break;
+    names.push_back(std::invoke(name, thing));
+  }
+  return DidYouMean(word, names);
+}
 
 }  // namespace coopdyn::rosiml

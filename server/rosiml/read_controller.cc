@@ -34,6 +34,15 @@ std::optional<double> OptionValue(const std::string& text) {
 
 }  // namespace
 
+bool Reader::HasTooManyParameters(const Element& controller) {
+  constexpr int kMost = 1000;
+  int count = 0;
+  ForEachChild(controller, [&count](const Element&) { ++count; });
+  if (count <= kMost) return false;
+  Error(controller, "a controller has at most " + std::to_string(kMost) + " parameters");
+  return true;
+}
+
 std::string Reader::LoadedController(const Element& element, bool has_motors,
                                      const HasController& has_controller) {
   const std::string module = Text(element, "module");
@@ -56,6 +65,7 @@ std::string Reader::LoadedController(const Element& element, bool has_motors,
     Warn(element, "the controller '" + Printable(module) + "' is not loaded: the robot has no motors");
     return {};
   }
+  if (HasTooManyParameters(element)) return line;
   std::set<std::string> given;
   ForEachChild(element, [&](const Element& parameter) {
     const std::string name = Text(parameter, "name"), option = OptionName(name);

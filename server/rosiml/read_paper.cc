@@ -192,6 +192,7 @@ class PaperReader : Reader {
       return word;
     };
     movable.controller = simple(*controller, Text(*controller, "library"));
+    if (HasTooManyParameters(*controller)) return;
     ForEachChild(*controller, [&](const Element& parameter) {
       movable.controller +=
           " " + simple(parameter, Text(parameter, "name")) + "=" + Exact(Number(parameter, "value", 0));
@@ -328,6 +329,11 @@ class PaperReader : Reader {
     Score score;
     score.line = element.GetLineNum();
     score.of = NamesIn(Text(element, "of"));
+    constexpr std::size_t kMostNames = 1000;
+    if (score.of.size() > kMostNames) {
+      Error(element, "'of' in <score> has at most " + std::to_string(kMostNames) + " names");
+      score.of.clear();
+    }
     score.target = Text(element, "target");
     const std::string kind = Text(element, "kind"), name = Text(element, "name");
     if (kind == "reach" && score.target.empty())

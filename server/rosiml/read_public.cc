@@ -2,13 +2,16 @@
 // The grammar 0.8 of the public YARS.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numbers>
+#include <ranges>
 #include <utility>
 
 #include "server/base/printable.h"
 #include "server/base/words.h"
 #include "server/rosiml/lines.h"
+#include "server/rosiml/names.h"
 #include "server/rosiml/reader.h"
 #include "server/rosiml/six_axis.h"
 
@@ -177,9 +180,9 @@ class PublicReader : Reader {
     const std::string ref = Text(use, "ref");
     const auto macro = macros_.find(ref);
     if (macro == macros_.end()) {
-      std::vector<std::string> names;
-      for (const auto& [name, element] : macros_) names.push_back(name);
-      if (!ref.empty()) Error(use, "there is no macro '" + Printable(ref) + "'" + DidYouMean(ref, names));
+      if (!ref.empty())
+        Error(use, "there is no macro '" + Printable(ref) + "'" +
+                       MeantOf(ref, std::views::keys(macros_), std::identity(), diagnostics()));
       return;
     }
     if (is_full_) return;
@@ -307,16 +310,15 @@ class PublicReader : Reader {
 
   /// Force, velocity and length; the module `muscles` tells the factors, too.
   void ReadMuscleSensor(const Element& element, const std::string& name, Movable& robot) {
-    std::vector<std::string> names;
-    for (const Muscle& muscle : robot.muscles) names.push_back(muscle.name);
-    const auto found = std::ranges::find(names, name);
-    if (found == names.end()) {
+    const auto found = std::ranges::find(robot.muscles, name, &Muscle::name);
+    if (found == robot.muscles.end()) {
       if (!name.empty() && IsSound(*robot_element_))
-        Warn(element, "there is no muscle '" + Printable(name) + "'" + DidYouMean(name, names));
+        Warn(element, "there is no muscle '" + Printable(name) + "'" +
+                          MeantOf(name, robot.muscles, &Muscle::name, diagnostics()));
       return;
     }
     SensorValue value{.name = Text(element, "name"),
-                      .muscle = static_cast<int>(found - names.begin()),
+                      .muscle = static_cast<int>(found - robot.muscles.begin()),
                       .of = {"effort", "velocity", "position"},
                       .line = element.GetLineNum()};
     // Several domains are those of five values there: these three stay as they are.
@@ -356,25 +358,22 @@ class PublicReader : Reader {
   }
 
   void ReadJointSensor(const Element& element, const std::string& name, Movable& robot) {
-    std::vector<std::string> names;
-    for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-      const Joint& joint = robot.joints[i];
-      names.push_back(joint.name);
-      if (joint.name != name) continue;
-      const bool is_angle =
-          std::string_view(element.Name()) == "deflection" && joint.kind == Joint::Kind::kHinge;
-      SensorValue value{.name = Text(element, "name"),
-                        .joint = static_cast<int>(i),
-                        .of = {std::string_view(element.Name()) == "deflection" ? "position" : "velocity"},
-                        .line = element.GetLineNum()};
-      value.mapped = MappedOf(element, std::nullopt, is_angle ? kRadPerDeg : 1);
-      robot.values.push_back(std::move(value));
+    const auto joint = std::ranges::find(robot.joints, name, &Joint::name);
+    if (joint == robot.joints.end()) {
+      // A joint with a mistake is not there.
+      if (!name.empty() && !robot.joints.empty() && IsSound(*robot_element_))
+        Warn(element, "there is no joint '" + Printable(name) + "' that is simulated" +
+                          MeantOf(name, robot.joints, &Joint::name, diagnostics()));
       return;
     }
-    // A joint with a mistake is not there.
-    if (!name.empty() && !names.empty() && IsSound(*robot_element_))
-      Warn(element,
-           "there is no joint '" + Printable(name) + "' that is simulated" + DidYouMean(name, names));
+    const bool is_deflection = std::string_view(element.Name()) == "deflection";
+    const bool is_angle = is_deflection && joint->kind == Joint::Kind::kHinge;
+    SensorValue value{.name = Text(element, "name"),
+                      .joint = static_cast<int>(joint - robot.joints.begin()),
+                      .of = {is_deflection ? "position" : "velocity"},
+                      .line = element.GetLineNum()};
+    value.mapped = MappedOf(element, std::nullopt, is_angle ? kRadPerDeg : 1);
+    robot.values.push_back(std::move(value));
   }
 
   Experiment experiment_;

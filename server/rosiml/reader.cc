@@ -9,6 +9,7 @@
 #include "server/base/printable.h"
 #include "server/base/words.h"
 #include "server/rosiml/lines.h"
+#include "server/rosiml/names.h"
 
 namespace coopdyn::rosiml {
 
@@ -61,10 +62,8 @@ const Named* Reader::Find(const Movable& movable, const std::string& name, const
   if (name.empty()) return nullptr;  // reported before
   const auto found = std::ranges::find(movable.names, name, &Named::name);
   if (found != movable.names.end()) return &*found;
-  std::vector<std::string> names;
-  for (const Named& one : movable.names) names.push_back(one.name);
   Error(at, "there is no object '" + Printable(name) + "' in '" + Printable(movable.name) + "'" +
-                DidYouMean(name, names));
+                MeantOf(name, movable.names, &Named::name, diagnostics_));
   return nullptr;
 }
 

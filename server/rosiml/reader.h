@@ -74,6 +74,8 @@ class Reader {
                   double domain_unit = 1);
   /// Steps of an exchange of a controller that is asked so often.
   int StepsOf(const Element& at, double frequency_hz, double controller_hz);
+  /// Reports more parameters than a controller may have.
+  bool HasTooManyParameters(const Element& controller);
   /// The line of the loaded controller that a <controller> of the public grammar names; empty: clients drive
   /// the robot.
   std::string LoadedController(const Element& element, bool has_motors, const HasController& has_controller);

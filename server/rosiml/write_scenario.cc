@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
+#include <ranges>
 #include <set>
 #include <utility>
 
@@ -248,11 +250,11 @@ class ScenarioWriter {
   void CheckObject(const std::string& movable, const std::string& object, int line) {
     const auto found = written_.find(movable);
     if (found == written_.end()) return;
-    std::vector<std::string> names;
-    for (const Named& one : found->second->names) names.push_back(one.name);
-    if (std::ranges::find(names, object) != names.end()) return;
+    const std::vector<Named>& names = found->second->names;
+    if (std::ranges::find(names, object, &Named::name) != names.end()) return;
     diagnostics_.Error({file_, line}, "<score> names '" + Printable(object) + "', which is no object of '" +
-                                          Printable(movable) + "'" + DidYouMean(object, names));
+                                          Printable(movable) + "'" +
+                                          MeantOf(object, names, &Named::name, diagnostics_));
   }
 
   /// What the experiment calls `name`.
@@ -265,10 +267,9 @@ class ScenarioWriter {
       CheckObject(movable, object, line);
       return NameOf(movable, line) + "/" + Simple(object, 40);
     }
-    std::vector<std::string> names;
-    for (const auto& [known, section] : called_) names.push_back(known);
-    diagnostics_.Error({file_, line}, "<score> names '" + Printable(name) +
-                                          "', which is no movable, thing or light" + DidYouMean(name, names));
+    diagnostics_.Error({file_, line},
+                       "<score> names '" + Printable(name) + "', which is no movable, thing or light" +
+                           MeantOf(name, std::views::keys(called_), std::identity(), diagnostics_));
     return name;
   }
 

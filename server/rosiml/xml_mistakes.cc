@@ -58,7 +58,13 @@ class XmlScanner {
   /// False if there is no sense in reading on.
   bool ScanNext() {
     if (!rest_.starts_with('<')) {
-      CheckEntities(rest_.substr(0, rest_.find('<')));
+      const std::string_view text = rest_.substr(0, rest_.find('<'));
+      if (open_.empty() && has_root_ && text.find_first_not_of(kBlanks) != std::string_view::npos) {
+        SkipBlanks();
+        Error(line_, "text behind </rosiml>: remove it");
+        return false;
+      }
+      CheckEntities(text);
       Take(std::min(rest_.find('<'), rest_.size()));
       return true;
     }
@@ -110,6 +116,7 @@ class XmlScanner {
   /// <name attribute="…">
   bool ScanTag() {
     constexpr std::size_t kMostDepth = 90;  // the parser's is 100
+    constexpr int kMostAttributes = 100;    // the parser looks at all before for each
     const int line = line_;
     Take(1);
     const std::string name = Shown(TakeName());
@@ -117,17 +124,23 @@ class XmlScanner {
       Error(line, "a name follows <: write &lt; for the sign itself");
       return false;
     }
-    if (open_.empty() && std::exchange(has_root_, true))
+    if (open_.empty() && std::exchange(has_root_, true)) {
       Error(line, "<" + name + "> stands behind </rosiml>: all of an experiment stands before it");
-    if (open_.empty() && name != "rosiml") return ErrorOfRoot(line);
+    } else if (open_.empty() && name != "rosiml") {
+      return ErrorOfRoot(line);
+    }
     std::set<std::string, std::less<>> seen;
-    for (;;) {
+    for (int count = 0;; ++count) {
       SkipBlanks();
       if (rest_.starts_with("/>")) {
         Take(2);
         return true;
       }
       if (rest_.starts_with('>')) break;
+      if (count == kMostAttributes) {
+        Error(line_, "<" + name + "> has more than " + std::to_string(kMostAttributes) + " attributes");
+        return false;
+      }
       if (!ScanAttribute(name, line, seen)) return false;
     }
     Take(1);
@@ -179,11 +192,15 @@ class XmlScanner {
 
   /// Of XML itself, as there is no DOCTYPE.
   void CheckEntities(std::string_view text) {
+    int line = line_;
+    std::size_t counted = 0;  // up to here lines are
     for (std::size_t at = 0; (at = text.find('&', at)) != std::string_view::npos; ++at) {
       const std::string_view word = text.substr(at + 1, text.find_first_of(";& \t\r\n", at + 1) - at - 1);
       const bool has_end = text.substr(at + 1 + word.size()).starts_with(';');
       if (has_end && IsKnown(word)) continue;
-      const int line = line_ + static_cast<int>(std::ranges::count(text.substr(0, at), '\n'));
+      line += static_cast<int>(std::ranges::count(text.substr(counted, at - counted), '\n'));
+      counted = at;
+      if (diagnostics_.StopAt({file_, line})) return;
       Error(line, has_end && !word.empty()
                       ? "the entity '&" + Shown(word) +
                             ";' is not defined: write out what it stands for; there are &amp; &lt; &gt; "

@@ -43,6 +43,9 @@ class EvolveTest(unittest.TestCase):
         self.assertEqual(self.read("evolved.csv"), story)
         self.assertEqual(self.read("results.jsonl"), runs)
 
+    def test_the_help_of_sweep_names_it(self):
+        self.assertIn("sweep evolve", engines.answers([BINARY, "sweep", "--help"], cwd=os.path.dirname(self.out)).stdout)
+
     def test_mistakes_are_told(self):
         few = ["--generations", "1", "--children", "1"]
         self.assertIn("dog has no score speed: it has standing, travelled", self.evolve(*DOG, *few, "--score", "speed", code=1).stderr)

@@ -52,6 +52,36 @@ TEST(YarsWordsTest, WhatChangesNothingIsSaid) {
   EXPECT_EQ(read.notes.size(), 2u);
 }
 
+TEST(YarsWordsTest, WhatWouldChangeMuchIsAnErrorThatSaysWhatToWrite) {
+  EXPECT_NE(Read({"a.xml", "--noctrl"}).error.find("--set ROBOT_1.controller="), std::string::npos);
+  EXPECT_NE(Read({"--config", "b.cfg", "a.xml"}).error.find("coopdyn serve FILE --config OPTIONS"),
+            std::string::npos);
+  EXPECT_NE(YarsHelp().find("--noctrl and --config are errors"), std::string::npos);
+}
+
+TEST(YarsWordsTest, AWrongNumberIsToldByTheOptionThatWasWritten) {
+  for (const char* number : {"abc", "0", "-1", "1.5", "2000000000", ""}) {
+    EXPECT_EQ(
+        Read({"a.xml", "--iterations", number}).error,
+        std::string("--iterations must be a whole number of steps from 1 to 1,000,000,000, not ") + number);
+  }
+  for (const char* number : {"abc", "0", "9.9", "2001", "1e9"}) {
+    EXPECT_EQ(Read({"a.xml", "--simfreq", number}).error,
+              std::string("--simfreq must be from 10 to 2000 steps a second, not ") + number);
+  }
+  const Words most = Read({"a.xml", "--iterations", "1000000000"}).serve;
+  EXPECT_EQ(most.back(), "1000000000");
+}
+
+TEST(YarsWordsTest, AStepIsRoundedAsThatOfAnExperiment) {
+  const YarsWords read = Read({"a.xml", "--simfreq", "33"});
+  EXPECT_EQ(read.serve.back(), "0.030303");
+  ASSERT_EQ(read.notes.size(), 1u);
+  EXPECT_NE(read.notes.front().find("it is 30303 µs"), std::string::npos);
+  EXPECT_EQ(Read({"a.xml", "--simfreq", "10"}).serve.back(), "0.1");
+  EXPECT_EQ(Read({"a.xml", "--simfreq", "2000"}).serve.back(), "0.0005");
+}
+
 TEST(YarsWordsTest, WrongWordsSayWhatToWrite) {
   EXPECT_NE(Read({}).error.find("--xml experiment.xml"), std::string::npos);
   EXPECT_NE(Read({"a.xml", "--sed", "7"}).error.find("did you mean"), std::string::npos);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Texts that mean harm: an error each, at once.
+#include <chrono>
+
 #include "tests/server/rosiml/made.h"
 
 namespace coopdyn::rosiml {
@@ -39,6 +41,69 @@ TEST(HostileTest, ElementsWithoutNumberAreRefused) {
 
 TEST(HostileTest, MistakesWithoutNumberEnd) {
   EXPECT_HAS(Said("<rosiml version=\"1\">" + Times(40'000, "<a/>\n") + "</rosiml>"), "error");
+}
+
+TEST(HostileTest, AttributesWithoutNumberAreRefusedBeforeTheyAreParsed) {
+  const auto with = [](int count) {
+    std::string attributes;
+    for (int i = 0; i < count; ++i) attributes += " a" + std::to_string(i) + "=\"1\"";
+    return Said("<rosiml version=\"1\">\n<simulator" + attributes + "/></rosiml>");
+  };
+  EXPECT_EQ(with(100'000), "x.xml:2: error: <simulator> has more than 100 attributes\n");
+  EXPECT_HAS(with(101), "more than 100 attributes");
+  EXPECT_HAS_NOT(with(100), "more than 100 attributes");
+}
+
+TEST(HostileTest, AnElementOfAttributesWithoutQuotesEnds) {
+  EXPECT_HAS(Said("<rosiml " + Times(1'000'000, "a=1 ")), "and 100 more errors");
+}
+
+TEST(HostileTest, SignsThatAreNoEntitiesEnd) {
+  const std::string said = Said("<rosiml version=\"1\">" + Times(1'000'000, "&\n") + "</rosiml>");
+  EXPECT_HAS(said, "x.xml:100: error: a & by itself is no XML");
+  EXPECT_HAS(said, "the rest was not read");
+}
+
+std::string Numbered(int count, const std::string& before, const std::string& behind) {
+  std::string out;
+  for (int i = 0; i < count; ++i) out.append(before).append(std::to_string(i)).append(behind);
+  return out;
+}
+
+/// The mistakes of a text that takes no time to read, whatever it holds.
+std::string SaidAtOnce(const std::string& xml) {
+  const auto begin = std::chrono::steady_clock::now();
+  std::string said = Said(xml);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10));
+  return said;
+}
+
+TEST(HostileTest, WrongNamesOfManyTakeNoTime) {
+  const std::string name(50, 'n'), wrong(60, 'x');
+  const std::string objects =
+      Numbered(4000, "<object name=\"" + name, "\" mass=\"1\"><sphere radius=\"0.1\"/></object>\n");
+  const std::string connectors =
+      Numbered(20'000, "<connector type=\"fixed\" source=\"" + wrong + "\" name=\"c", "\"/>\n");
+  EXPECT_HAS(SaidAtOnce(Paper("", "<movable name=\"m\" type=\"active\"><body>" + objects + connectors +
+                                      "</body></movable>")),
+             "there is no object '" + wrong + "' in 'm'; known are");
+  EXPECT_HAS(SaidAtOnce(Public(Times(20'000, "<macro name=\"a\" ref=\"" + wrong + "\"/>\n"), "",
+                               Numbered(20'000, "<macro name=\"" + name, "\"></macro>"))),
+             "there is no macro '" + wrong + "'; known are");
+}
+
+TEST(HostileTest, AScoreOfNamesWithoutNumberIsAnError) {
+  EXPECT_HAS(Said("<rosiml version=\"1\"><movables/>\n<score kind=\"distance\" of=\"" + Times(100'000, "a,") +
+                  "\"/></rosiml>"),
+             "x.xml:2: error: 'of' in <score> has at most 1000 names");
+}
+
+TEST(HostileTest, ParametersWithoutNumberAreAnError) {
+  EXPECT_HAS(Said(Paper("", "<movable name=\"m\" type=\"controlled\"><controller library=\"a\">" +
+                                Numbered(2000, "<parameter value=\"1\" name=\"p", "\"/>") +
+                                "</controller><body><object name=\"a\" mass=\"1\"><sphere "
+                                "radius=\"0.1\"/></object></body></movable>")),
+             "a controller has at most 1000 parameters");
 }
 
 TEST(HostileTest, ElementsInsideEachOtherWithoutEndAreRefused) {

@@ -55,6 +55,9 @@ TEST(XmlMistakesTest, ACommentWithoutEndIsSaid) {
 
 TEST(XmlMistakesTest, WhatStandsBehindTheExperimentIsAnError) {
   EXPECT_HAS(Said(Paper("") + "\n<rosiml/>"), "x.xml:2: error: <rosiml> stands behind </rosiml>");
+  EXPECT_EQ(Said(Paper("") + "\n<x/>"),
+            "x.xml:2: error: <x> stands behind </rosiml>: all of an experiment stands before it\n");
+  EXPECT_EQ(Said(Paper("") + "\n\nand more <x/>"), "x.xml:3: error: text behind </rosiml>: remove it\n");
 }
 
 }  // namespace
