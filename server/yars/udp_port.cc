@@ -155,8 +155,7 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
       constexpr std::chrono::seconds kMayGo{2};
       if (now - heard_ < kMayGo || talk_.waits()) {
         if (datagram.size() == 1) return;
-        Send(YarsUdpTalk::Refusal(robot_ + " is driven by " + peer_text_ + ": one client at a time"), from,
-             socket);
+        Send(YarsUdpTalk::Refusal(YarsDrivenText(robot_, peer_text_)), from, socket);
         return;
       }
       Say(spdlog::level::info, "silent, " + ToText(from) + " takes its place");
@@ -208,8 +207,22 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
     });
   }
 
+  /// What is done instead of an order while another client drives the robot.
+  void KeepFromOthers(YarsUdpTalk::Action& action) {
+    while (action.order) {
+      const bool quits = action.order->kind == YarsOrder::Kind::kQuit;
+      if (quits && !world_.quits()) return;
+      const std::string driver = channel_.DriverBeside(*this);
+      if (driver.empty()) return;
+      const std::string why = YarsDrivenText(robot_, driver);
+      action = quits ? YarsUdpTalk::Action{.datagrams = {YarsUdpTalk::Refusal(why)}, .trouble = why}
+                     : talk_.Done(ErrorReply(0, Error::kOwned, why));
+    }
+  }
+
   void Perform(YarsUdpTalk::Action action) {
     while (true) {
+      KeepFromOthers(action);
       if (!action.trouble.empty() && !std::exchange(told_trouble_, true))
         Say(spdlog::level::warn, action.trouble);
       for (const std::string& datagram : action.datagrams) Send(datagram, *peer_, *socket_);
