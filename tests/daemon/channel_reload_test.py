@@ -82,7 +82,26 @@ class ChannelReloadTest(unittest.TestCase):
         reply = client.ask(50, 0, -1)
         self.assertEqual(reply[:4], ints(99))
         self.assertIn(b"no robot", reply)
-        self.assertIn("no robot", self.daemon.stderr())
+        until(lambda: "no robot" in self.daemon.stderr())
+
+    def test_a_client_brings_back_its_robot_that_an_edit_has_taken(self):
+        passive = STILL.replace('type="active"', 'type="passive"')
+        for others in (lambda text: text, lambda text: with_ball(text, "ball")):
+            with self.subTest():
+                self.serve(others(STILL))
+                client = self.udp("vehicle")
+                client.step([0, 0, 0]) if others(STILL) == STILL else client.handshake()
+                self.file.write_text(others(passive))
+                for _ in range(2):
+                    for request in (ints(50, 0, -1), ints(0, -1), client.step_request([1, 1, 0]), ints(20, 0, -1)):
+                        client.send(request)
+                        reply = client.receive()
+                        self.assertEqual(reply[:4], ints(99))
+                        self.assertIn(b"no robot on this port any more", reply)
+                self.file.write_text(others(STILL))
+                self.assertEqual(client.ask(60, 0, 9, -1), ints(61, 0, -1))
+                self.assertEqual(client.handshake().count(300), 3)
+                self.assertEqual(client.ask(50, 0, -1), ints(51, 0, -1))
 
     def test_a_step_that_anothers_reload_ends_is_answered(self):
         self.serve(with_ball(STILL, "ball"))
