@@ -149,6 +149,9 @@ std::string RobotHost::Apply(const Scene& scene, bool at_start) {
   for (std::unique_ptr<Robot>& robot : before) {
     if (robot == nullptr) continue;
     const std::string reason = robot->name() + " is not in the new scenario";
+    const std::string why = places.contains(robot->name()) ? robot->name() + " has been edited" : reason;
+    ForChannels(*robot,
+                [&](int port) { services_.net.logger()->info("{}: connections to port {} end", why, port); });
     Drop(std::move(robot), reason);
   }
   const auto with_sockets =

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from channel_test import STILL
 from harness import Daemon, until
-from yars_clients import Udp, ints
+from yars_clients import Tcp, Udp, ints
 
 
 def with_ball(text, name, x=3, more=""):
@@ -83,6 +83,19 @@ class ChannelReloadTest(unittest.TestCase):
         self.assertEqual(reply[:4], ints(99))
         self.assertIn(b"no robot", reply)
         until(lambda: "no robot" in self.daemon.stderr())
+
+    def test_the_log_says_why_an_edit_of_its_robot_ends_a_connection(self):
+        self.serve()
+        client = Tcp(self.port("vehicle"))
+        self.addCleanup(client.close)
+        client.sensors()
+        self.file.write_text(STILL.replace('x="1" y="0"', 'x="0.7" y="0"'))
+        client.reset()
+        client.sensors()  # the crate stands elsewhere, the robot is the same
+        self.file.write_text(STILL.replace('range="2"', 'range="1"'))
+        client.reset()
+        self.assertEqual(client.read_to_end(), b"")
+        until(lambda: "vehicle has been edited: connections to port" in self.daemon.stderr())
 
     def test_a_client_brings_back_its_robot_that_an_edit_has_taken(self):
         passive = STILL.replace('type="active"', 'type="passive"')
