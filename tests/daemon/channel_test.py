@@ -265,7 +265,7 @@ class ChannelTest(unittest.TestCase):
             client.say(word)
             self.assertIn(f"ERROR there is no command '{word[:40]}'", client.read_text())
             self.assertEqual(client.read_to_end(), b"")
-        self.assertIn("there is no command 'HELLO'", self.daemon.stderr())
+        until(lambda: "there is no command 'HELLO'" in self.daemon.stderr())
 
     def test_wrong_actuators_are_told_in_the_log_and_the_client_goes_on(self):
         self.serve()
@@ -280,6 +280,7 @@ class ChannelTest(unittest.TestCase):
             client.sensors()
             self.assertEqual(self.steps_run(), before + 5)
             client.close()
+        until(lambda: self.daemon.stderr().count("has not taken ACTUATORS") >= 2)  # the log is written a moment later
         said = self.daemon.stderr()
         self.assertEqual(said.count("has not taken ACTUATORS"), 2, said)
         self.assertIn("3 values, one for each motor, not 1", said)
