@@ -85,7 +85,7 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
       loader_("load", logger_),
       control_("control", logger_),
       yars_desk_(control_, net_, frames_, options.channel_quits),
-      yars_ports_(yars_desk_) {
+      yars_ports_(yars_desk_, control_, net_) {
   board_.MeasureWaits(clock_);
   stepper_.set_on_ended([this] { shutdown_.Request(); });
 }

@@ -25,6 +25,7 @@ class YarsDesk final : public YarsWorld, private Connection {
   /// Answers all that is still to come with error 5. Control thread.
   void Close();
 
+  bool quits() const override { return quits_; }
   void Ask(YarsOrder order, const Connection& asker, std::function<void(const Message&)> done) override;
 
  private:

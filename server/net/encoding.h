@@ -33,6 +33,8 @@ struct Incoming {
 class Encoding {
  public:
   virtual ~Encoding() = default;
+  /// The connection that has this encoding, and outlives it, and what it talks to. Before all else.
+  virtual void Attach(const Connection& /*connection*/, Endpoint& /*endpoint*/) {}
   /// What is sent as soon as the connection has this encoding.
   virtual std::string Greeting() { return {}; }
   /// Takes the next thing of `bytes`, which begin with what was not consumed before. A request may span

@@ -101,6 +101,8 @@ class Endpoint {
   virtual void OnInputEnded(Connection&) {}
   /// The last call about this connection.
   virtual void OnClosed(Connection&) {}
+  /// Another client that drives what this is a module of; empty: none does.
+  virtual std::string DriverBeside(const Connection& /*connection*/) { return {}; }
   /// Whom a waiting request waits for, for `verbose`; empty if nothing is known.
   virtual std::string WaitingFor() { return {}; }
 };

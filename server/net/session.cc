@@ -204,6 +204,7 @@ bool Session::HandleNext() {
 void Session::TakeEncoding(std::unique_ptr<Encoding> encoding) {
   encoding_ = std::move(encoding);
   out_.set_encoding(*encoding_);
+  if (endpoint_ != nullptr) encoding_->Attach(*this, *endpoint_);
   out_.AddRaw(encoding_->Greeting());
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <string_view>
 #include <thread>
 #include <unordered_map>
@@ -15,6 +16,14 @@ namespace {
 
 /// After the start: at most this many busy ports are passed over before a module stays without one.
 constexpr int kMaxBusyPorts = 1000;
+
+/// Calls `use` with each port for clients of YARS.
+template <typename Use>
+void ForChannels(const Robot& robot, Use use) {
+  for (std::size_t i = 0; i < robot.module_count(); ++i) {
+    if (robot.is_channel(i) && robot.port(i) != 0) use(robot.port(i));
+  }
+}
 
 }  // namespace
 
@@ -126,7 +135,9 @@ std::string RobotHost::Apply(const Scene& scene, bool at_start) {
   for (std::size_t i = 0; i < scene.robots.size(); ++i) places.emplace(scene.robots[i].entry.name, i);
   std::vector<std::unique_ptr<Robot>> before = std::exchange(robots_, {}), kept(scene.robots.size());
   freed_channel_ports_.clear();
+  std::set<int> vacant;  // ports of channels that are gone
   for (std::unique_ptr<Robot>& robot : before) {
+    ForChannels(*robot, [&vacant](int port) { vacant.insert(port); });
     const auto found = places.find(robot->name());
     if (found == places.end()) {
       FreeChannels(*robot);
@@ -138,6 +149,9 @@ std::string RobotHost::Apply(const Scene& scene, bool at_start) {
   for (std::unique_ptr<Robot>& robot : before) {
     if (robot == nullptr) continue;
     const std::string reason = robot->name() + " is not in the new scenario";
+    const std::string why = places.contains(robot->name()) ? robot->name() + " has been edited" : reason;
+    ForChannels(*robot,
+                [&](int port) { services_.net.logger()->info("{}: connections to port {} end", why, port); });
     Drop(std::move(robot), reason);
   }
   const auto with_sockets =
@@ -159,6 +173,11 @@ std::string RobotHost::Apply(const Scene& scene, bool at_start) {
     if (!error.empty()) services_.net.logger()->error("{}", std::exchange(error, {}));
   }
   if (!error.empty()) Stop(error);
+  for (const std::unique_ptr<Robot>& robot : robots_)
+    ForChannels(*robot, [&vacant](int port) { vacant.erase(port); });
+  if (services_.yars != nullptr) {
+    for (const int port : vacant) services_.yars->Vacate(options_.addresses, port);
+  }
   return error;
 }
 

@@ -38,6 +38,16 @@ RobotModule::~RobotModule() {
   StopListening();
 }
 
+std::string RobotModule::DriverBeside(const Connection& connection) {
+  Client client;
+  client.id = connection.id();
+  client.party = connection.party();
+  for (const SlotId slot : slots_) {
+    if (std::string other = board().ClientBeside(slot, client); !other.empty()) return other;
+  }
+  return {};
+}
+
 std::optional<Message> RobotModule::Answer(Peer& peer, const Message& request) {
   switch (request.command) {
     case command::kReady:

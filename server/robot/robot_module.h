@@ -20,6 +20,8 @@ class RobotModule final : public PeerModule<ModulePeer> {
   RobotModule(RobotCore& robot, std::size_t index);
   ~RobotModule() override;
 
+  std::string DriverBeside(const Connection& connection) override;
+
  private:
   using Peer = ModulePeer;
 

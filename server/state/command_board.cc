@@ -68,6 +68,15 @@ std::string CommandBoard::OwnerOf(SlotId slot) const {
   return index == kNoSlot ? "" : table_.Who(index);
 }
 
+std::string CommandBoard::ClientBeside(SlotId slot, const Client& client) const {
+  const MutexLock lock(mutex_);
+  const std::size_t index = table_.Find(slot);
+  if (index == kNoSlot) return {};
+  const ClientId owner = table_.drive(index).owner;
+  const bool is_other = owner != 0 && owner != client.id && !client.IsAllyOf(table_.slot(index).owner);
+  return is_other ? table_.Who(index) : "";
+}
+
 std::vector<SlotId> CommandBoard::FindSlots(const Scene& scene) const {
   const MutexLock lock(mutex_);
   std::vector<SlotId> slots;

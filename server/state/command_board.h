@@ -95,6 +95,8 @@ class CommandBoard {
   std::vector<SlotId> FindSlots(const Scene& scene) const;
   /// Who owns a slot: client name, else peer, or `controller diffuse`; empty: nobody.
   std::string OwnerOf(SlotId slot) const;
+  /// The client, not `client` or one of its party, that owns a slot; empty: none does.
+  std::string ClientBeside(SlotId slot, const Client& client) const;
   /// An actuator command: the client becomes owner if there is none. `steps` empty: one step, answered at
   /// once unless in lockstep; given (≥ 1): it stands for that many steps and is answered after the last, in
   /// every mode. If the verdict says answer_now, `done` is never called. `setpoints`: of the slot's channels.

@@ -83,6 +83,11 @@ class YarsTcpEncoding final : public Encoding {
   YarsTcpEncoding(const Endpoint& endpoint, YarsWorld& world)
       : path_(endpoint.path()), world_(world), fits_(endpoint.table().Find(command::kSetMotors) != nullptr) {}
 
+  void Attach(const Connection& connection, Endpoint& endpoint) override {
+    connection_ = &connection;
+    endpoint_ = &endpoint;
+  }
+
   Incoming Decode(std::string_view bytes) override {
     if (!fits_)
       return Fatal(path_ +
@@ -138,8 +143,13 @@ class YarsTcpEncoding final : public Encoding {
     return {.status = DecodeStatus::kMessage, .message = std::move(request)};
   }
   Incoming AskWorld(YarsOrder order) {
-    asks_ = Asks::kWorld;
     const bool leaves = order.kind == YarsOrder::Kind::kQuit;
+    const bool changes = leaves ? world_.quits() : order.kind != YarsOrder::Kind::kLog;
+    if (const std::string driver =
+            changes && endpoint_ != nullptr ? endpoint_->DriverBeside(*connection_) : "";
+        !driver.empty())
+      return Fatal(YarsDrivenText(robot(), driver));
+    asks_ = Asks::kWorld;
     return {.status = leaves ? DecodeStatus::kLeave : DecodeStatus::kNothing,
             .ask = [this, order = std::move(order)](const Connection& asker, ReplyFunction reply) {
               world_.Ask(order, asker, std::move(reply));
@@ -184,7 +194,7 @@ class YarsTcpEncoding final : public Encoding {
     line("DOUBLE 8 bytes, little endian");
     line("END DATA TYPES");
     line("BEGIN ROBOT DATA");
-    line("NAME " + path_.substr(1, path_.rfind('/') - 1));
+    line("NAME " + robot());
     const auto entries = [&](const std::vector<YarsEntry>& all, const std::string& word) {
       for (std::size_t i = 0; i < all.size();) {
         std::size_t end = i + 1;  // of those that are called alike: its dimension
@@ -205,8 +215,12 @@ class YarsTcpEncoding final : public Encoding {
     line("END CONFIGURATION");
   }
 
+  std::string robot() const { return path_.substr(1, path_.rfind('/') - 1); }
+
   const std::string path_;
   YarsWorld& world_;
+  const Connection* connection_ = nullptr;
+  Endpoint* endpoint_ = nullptr;
   const bool fits_;
   char awaited_ = 0;  // the letter of the value that belongs to the command before; 0: none does
   Asks asks_ = Asks::kNothing;

@@ -11,6 +11,7 @@
 #include <boost/asio/ip/v6_only.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "protocol/module_tables.h"
 #include "server/net/peer.h"
 #include "server/net/turn.h"
 
@@ -24,6 +25,24 @@ using boost::system::error_code;
 using std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kWatch{2};
+
+constexpr const char* kGone =
+    "there is no robot on this port any more: the experiment is another one now; a reset reads its file "
+    "again";
+
+/// Stands for a robot that is gone.
+class NoRobot final : public Endpoint {
+ public:
+  const std::string& path() const override { return path_; }
+  const CommandTable& table() const override { return table_; }
+  void OnRequest(Connection& /*connection*/, Message request, ReplyFunction reply) override {
+    reply(ErrorReply(request.command, Error::kNoSuchName, kGone));
+  }
+
+ private:
+  const std::string path_;
+  const CommandTable table_ = ChannelTable();
+};
 
 std::string ToText(const udp::endpoint& peer) {
   return ToString(SocketAddress{peer.address().to_string(), peer.port(), peer.address().is_loopback()});
@@ -42,8 +61,19 @@ struct YarsPorts::Shared {
   }
 };
 
-std::shared_ptr<YarsPorts::Shared> YarsPorts::MakeShared() {
-  return std::make_shared<Shared>();
+YarsPorts::YarsPorts(YarsWorld& world, IoThread& control, NetServices& net)
+    : world_(world),
+      control_(control),
+      net_(net),
+      shared_(std::make_shared<Shared>()),
+      nobody_(std::make_unique<NoRobot>()) {}
+
+YarsPorts::~YarsPorts() = default;
+
+void YarsPorts::Vacate(const std::vector<std::string>& addresses, int port) {
+  std::string error;
+  auto vacant = YarsUdpPort::Open({}, *nobody_, control_, net_, *this, addresses, port, error);
+  if (vacant != nullptr) vacant_[port] = std::move(vacant);
 }
 
 /// The robot's thread only, in its turn.
@@ -116,6 +146,8 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
     Post([](Impl& self) { self.Leave(); });
   }
 
+  bool is_vacant() const { return robot_.empty(); }
+
   template <typename Work>
   void Post(Work work) {
     poster_([weak = weak_from_this(), work = std::move(work)]() mutable {
@@ -124,7 +156,8 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
   }
 
   void Say(spdlog::level::level_enum level, const std::string& text) {
-    net_.LogPeer(level, peer_text_, "/" + robot_ + "/channel by UDP: " + text);
+    const std::string where = is_vacant() ? "" : "/" + robot_ + "/channel by ";
+    net_.LogPeer(level, peer_text_, where + "UDP: " + text);
   }
 
   void Wait(udp::socket& socket) {
@@ -155,8 +188,7 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
       constexpr std::chrono::seconds kMayGo{2};
       if (now - heard_ < kMayGo || talk_.waits()) {
         if (datagram.size() == 1) return;
-        Send(YarsUdpTalk::Refusal(robot_ + " is driven by " + peer_text_ + ": one client at a time"), from,
-             socket);
+        Send(YarsUdpTalk::Refusal(YarsDrivenText(robot_, peer_text_)), from, socket);
         return;
       }
       Say(spdlog::level::info, "silent, " + ToText(from) + " takes its place");
@@ -208,8 +240,22 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
     });
   }
 
+  /// What is done instead of an order while another client drives the robot.
+  void KeepFromOthers(YarsUdpTalk::Action& action) {
+    while (action.order) {
+      const bool quits = action.order->kind == YarsOrder::Kind::kQuit;
+      if (quits && !world_.quits()) return;
+      const std::string driver = channel_.DriverBeside(*this);
+      if (driver.empty()) return;
+      const std::string why = YarsDrivenText(robot_, driver);
+      action = quits ? YarsUdpTalk::Action{.datagrams = {YarsUdpTalk::Refusal(why)}, .trouble = why}
+                     : talk_.Done(ErrorReply(0, Error::kOwned, why));
+    }
+  }
+
   void Perform(YarsUdpTalk::Action action) {
     while (true) {
+      KeepFromOthers(action);
       if (!action.trouble.empty() && !std::exchange(told_trouble_, true))
         Say(spdlog::level::warn, action.trouble);
       for (const std::string& datagram : action.datagrams) Send(datagram, *peer_, *socket_);
@@ -237,30 +283,11 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
   }
 
   void Ask(YarsOrder order) {
-    error_code ignored;
     world_.Ask(std::move(order), *this,
-               [ports = ports_, &net = net_, from = socket_->local_endpoint(ignored), peer = *peer_,
-                talk = talk_](const Message& reply) {
-                 if (const auto port = ports->Find(from.port()); port != nullptr) {
+               [ports = ports_, number = port_, peer = *peer_, talk = talk_](const Message& reply) {
+                 if (const auto port = ports->Find(number); port != nullptr)
                    port->Post([peer, talk, reply](Impl& self) { self.GoOn(peer, talk, reply); });
-                 } else if (talk.waits()) {
-                   TellGone(talk, reply, from, peer, net);
-                 }
                });
-  }
-
-  /// The client of a robot that is gone gets its answer from the same port.
-  static void TellGone(YarsUdpTalk talk, const Message& reply, const udp::endpoint& from,
-                       const udp::endpoint& to, NetServices& net) {
-    const char* const why = "there is no robot on this port any more: the experiment is another one now";
-    const Message gone = reply.error != 0 ? reply : ErrorReply(0, Error::kNoSuchName, why);
-    net.LogPeer(spdlog::level::warn, ToText(to), gone.text);
-    asio::io_context context;
-    udp::socket socket(context);
-    error_code failed;
-    socket.open(from.protocol(), failed);
-    if (!failed) socket.bind(from, failed);
-    for (const std::string& datagram : talk.Done(gone).datagrams) Send(datagram, to, socket);
   }
 
   /// The world has answered; the robot, and this port, may be new since the order.
@@ -271,7 +298,9 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
       talk_ = talk;
     }
     heard_ = steady_clock::now();
-    if (talk_.waits()) Perform(talk_.Done(reply));
+    if (!talk_.waits()) return;
+    const bool is_gone = is_vacant() && reply.error == 0;
+    Perform(talk_.Done(is_gone ? ErrorReply(0, Error::kNoSuchName, kGone) : reply));
   }
 
   udp::socket& SocketFor(const udp::endpoint& peer) {
@@ -287,7 +316,7 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
     socket.send_to(asio::buffer(datagram), to, 0, lost);
   }
 
-  const std::string robot_;
+  const std::string robot_;  // empty: it is gone
   int port_ = 0;
   Endpoint& channel_;
   NetServices& net_;
@@ -318,6 +347,7 @@ std::unique_ptr<YarsUdpPort> YarsUdpPort::Open(std::string robot, Endpoint& chan
                                                NetServices& net, YarsPorts& ports,
                                                const std::vector<std::string>& addresses, int port,
                                                std::string& error) {
+  ports.vacant_.erase(port);
   auto impl = std::make_shared<Impl>(std::move(robot), channel, io, net, ports);
   error = impl->Listen(addresses, port);
   if (!error.empty()) return nullptr;

@@ -2,6 +2,7 @@
 // The UDP port of a robot for clients of YARS of 2008: datagrams to and from its module `channel`.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,24 +22,34 @@ class YarsUdpPort;
 /// Any thread.
 class YarsPorts {
  public:
-  /// `world` outlives it.
-  explicit YarsPorts(YarsWorld& world) : world_(world) {}
+  /// All outlive it; `control` has stopped when it is destroyed.
+  YarsPorts(YarsWorld& world, IoThread& control, NetServices& net);
+  ~YarsPorts();
+  YarsPorts(const YarsPorts&) = delete;
+  YarsPorts& operator=(const YarsPorts&) = delete;
   YarsWorld& world() { return world_; }
+  /// The robot on `port` is gone: until another one opens it, clients may reset there, and are told so
+  /// whatever else they ask. Control thread.
+  void Vacate(const std::vector<std::string>& addresses, int port);
 
  private:
   friend class YarsUdpPort;
   struct Shared;
 
   YarsWorld& world_;
-  const std::shared_ptr<Shared> shared_ = MakeShared();
-  static std::shared_ptr<Shared> MakeShared();
+  IoThread& control_;
+  NetServices& net_;
+  const std::shared_ptr<Shared> shared_;
+  const std::unique_ptr<Endpoint> nobody_;              // in place of a robot that is gone
+  std::map<int, std::unique_ptr<YarsUdpPort>> vacant_;  // control thread
 };
 
 /// One client at a time: whoever registers first, until it is silent for long or leaves. Opened on any
 /// thread, destroyed on the thread `io` or when that has stopped.
 class YarsUdpPort {
  public:
-  /// Listens on `port` of all `addresses`. Null with `error`. All outlive it.
+  /// Listens on `port` of all `addresses`, where nobody may be vacant any more. Null with `error`. All
+  /// outlive it.
   static std::unique_ptr<YarsUdpPort> Open(std::string robot, Endpoint& channel, IoThread& io,
                                            NetServices& net, YarsPorts& ports,
                                            const std::vector<std::string>& addresses, int port,

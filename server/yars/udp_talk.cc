@@ -101,7 +101,8 @@ YarsUdpTalk::Action YarsUdpTalk::Begin(std::string_view datagram) {
   YarsReader whole(datagram);
   const std::optional<std::int32_t> id = whole.Int();
   if (!id) return Refuse("a datagram begins with an int32, the id of the request");
-  if (!knows_channel_) {
+  const bool is_reset = id == kReset || id == kInit || id == kNextTry;  // also without a robot
+  if (!knows_channel_ && !is_reset) {
     waiting_ = Waiting::kChannel;
     Action action;
     action.request.emplace();

@@ -26,9 +26,16 @@ struct YarsOrder {
   std::string text = {};                   // of the experiment, its name, or the line
 };
 
+/// What a client is told of a robot that another one, `driver`, drives.
+inline std::string YarsDrivenText(const std::string& robot, const std::string& driver) {
+  return robot + " is driven by " + driver + ": one client at a time";
+}
+
 class YarsWorld {
  public:
   virtual ~YarsWorld() = default;
+  /// kQuit ends the daemon; else it is nothing.
+  virtual bool quits() const { return true; }
   /// `done` gets the reply of /simulation, on any thread, once: error 12 if `asker` may not order it.
   virtual void Ask(YarsOrder order, const Connection& asker, std::function<void(const Message&)> done) = 0;
 };

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from channel_test import STILL
 from harness import Daemon, until
-from yars_clients import Udp, ints
+from yars_clients import Tcp, Udp, ints
 
 
 def with_ball(text, name, x=3, more=""):
@@ -82,7 +82,39 @@ class ChannelReloadTest(unittest.TestCase):
         reply = client.ask(50, 0, -1)
         self.assertEqual(reply[:4], ints(99))
         self.assertIn(b"no robot", reply)
-        self.assertIn("no robot", self.daemon.stderr())
+        until(lambda: "no robot" in self.daemon.stderr())
+
+    def test_the_log_says_why_an_edit_of_its_robot_ends_a_connection(self):
+        self.serve()
+        client = Tcp(self.port("vehicle"))
+        self.addCleanup(client.close)
+        client.sensors()
+        self.file.write_text(STILL.replace('x="1" y="0"', 'x="0.7" y="0"'))
+        client.reset()
+        client.sensors()  # the crate stands elsewhere, the robot is the same
+        self.file.write_text(STILL.replace('range="2"', 'range="1"'))
+        client.reset()
+        self.assertEqual(client.read_to_end(), b"")
+        until(lambda: "vehicle has been edited: connections to port" in self.daemon.stderr())
+
+    def test_a_client_brings_back_its_robot_that_an_edit_has_taken(self):
+        passive = STILL.replace('type="active"', 'type="passive"')
+        for others in (lambda text: text, lambda text: with_ball(text, "ball")):
+            with self.subTest():
+                self.serve(others(STILL))
+                client = self.udp("vehicle")
+                client.step([0, 0, 0]) if others(STILL) == STILL else client.handshake()
+                self.file.write_text(others(passive))
+                for _ in range(2):
+                    for request in (ints(50, 0, -1), ints(0, -1), client.step_request([1, 1, 0]), ints(20, 0, -1)):
+                        client.send(request)
+                        reply = client.receive()
+                        self.assertEqual(reply[:4], ints(99))
+                        self.assertIn(b"no robot on this port any more", reply)
+                self.file.write_text(others(STILL))
+                self.assertEqual(client.ask(60, 0, 9, -1), ints(61, 0, -1))
+                self.assertEqual(client.handshake().count(300), 3)
+                self.assertEqual(client.ask(50, 0, -1), ints(51, 0, -1))
 
     def test_a_step_that_anothers_reload_ends_is_answered(self):
         self.serve(with_ball(STILL, "ball"))

@@ -6,7 +6,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from harness import BINARY, LIMIT_S, Daemon
+from harness import BINARY, LIMIT_S, Daemon, until
 from yars_clients import Tcp, Udp, ints
 
 # A vehicle of two wheels with a swinging tail, and a crate that stands elsewhere with each seed.
@@ -265,7 +265,7 @@ class ChannelTest(unittest.TestCase):
             client.say(word)
             self.assertIn(f"ERROR there is no command '{word[:40]}'", client.read_text())
             self.assertEqual(client.read_to_end(), b"")
-        self.assertIn("there is no command 'HELLO'", self.daemon.stderr())
+        until(lambda: "there is no command 'HELLO'" in self.daemon.stderr())
 
     def test_wrong_actuators_are_told_in_the_log_and_the_client_goes_on(self):
         self.serve()
@@ -280,6 +280,7 @@ class ChannelTest(unittest.TestCase):
             client.sensors()
             self.assertEqual(self.steps_run(), before + 5)
             client.close()
+        until(lambda: self.daemon.stderr().count("has not taken ACTUATORS") >= 2)  # the log is written a moment later
         said = self.daemon.stderr()
         self.assertEqual(said.count("has not taken ACTUATORS"), 2, said)
         self.assertIn("3 values, one for each motor, not 1", said)
@@ -297,6 +298,31 @@ class ChannelTest(unittest.TestCase):
         client.reset(seed=5)
         self.assertEqual(client.sensors(), first)
         self.assertNotEqual(other, first)
+
+    def test_nobody_resets_under_the_client_that_drives(self):
+        self.serve()
+        driver, second = self.udp(), self.tcp()
+        driver.step([1, 1, 0])
+        second.sensors()
+        second.reset(seed=9)
+        self.assertIn("ERROR vehicle is driven by 127.0.0.1", second.read_text())
+        self.assertEqual(second.read_to_end(), b"")
+        until(lambda: "closed: vehicle is driven by" in self.daemon.stderr())
+        self.assertEqual(self.steps_run(), 5)
+        self.assertEqual(driver.ask(50, 0, -1), ints(51, 0, -1))
+        self.assertEqual(self.steps_run(), 0)
+
+    def test_nobody_resets_by_udp_under_the_client_that_drives_by_tcp(self):
+        self.serve()
+        driver, second = self.tcp(), self.udp()
+        driver.actuators([1, 1, 0])
+        driver.sensors()
+        self.assertIn(b"vehicle is driven by 127.0.0.1", second.ask(50, 0, -1))
+        self.assertFalse(second.load(STILL))
+        self.assertEqual(self.steps_run(), 5)
+        driver.reset()
+        driver.sensors()
+        self.assertEqual(self.steps_run(), 0)
 
     def test_a_client_that_dies_in_the_middle_leaves_the_robot_to_the_next(self):
         self.serve()
@@ -333,6 +359,13 @@ class ChannelTest(unittest.TestCase):
         client = Tcp(port)
         self.addCleanup(client.close)
         client.actuators([0, 0, 0])
+        client.sensors()
+        second, by_udp = Tcp(port), Udp(port)
+        self.addCleanup(second.close)
+        self.addCleanup(by_udp.close)
+        self.assertIn(b"vehicle is driven by", by_udp.ask(100, -1))
+        second.say("QUIT")
+        self.assertIn("ERROR vehicle is driven by", second.read_text())
         client.sensors()
         client.say("QUIT")
         self.assertEqual(process.wait(LIMIT_S), 0)

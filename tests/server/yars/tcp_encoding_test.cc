@@ -35,6 +35,9 @@ struct FakeEndpoint final : Endpoint {
   const CommandTable& table() const override { return commands; }
   void OnRequest(Connection& /*connection*/, Message /*request*/, ReplyFunction /*reply*/) override {}
 
+  std::string DriverBeside(const Connection& /*connection*/) override { return driver; }
+
+  std::string driver;
   std::string name = "/seeker/channel";
   CommandTable commands;
 };
@@ -66,6 +69,21 @@ class YarsTcpEncodingTest : public testing::Test {
   FakeClient client_{endpoint_, 1};
   std::unique_ptr<Encoding> encoding_ = YarsTcpEncodingKind(world_).make(endpoint_);
 };
+
+TEST_F(YarsTcpEncodingTest, WhileAnotherClientDrivesNobodyElseResetsOrQuits) {
+  encoding_->Attach(client_, endpoint_);
+  Decode(Text("RESET"));
+  EXPECT_EQ(world_.orders.size(), 1U);
+  endpoint_.driver = "ana";
+  for (const std::string& word : {Text("RESET"), Text("QUIT")}) {
+    const Incoming refused = Decode(word);
+    EXPECT_EQ(refused.status, DecodeStatus::kFatal);
+    EXPECT_EQ(refused.answer, Text("ERROR seeker is driven by ana: one client at a time"));
+  }
+  EXPECT_EQ(world_.orders.size(), 1U);
+  Decode(Text("MESSAGE") + Text("hello"));
+  EXPECT_EQ(world_.orders.size(), 2U);
+}
 
 TEST_F(YarsTcpEncodingTest, SensorsAreDoubles) {
   const Incoming asked = Decode(Text("SENSORS"));
