@@ -26,7 +26,7 @@ struct YarsOrder {
   std::string text = {};                   // of the experiment, its name, or the line
 };
 
-/// What a client is told of a robot that another one, `driver`, drives.
+/// The error for a client while another client, `driver`, drives the robot.
 inline std::string YarsDrivenText(const std::string& robot, const std::string& driver) {
   return robot + " is driven by " + driver + ": one client at a time";
 }

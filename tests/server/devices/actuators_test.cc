@@ -4,8 +4,7 @@
 
 #include <memory>
 
-#include "server/devices/devices.h"
-#include "server/state/frame.h"
+#include "tests/server/devices/one_robot.h"
 
 namespace coopdyn {
 namespace {
@@ -21,11 +20,7 @@ class ActuatorsDeviceTest : public ::testing::Test {
     model->links = {link, link};
     model->joints = std::move(joints);
     model->actuators = {{name, {0, 1}, std::move(kind)}};
-    auto scenario = std::make_shared<Scenario>();
-    scenario->robots.resize(1);
-    scenario->robots[0].name = "rig";
-    scenario->robots[0].model = model;
-    frame_.scene = MakeScene(scenario);
+    frame_.scene = SceneOf(model);
     frame_.channels.resize(2);
     device_ = MakeDevice(*model, name);
     model_ = model;
@@ -59,14 +54,6 @@ class ActuatorsDeviceTest : public ::testing::Test {
     Make("thrusters", {jet, turner}, ThrustersModel());
     frame_.channels[0] = {0, 1.5, 12, {12, ControlMode::kEffort}};
     frame_.channels[1] = {0, -0.5, 2, {2, ControlMode::kEffort}};
-  }
-
-  Message Request(command::Id id, std::vector<std::int32_t> actuators, std::vector<double> data = {}) {
-    Message request;
-    request.command = id;
-    request.params = std::move(actuators);
-    request.data = std::move(data);
-    return request;
   }
 
   std::shared_ptr<const RobotModel> model_;

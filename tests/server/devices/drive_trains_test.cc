@@ -5,8 +5,7 @@
 #include <cmath>
 #include <memory>
 
-#include "server/devices/devices.h"
-#include "server/state/frame.h"
+#include "tests/server/devices/one_robot.h"
 
 namespace coopdyn {
 namespace {
@@ -30,25 +29,13 @@ class DriveTrainsTest : public ::testing::Test {
     model->joints[1].child = 2;
     model->joints[1].drive_train.reset();
     model->actuators = {{"joints", {1, 0}, BoardModel()}};
-    auto scenario = std::make_shared<Scenario>();
-    scenario->robots.resize(1);
-    scenario->robots[0].name = "rig";
-    scenario->robots[0].model = model;
-    frame_.scene = MakeScene(scenario);
+    frame_.scene = SceneOf(model);
     frame_.channels.resize(2);
     frame_.controls = StartControls(*frame_.scene);
     frame_.drive_trains = StartDriveTrains(*frame_.scene);
     device_ = MakeDevice(*model, "joints");
     model_ = model;
   }
-  Message Request(command::Id id, std::vector<std::int32_t> joints, std::vector<double> data = {}) {
-    Message request;
-    request.command = id;
-    request.params = std::move(joints);
-    request.data = std::move(data);
-    return request;
-  }
-
   std::shared_ptr<const RobotModel> model_;
   Frame frame_;
   std::unique_ptr<Device> device_;
