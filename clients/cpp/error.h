@@ -40,7 +40,7 @@ class Closed : public Error {
  public:
   explicit Closed(const std::string& notice)
       : Error(kNoConnection,
-              "the daemon closed the connection" + (notice.empty() ? std::string() : ": " + notice)),
+              "the daemon closed the connection" + (notice.empty() ? "; is it still running?" : ": " + notice)),
         notice_(notice) {}
   const std::string& notice() const { return notice_; }
   /// A load has dropped the robot of the connection.

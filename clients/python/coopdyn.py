@@ -1187,7 +1187,8 @@ class _Closed(Error):
 
     def __init__(self, notice: str) -> None:
         self.notice = notice
-        super().__init__(-1, f"the daemon closed the connection: {notice}" if notice else "the daemon closed the connection")
+        super().__init__(-1, f"the daemon closed the connection: {notice}" if notice else
+                         "the daemon closed the connection; is it still running?")
 
 
 def _checked(reply: Message, who: str = "") -> Message:
@@ -2258,7 +2259,13 @@ class _Session:
         if self.await_command(link):
             return
         # No reply: in lockstep it comes after the step only. Take the command back, and keep it.
-        if self.control(_GET_TIME).params[0] == _LOCKSTEP:
+        try:
+            waits_for_step = self.control(_GET_TIME).params[0] == _LOCKSTEP
+        except Error as e:
+            if e.code != -1:
+                raise
+            raise self.lose(link, _Closed("")) from None  # the daemon has ended meanwhile
+        if waits_for_step:
             link.kept = link.kept or link.sent
             self.open_motors(link)
         else:

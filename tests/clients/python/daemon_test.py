@@ -162,6 +162,26 @@ class Waiting(DaemonTestCase):
                 self.assertIn("is the daemon still running?", said)
 
 
+    def test_a_daemon_that_dies_while_a_command_has_no_reply_yet_is_missed(self):
+        daemon = self.start(harness.scenario_of(1, "realtime"))
+        sim = self.connect(daemon)
+        r = sim.robot(1)
+        sim.step()
+        daemon.process.send_signal(signal.SIGSTOP)
+        os.waitid(os.P_PID, daemon.process.pid, os.WSTOPPED)
+        r.set_velocity(0.1, 0)
+        ask = sim._session.control
+
+        def ask_the_dead(*request):
+            daemon.process.kill()
+            return ask(*request)
+
+        sim._session.control = ask_the_dead
+        with self.assertRaises(coopdyn.Error) as caught:
+            sim.step()
+        self.assertIn("the connection to robot1 broke; is the daemon still running?", caught.exception.text)
+
+
 class Lockstep(DaemonTestCase):
     def test_five_robots_in_one_process_do_not_deadlock_and_repeat_themselves(self):
         sim = self.connect(self.start(harness.scenario_of(5)))

@@ -282,7 +282,7 @@ classdef Connection < handle
     function lost(c)
       c.close();
       if isempty(c.notice)
-        coopdyn.internal.fail(-1, 'the daemon closed the connection');
+        coopdyn.internal.fail(-1, 'the daemon closed the connection; is it still running?');
       end
       coopdyn.internal.fail(-1, ['the daemon closed the connection: ' c.notice]);
     end
