@@ -33,8 +33,9 @@ struct Incoming {
 class Encoding {
  public:
   virtual ~Encoding() = default;
-  /// The connection that has this encoding, and outlives it, and what it talks to. Before all else.
-  virtual void Attach(const Connection& /*connection*/, Endpoint& /*endpoint*/) {}
+  /// The connection that has this encoding, and outlives it, and what it talks to. Before all else, and again
+  /// when both are others: see outlives_module().
+  virtual void Attach(const Connection& /*connection*/, const Endpoint& /*endpoint*/) {}
   /// What is sent as soon as the connection has this encoding.
   virtual std::string Greeting() { return {}; }
   /// Takes the next thing of `bytes`, which begin with what was not consumed before. A request may span
@@ -49,6 +50,10 @@ class Encoding {
   virtual std::string Warning(const Message& /*reply*/) { return {}; }
   /// Connection::party().
   virtual std::string_view party() const { return {}; }
+  /// The client goes on with the module that takes the place of this one, as if nothing had happened.
+  virtual bool outlives_module() const { return false; }
+  /// What the module that takes the place of this one must be asked, as `reply`, in kGoneText, is no answer.
+  virtual std::optional<Message> AskedAgain(const Message& /*reply*/) { return std::nullopt; }
   /// Appends an unasked message. @pre push.message() is not null
   virtual void Push(UnaskedMessage& push, std::string& out) = 0;
   /// False: the peer has to acknowledge the last unasked message before it gets another. Those wait.

@@ -82,6 +82,9 @@ class Connection {
 
 using ReplyFunction = std::function<void(Message)>;
 
+/// Ends the text of error 5 of an endpoint that another one replaces soon, or whose connections end.
+inline constexpr std::string_view kGoneText = " is no longer part of the scenario";
+
 class Endpoint {
  public:
   virtual ~Endpoint() = default;
@@ -102,7 +105,7 @@ class Endpoint {
   /// The last call about this connection.
   virtual void OnClosed(Connection&) {}
   /// Another client that drives what this is a module of; empty: none does.
-  virtual std::string DriverBeside(const Connection& /*connection*/) { return {}; }
+  virtual std::string DriverBeside(const Connection& /*connection*/) const { return {}; }
   /// Whom a waiting request waits for, for `verbose`; empty if nothing is known.
   virtual std::string WaitingFor() { return {}; }
 };

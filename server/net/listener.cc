@@ -275,6 +275,19 @@ std::string Listener::ListenLocal(const std::string& name) {
   return {};
 }
 
+void Listener::Listen(std::vector<UniqueFd> listening, int port) {
+  port_ = port;
+  Add(std::move(listening));
+}
+
+std::vector<UniqueFd> Listener::Release() {
+  std::vector<UniqueFd> listening;
+  for (const std::shared_ptr<Impl::Port>& port : impl_->ports)
+    listening.emplace_back(port->descriptor.release());
+  impl_->Close();
+  return listening;
+}
+
 void Listener::Add(std::vector<UniqueFd> listening) {
   std::vector<std::shared_ptr<Impl::Port>> added;
   for (UniqueFd& fd : listening) {

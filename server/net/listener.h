@@ -49,6 +49,10 @@ class Listener {
   /// Listens besides on the unix socket of this name in Linux's abstract namespace. Any thread, once. Returns
   /// an error text.
   std::string ListenLocal(const std::string& name);
+  /// Goes on with sockets of another listener's Release(). Any thread, once.
+  void Listen(std::vector<UniqueFd> listening, int port);
+  /// Accepts nothing any more and gives its sockets away; who connects waits. Io thread.
+  std::vector<UniqueFd> Release();
   /// The port it listens on; 0 = none.
   int port() const { return port_; }
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -26,18 +27,12 @@ constexpr auto kSweepPeriod = std::chrono::seconds(4);  // keepalive's 20 s + th
 }  // namespace
 
 struct ModuleServer::Impl : std::enable_shared_from_this<ModuleServer::Impl> {
-  /// A connection on its way to the server's thread.
-  struct Arrival {
-    UniqueFd fd;
-    std::string already_read;
-    PeerInfo peer;
-    std::unique_ptr<Encoding> encoding;
-  };
-  /// Brings one there; if the server is gone it is closed. Any thread.
-  using Sender = std::function<void(Arrival)>;
+  /// Brings one to the server's thread; if the server is gone it is closed. Any thread.
+  using Sender = std::function<void(LooseConnection)>;
 
-  Impl(IoThread& io, Endpoint& e, NetServices& s, std::string n)
-      : context(io.context()),
+  Impl(IoThread& thread, Endpoint& e, NetServices& s, std::string n)
+      : io(thread),
+        context(io.context()),
         turn(Turn::Of(context)),
         poster(io.poster()),
         endpoint(e),
@@ -45,20 +40,20 @@ struct ModuleServer::Impl : std::enable_shared_from_this<ModuleServer::Impl> {
         name(std::move(n)),
         listener(context, s,
                  [this](UniqueFd fd, PeerInfo peer) {
-                   turn.Run([&] { Open({std::move(fd), {}, std::move(peer), nullptr}); });
+                   turn.Run([&] { Open({.fd = std::move(fd), .peer = std::move(peer)}); });
                  }),
         sweep_timer(context) {}
 
   Sender sender() {
-    return [post = poster, weak = weak_from_this()](Arrival arrival) {
-      post([weak, held = std::make_shared<Arrival>(std::move(arrival))] {
+    return [post = poster, weak = weak_from_this()](LooseConnection arrival) {
+      post([weak, held = std::make_shared<LooseConnection>(std::move(arrival))] {
         const std::shared_ptr<Impl> impl = weak.lock();
         if (impl && !impl->closed) impl->Open(std::move(*held));
       });
     };
   }
 
-  void Open(Arrival arrival) {
+  void Open(LooseConnection arrival) {
     const std::optional<ConnectionEnd> end = EndOf(arrival.fd.get());
     if (!end) {
       return services.logger()->error("{}: cannot take a connection: neither a stream nor datagrams", name);
@@ -71,10 +66,10 @@ struct ModuleServer::Impl : std::enable_shared_from_this<ModuleServer::Impl> {
     arrival.fd.Release();
     if (!arrival.peer.trusted) Sweep();
     auto session = std::make_shared<Session>(context, std::move(socket), *end, endpoint, services, poster,
-                                             std::move(arrival.peer), [this](ClientId id) { Forget(id); });
+                                             arrival.peer, [this](ClientId id) { Forget(id); });
     sessions.emplace(session->id(), session);
     count = sessions.size();
-    session->Start(arrival.already_read, std::move(arrival.encoding));
+    session->Start(std::move(arrival));
   }
 
   void Forget(ClientId id) {
@@ -102,6 +97,16 @@ struct ModuleServer::Impl : std::enable_shared_from_this<ModuleServer::Impl> {
     if (untrusted) Sweep();
   }
 
+  /// Those that may leave are on their way to `done` then. Io thread.
+  std::size_t SendAway(const std::function<void(LooseConnection)>& done) {
+    std::vector<std::shared_ptr<Session>> leaving;
+    for (const auto& [id, session] : sessions) {
+      if (session->may_leave()) leaving.push_back(session);
+    }
+    for (const auto& session : leaving) session->Leave(done);
+    return leaving.size();
+  }
+
   void Close() {
     closed = true;
     sweep_timer.cancel();
@@ -109,6 +114,7 @@ struct ModuleServer::Impl : std::enable_shared_from_this<ModuleServer::Impl> {
     count = 0;
   }
 
+  IoThread& io;
   asio::io_context& context;
   Turn& turn;
   const IoThread::Poster poster;
@@ -134,6 +140,34 @@ std::string ModuleServer::Listen(const std::vector<std::string>& addresses, int 
   return impl_->listener.Listen(addresses, port);
 }
 
+void ModuleServer::Listen(LoosePort port) {
+  impl_->listener.Listen(std::move(port.listening), port.port);
+  for (LooseConnection& connection : port.connections) impl_->sender()(std::move(connection));
+}
+
+LoosePort ModuleServer::Release() {
+  LoosePort released{.port = port()};
+  Mutex mutex;
+  ConditionVariable one_more;
+  std::vector<LooseConnection>& connections = released.connections;
+  std::size_t all = 0;
+  const auto add = [&](LooseConnection connection) {
+    const MutexLock lock(mutex);
+    connections.push_back(std::move(connection));
+    one_more.NotifyAll();
+  };
+  impl_->io.Call([&] {
+    released.listening = impl_->listener.Release();
+    all = impl_->SendAway(add);
+  });
+  {
+    const MutexLock lock(mutex);
+    while (connections.size() < all) one_more.Wait(mutex);
+  }
+  std::erase_if(connections, [](const LooseConnection& each) { return !each.fd; });
+  return released;
+}
+
 int ModuleServer::port() const {
   return impl_->listener.port();
 }
@@ -144,7 +178,7 @@ const std::string& ModuleServer::name() const {
 
 void ModuleServer::Adopt(int fd, std::string already_read, PeerInfo peer,
                          std::unique_ptr<Encoding> encoding) {
-  impl_->sender()({UniqueFd(fd), std::move(already_read), std::move(peer), std::move(encoding)});
+  adopter()(fd, std::move(already_read), std::move(peer), std::move(encoding));
 }
 
 AdoptFunction ModuleServer::adopter() const {

@@ -9,6 +9,7 @@
 
 #include "server/net/encoding.h"
 #include "server/net/endpoint.h"
+#include "server/net/handover.h"
 #include "server/net/io_thread.h"
 #include "server/net/net_services.h"
 #include "server/net/peer.h"
@@ -29,6 +30,11 @@ class ModuleServer {
 
   /// Listener::Listen(). Any thread, at most once; without it only adopted connections come.
   std::string Listen(const std::vector<std::string>& addresses, int port);
+  /// Goes on with the port and the connections of another server. Any thread, instead of the other Listen().
+  void Listen(LoosePort port);
+  /// Gives away its port, and the connections of Session::may_leave(); waits for what is being
+  /// read. Any thread but `io`, which runs.
+  LoosePort Release();
   /// The port it listens on; 0 = none. Constant after Listen().
   int port() const;
   const std::string& name() const;

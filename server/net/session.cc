@@ -43,10 +43,13 @@ Session::Session(asio::io_context& context, Socket socket, ConnectionEnd end, En
       on_end_(std::move(on_end)),
       heard_at_(steady_clock::now()) {}
 
-void Session::Start(std::string_view already_read, std::unique_ptr<Encoding> encoding) {
+void Session::Start(LooseConnection connection) {
   CallEndpoint([this](Endpoint& endpoint) { endpoint.OnOpen(*this); });
-  if (encoding != nullptr) TakeEncoding(std::move(encoding));
-  in_.Append(already_read);
+  out_.AddRaw(connection.unsent);
+  if (connection.encoding != nullptr) TakeEncoding(std::move(connection.encoding));
+  if (connection.awaited != nullptr) Await(std::move(connection.awaited));
+  next_ = std::move(connection.request);
+  in_.Append(connection.already_read);
   if (encoding_ != nullptr || in_.size() > 0) Process();
   if (!end_.with_stream()) WatchSilence();
   StartRead();
@@ -82,6 +85,7 @@ void Session::StartRead() {
 void Session::OnRead(const ErrorCode& error, std::size_t count) {
   reading_ = false;
   in_.Added(count);
+  if (leave_) return HandOver();
   if (closing_) in_.Clear();  // only waiting for the peer to close
   if (!end_.with_stream()) heard_at_ = steady_clock::now();
   const bool empty_datagram = error == asio::error::eof && !end_.with_stream();
@@ -167,9 +171,9 @@ bool Session::HandleNext() {
     out_.AddRaw(incoming.answer);
   }
   if (incoming.ask) {
-    incoming.ask(*this, [post = poster_, reply = AwaitReply()](const Message& message) {
-      post([reply, message] { reply(message); });
-    });
+    const auto answer = std::make_shared<AskedAnswer>();
+    Await(answer);
+    incoming.ask(*this, [answer](const Message& message) { answer->Give(message); });
     if (incoming.status == DecodeStatus::kLeave) Close("goodbye");
     return true;
   }
@@ -223,6 +227,13 @@ ReplyFunction Session::AwaitReply() {
   };
 }
 
+void Session::Await(std::shared_ptr<AskedAnswer> answer) {
+  asked_ = std::move(answer);
+  asked_->GoTo([post = poster_, reply = AwaitReply()](const Message& message) {
+    post([reply, message] { reply(message); });
+  });
+}
+
 void Session::HandRequest(Message request) {
   ReplyFunction reply = AwaitReply();
   const std::uint64_t serial = serial_;
@@ -236,7 +247,9 @@ void Session::HandRequest(Message request) {
 
 void Session::OnReply(std::uint64_t serial, const Message& reply) {
   if (!waiting_ || serial != serial_ || closing_ || closed_) return;
+  if (reply.text.ends_with(kGoneText) && (asked_again_ = encoding_->AskedAgain(reply))) return;
   waiting_ = false;
+  asked_ = nullptr;
   if (const std::string warning = encoding_->Warning(reply); !warning.empty())
     Log(spdlog::level::warn, warning);
   std::string meanwhile;
@@ -361,10 +374,49 @@ void Session::HardClose() {
   const std::shared_ptr<Session> self = shared_from_this();
   ErrorCode ignored;
   socket_.close(ignored);
-  for (Timer* timer : {&linger_timer_, &watch_timer_, &verbose_timer_, &silence_timer_}) timer->reset();
+  StopTimers();
   DeliverClosed();
+  if (leave_) std::exchange(leave_, nullptr)({});
   out_.Clear();
   if (on_end_) std::exchange(on_end_, nullptr)(id_);
+}
+
+bool Session::may_leave() const {
+  const bool has_ended = eof_ || write_dead_ || closing_ || closed_ || leave_;
+  return !has_ended && (encoding_ == nullptr || encoding_->outlives_module());
+}
+
+void Session::Leave(std::function<void(LooseConnection)> done) {
+  leave_ = std::move(done);
+  if (!reading_) return HandOver();
+  // Bytes may be in the buffer already, and OnRead() on its way.
+  ErrorCode ignored;
+  socket_.cancel(ignored);
+}
+
+void Session::HandOver() {
+  const std::shared_ptr<Session> self = shared_from_this();
+  closed_ = true;
+  DeliverClosed();
+  StopTimers();
+  LooseConnection connection{.already_read = std::string(in_.bytes()), .peer = peer_};
+  if (asked_ != nullptr) asked_->GoTo(nullptr);
+  connection.awaited = std::move(asked_);
+  connection.request = std::move(asked_again_);
+  out_.set_blocked(false);
+  while (out_.Fill()) {
+    connection.unsent += out_.unsent();
+    out_.Sent(out_.unsent().size());
+  }
+  connection.encoding = std::move(encoding_);
+  ErrorCode error;
+  connection.fd = UniqueFd(socket_.release(error));
+  if (on_end_) std::exchange(on_end_, nullptr)(id_);
+  std::exchange(leave_, nullptr)(std::move(connection));
+}
+
+void Session::StopTimers() {
+  for (Timer* timer : {&linger_timer_, &watch_timer_, &verbose_timer_, &silence_timer_}) timer->reset();
 }
 
 void Session::Abort(const std::string& reason) {

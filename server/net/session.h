@@ -23,6 +23,7 @@
 #include "protocol/codec.h"
 #include "server/net/encoding.h"
 #include "server/net/endpoint.h"
+#include "server/net/handover.h"
 #include "server/net/in_buffer.h"
 #include "server/net/io_thread.h"
 #include "server/net/net_services.h"
@@ -54,9 +55,13 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
           NetServices& services, const IoThread::Poster& poster, PeerInfo peer,
           std::function<void(ClientId)> on_end);
 
-  /// Opens it at the endpoint and begins with `already_read`. `encoding`: what both sides have agreed upon;
-  /// null: the client's first bytes choose.
-  void Start(std::string_view already_read, std::unique_ptr<Encoding> encoding);
+  /// Opens it at the endpoint and goes on with what `connection` holds besides its socket and peer.
+  void Start(LooseConnection connection);
+  /// Its encoding outlives the module or is not chosen yet, and it has not ended.
+  bool may_leave() const;
+  /// Ends here and goes elsewhere: `done` gets it when what is being read has been, on this thread, before
+  /// on_end or instead of it; without a socket if it has ended meanwhile. @pre may_leave()
+  void Leave(std::function<void(LooseConnection)> done);
   /// The server goes away: notice (as far as it can be written at once), OnClosed(), close. No on_end.
   void Abort(const std::string& reason);
   /// Ends the connection if its machine has died unseen by keepalive.
@@ -112,7 +117,9 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   /// `--read-only`, and the command is not one that only reads.
   bool MustNotChange(std::int32_t command) const;
   void OnReply(std::uint64_t serial, const Message& reply);
-  bool MayHandle() const { return !closing_ && !closed_ && !waiting_ && !blocked_; }
+  /// Waits for `answer`, which may be given already.
+  void Await(std::shared_ptr<AskedAnswer> answer);
+  bool MayHandle() const { return !closing_ && !closed_ && !waiting_ && !blocked_ && !leave_; }
   // Writing.
   void Flush();
   void OnWritable();
@@ -125,6 +132,8 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   void AwaitPeersEnd();
   void DeliverClosed();
   void HardClose();
+  void HandOver();
+  void StopTimers();
   void Log(spdlog::level::level_enum level, const std::string& text);
   /// Calls `function(endpoint)`; what it throws is logged. Returns false then.
   template <typename Function>
@@ -157,10 +166,12 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   OutQueue out_;
   int malformed_ = 0;  // in a row
 
-  std::uint64_t serial_ = 0;     // of the request handed out last
-  bool waiting_ = false;         // for its reply
-  std::optional<Message> next_;  // what the encoding wants before it answers
-  bool processing_ = false;      // Process() runs
+  std::uint64_t serial_ = 0;            // of the request handed out last
+  bool waiting_ = false;                // for its reply
+  std::shared_ptr<AskedAnswer> asked_;  // which may be this one
+  std::optional<Message> asked_again_;  // of the module to come
+  std::optional<Message> next_;         // what the encoding wants before it answers
+  bool processing_ = false;             // Process() runs
   bool process_posted_ = false;
   bool reading_ = false;      // OnRead() follows when something comes, into the room of in_
   bool blocked_ = false;      // the peer takes nothing more; OnWritable() follows when it does
@@ -170,6 +181,7 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   bool closing_ = false;      // no more requests are handled
   bool fin_sent_ = false;
   bool closed_ = false;
+  std::function<void(LooseConnection)> leave_;  // not null: it leaves when OnRead() has come
 
   Timer linger_timer_, watch_timer_, verbose_timer_;
   Timer silence_timer_;  // unless the stream ends it

@@ -49,7 +49,17 @@ Robot::~Robot() {
 
 std::string Robot::Listen(std::size_t module, const std::vector<std::string>& addresses, int port) {
   std::string error = servers_[module]->Listen(addresses, port);
-  if (!error.empty() || !is_channel(module) || services_.yars == nullptr) return error;
+  if (error.empty()) OpenYarsPort(module, addresses);
+  return error;
+}
+
+void Robot::Listen(std::size_t module, const std::vector<std::string>& addresses, LoosePort port) {
+  servers_[module]->Listen(std::move(port));
+  OpenYarsPort(module, addresses);
+}
+
+void Robot::OpenYarsPort(std::size_t module, const std::vector<std::string>& addresses) {
+  if (!is_channel(module) || services_.yars == nullptr) return;
   std::string lack;
   auto udp = YarsUdpPort::Open(name(), *modules_[module], io_, services_.net, *services_.yars, addresses,
                                servers_[module]->port(), lack);
@@ -58,7 +68,6 @@ std::string Robot::Listen(std::size_t module, const std::vector<std::string>& ad
   } else {
     services_.net.logger()->warn("{} has no UDP port for clients of YARS: {}", module_path(module), lack);
   }
-  return error;
 }
 
 bool Robot::Register() {

@@ -39,6 +39,11 @@ class Robot {
   /// Makes a module listen, a channel also by UDP; returns an error text, empty if it listens. At most once
   /// each.
   std::string Listen(std::size_t module, const std::vector<std::string>& addresses, int port);
+  /// The same, with the port and the connections that a channel before it has left.
+  void Listen(std::size_t module, const std::vector<std::string>& addresses, LoosePort port);
+  /// What the channel on `module` leaves to the next one: its client goes on there. To be followed by its
+  /// end.
+  LoosePort Release(std::size_t module) { return servers_[module]->Release(); }
   /// Lists the modules in the name table; their ports must be settled. False if a name is taken by one of our
   /// own.
   bool Register();
@@ -50,6 +55,8 @@ class Robot {
   void CloseClient(ClientId client, const std::string& reason);
 
  private:
+  void OpenYarsPort(std::size_t module, const std::vector<std::string>& addresses);
+
   const RobotServices& services_;
   IoThread& io_;
   RobotCore core_;

@@ -62,11 +62,13 @@ void RobotHost::NoteChannel(const Robot& robot, std::size_t module) {
   services_.net.logger()->info("{} is on port {} for clients of YARS, by UDP and TCP",
                                robot.module_path(module), port);
   if (options_.channel_ports_file.empty()) return;
-  const std::string name = ChannelFile(robot.name());
-  std::ofstream file(name);
+  const std::string name = ChannelFile(robot.name()), whole = name + ".new";
+  std::ofstream file(whole);
   file << port << "\n";
   file.close();
-  if (!file) services_.net.logger()->error("{} cannot be written", name);
+  std::error_code error;
+  if (file) std::filesystem::rename(whole, name, error);  // a reader finds the old port or the new one
+  if (!file || error) services_.net.logger()->error("{} cannot be written", name);
 }
 
 void RobotHost::FreeChannels(const Robot& robot) {
@@ -75,6 +77,12 @@ void RobotHost::FreeChannels(const Robot& robot) {
     freed_channel_ports_.push_back(robot.port(i));
     std::error_code ignored;
     if (!options_.channel_ports_file.empty()) std::filesystem::remove(ChannelFile(robot.name()), ignored);
+  }
+}
+
+void RobotHost::Release(Robot& robot, const std::string& why) {
+  for (std::size_t i = 0; i < robot.module_count(); ++i) {
+    if (robot.is_channel(i) && robot.port(i) != 0) left_.emplace(robot.port(i), Left{robot.Release(i), why});
   }
 }
 
@@ -87,7 +95,11 @@ bool RobotHost::ListenAsBefore(Robot& robot, std::size_t module) {
     port = freed_channel_ports_.front();
     freed_channel_ports_.pop_front();
   }
-  if (port == 0 || !robot.Listen(module, options_.addresses, port).empty()) return false;
+  if (auto left = left_.extract(port); !left.empty()) {
+    robot.Listen(module, options_.addresses, std::move(left.mapped().port));
+  } else if (port == 0 || !robot.Listen(module, options_.addresses, port).empty()) {
+    return false;
+  }
   PlanFor(robot, module).Reserve(port);
   return true;
 }
@@ -150,8 +162,7 @@ std::string RobotHost::Apply(const Scene& scene, bool at_start) {
     if (robot == nullptr) continue;
     const std::string reason = robot->name() + " is not in the new scenario";
     const std::string why = places.contains(robot->name()) ? robot->name() + " has been edited" : reason;
-    ForChannels(*robot,
-                [&](int port) { services_.net.logger()->info("{}: connections to port {} end", why, port); });
+    Release(*robot, why);
     Drop(std::move(robot), reason);
   }
   const auto with_sockets =
@@ -173,6 +184,8 @@ std::string RobotHost::Apply(const Scene& scene, bool at_start) {
     if (!error.empty()) services_.net.logger()->error("{}", std::exchange(error, {}));
   }
   if (!error.empty()) Stop(error);
+  for (const auto& [port, left] : std::exchange(left_, {}))
+    services_.net.logger()->info("{}: connections to port {} end", left.why, port);
   for (const std::unique_ptr<Robot>& robot : robots_)
     ForChannels(*robot, [&vacant](int port) { vacant.erase(port); });
   if (services_.yars != nullptr) {

@@ -62,6 +62,10 @@ class RobotHost {
   std::size_t thread_count() const;
 
  private:
+  struct Left {
+    LoosePort port;
+    std::string why;
+  };
   struct Thread {
     std::unique_ptr<IoThread> io;
     const Robot* only = nullptr;  // whose own it is; null: of the pool
@@ -81,6 +85,9 @@ class RobotHost {
   void NoteChannel(const Robot& robot, std::size_t module);
   /// The ports of `robot`, which is not in the new scene, are free for robots that are new in it.
   void FreeChannels(const Robot& robot);
+  /// What the channels of `robot`, which goes, leave to those that get their ports; else, when the new robots
+  /// are up, it ends for the reason `why`.
+  void Release(Robot& robot, const std::string& why);
   /// The channel listens on the port that its robot had before, or else on one of a robot that is gone.
   bool ListenAsBefore(Robot& robot, std::size_t module);
   std::string OpenModule(Robot& robot, std::size_t module, bool at_start);
@@ -94,6 +101,7 @@ class RobotHost {
   std::vector<std::unique_ptr<Robot>> robots_;
   std::unordered_map<std::string, int> last_channel_ports_;  // by robot: its client stays where it is
   std::deque<int> freed_channel_ports_;  // of robots that are not in the new scene, in their order
+  std::unordered_map<int, Left> left_;   // by port, within Apply()
 };
 
 }  // namespace coopdyn

@@ -38,12 +38,12 @@ RobotModule::~RobotModule() {
   StopListening();
 }
 
-std::string RobotModule::DriverBeside(const Connection& connection) {
+std::string RobotModule::DriverBeside(const Connection& connection) const {
   Client client;
   client.id = connection.id();
   client.party = connection.party();
   for (const SlotId slot : slots_) {
-    if (std::string other = board().ClientBeside(slot, client); !other.empty()) return other;
+    if (std::string other = robot_.services().board.ClientBeside(slot, client); !other.empty()) return other;
   }
   return {};
 }
@@ -214,8 +214,7 @@ std::string RobotModule::NewOwner() {
 Message RobotModule::Read(const Message& request, const Frame& frame) {
   const int index = robot_.IndexIn(frame);
   if (index < 0) {
-    return ErrorReply(request.command, Error::kNotPossible,
-                      robot_.name() + " is no longer part of the scenario");
+    return ErrorReply(request.command, Error::kNotPossible, robot_.name() + std::string(kGoneText));
   }
   return device_.Read(request, device_.Shown(frame, index), index);
 }

@@ -20,7 +20,7 @@ class RobotModule final : public PeerModule<ModulePeer> {
   RobotModule(RobotCore& robot, std::size_t index);
   ~RobotModule() override;
 
-  std::string DriverBeside(const Connection& connection) override;
+  std::string DriverBeside(const Connection& connection) const override;
 
  private:
   using Peer = ModulePeer;

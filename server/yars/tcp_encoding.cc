@@ -80,17 +80,22 @@ void AppendText(std::string_view text, std::string& out) {
 /// One connection.
 class YarsTcpEncoding final : public Encoding {
  public:
-  YarsTcpEncoding(const Endpoint& endpoint, YarsWorld& world)
-      : path_(endpoint.path()), world_(world), fits_(endpoint.table().Find(command::kSetMotors) != nullptr) {}
+  YarsTcpEncoding(const Endpoint& endpoint, YarsWorld& world) : endpoint_(&endpoint), world_(world) {}
 
-  void Attach(const Connection& connection, Endpoint& endpoint) override {
+  void Attach(const Connection& connection, const Endpoint& endpoint) override {
     connection_ = &connection;
     endpoint_ = &endpoint;
   }
+  bool outlives_module() const override { return true; }
+  std::optional<Message> AskedAgain(const Message& /*reply*/) override {
+    if (asks_ == Asks::kSensors) return ReplyTo(command::kGetValues);
+    if (asks_ == Asks::kConfiguration) return ReplyTo(command::kGetChannel);
+    return std::nullopt;
+  }
 
   Incoming Decode(std::string_view bytes) override {
-    if (!fits_)
-      return Fatal(path_ +
+    if (endpoint_->table().Find(command::kSetMotors) == nullptr)
+      return Fatal(endpoint_->path() +
                    " has no motors and values for clients of YARS: connect to the robot's module channel");
     const TcpValue value = ReadTcpValue(bytes);
     if (value.state == TcpValue::State::kNeedMore) return {};
@@ -123,7 +128,7 @@ class YarsTcpEncoding final : public Encoding {
   std::string Warning(const Message& reply) override {
     const bool is_reset = reply.error == static_cast<std::int32_t>(Error::kNotPossible);
     if (asks_ != Asks::kStep || reply.error == 0 || is_reset || std::exchange(told_, true)) return {};
-    return path_ + " has not taken ACTUATORS, and nothing has moved: " + reply.text +
+    return endpoint_->path() + " has not taken ACTUATORS, and nothing has moved: " + reply.text +
            " (later ones are not told)";
   }
 
@@ -146,7 +151,7 @@ class YarsTcpEncoding final : public Encoding {
     const bool leaves = order.kind == YarsOrder::Kind::kQuit;
     const bool changes = leaves ? world_.quits() : order.kind != YarsOrder::Kind::kLog;
     if (const std::string driver =
-            changes && endpoint_ != nullptr ? endpoint_->DriverBeside(*connection_) : "";
+            changes && connection_ != nullptr ? endpoint_->DriverBeside(*connection_) : "";
         !driver.empty())
       return Fatal(YarsDrivenText(robot(), driver));
     asks_ = Asks::kWorld;
@@ -215,13 +220,14 @@ class YarsTcpEncoding final : public Encoding {
     line("END CONFIGURATION");
   }
 
-  std::string robot() const { return path_.substr(1, path_.rfind('/') - 1); }
+  std::string robot() const {
+    const std::string& path = endpoint_->path();
+    return path.substr(1, path.rfind('/') - 1);
+  }
 
-  const std::string path_;
+  const Endpoint* endpoint_;
   YarsWorld& world_;
   const Connection* connection_ = nullptr;
-  Endpoint* endpoint_ = nullptr;
-  const bool fits_;
   char awaited_ = 0;  // the letter of the value that belongs to the command before; 0: none does
   Asks asks_ = Asks::kNothing;
   bool told_ = false;                  // that ACTUATORS were not taken

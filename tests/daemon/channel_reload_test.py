@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The file of an experiment is edited while clients of YARS drive its robots: the next reset has it."""
+import contextlib
 import tempfile
 import unittest
 from pathlib import Path
@@ -84,15 +85,55 @@ class ChannelReloadTest(unittest.TestCase):
         self.assertIn(b"no robot", reply)
         until(lambda: "no robot" in self.daemon.stderr())
 
-    def test_the_log_says_why_an_edit_of_its_robot_ends_a_connection(self):
-        self.serve()
-        client = Tcp(self.port("vehicle"))
+    def tcp(self, robot):
+        client = Tcp(self.port(robot))
         self.addCleanup(client.close)
+        return client
+
+    def test_a_tcp_client_stays_while_its_robot_is_edited(self):
+        self.serve()
+        client = self.tcp("vehicle")
+        crate_near = STILL.replace('x="1" y="0"', 'x="0.7" y="0"')
+        short = STILL.replace('range="2"', 'range="0.5"')
+        values = len(client.sensors())
+        for text in (crate_near, short, STILL, STILL.replace('movable name="vehicle"', 'movable name="car"')):
+            self.file.write_text(text)
+            client.reset()
+            self.assertEqual(len(client.sensors()), values)
+            client.actuators([0, 0, 0])
+            client.sensors()
+        self.assertIn("NAME car", client.configuration())
+
+    def test_what_is_said_after_a_reset_goes_to_the_edited_robot(self):
+        self.serve()
+        client = self.tcp("vehicle")
+        client.actuators([0, 0, 0])
+        client.actuators([0, 0, 0])
         client.sensors()
-        self.file.write_text(STILL.replace('x="1" y="0"', 'x="0.7" y="0"'))
-        client.reset()
-        client.sensors()  # the crate stands elsewhere, the robot is the same
-        self.file.write_text(STILL.replace('range="2"', 'range="1"'))
+        steps = self.daemon.status()["step"]
+        for reach in ("0.5", "2") * 10:
+            self.file.write_text(STILL.replace('range="2"', f'range="{reach}"'))
+            client.reset(7)
+            client.actuators([0, 0, 0])
+            client.actuators([0, 0, 0])
+            client.sensors()
+            self.assertEqual(self.daemon.status()["step"], steps)
+
+    def test_a_client_can_connect_while_robots_are_edited(self):
+        self.serve()
+        client = self.tcp("vehicle")
+        for reach in ("0.5", "2") * 20:
+            self.file.write_text(STILL.replace('range="2"', f'range="{reach}"'))
+            client.reset()
+            for _ in range(5):
+                with contextlib.closing(Tcp(self.port("vehicle"))) as other:
+                    self.assertTrue(other.sensors())
+
+    def test_the_log_says_why_an_edit_ends_the_connections_of_a_robot(self):
+        self.serve()
+        client = self.tcp("vehicle")
+        client.sensors()
+        self.file.write_text(STILL.replace('type="active"', 'type="passive"'))
         client.reset()
         self.assertEqual(client.read_to_end(), b"")
         until(lambda: "vehicle has been edited: connections to port" in self.daemon.stderr())

@@ -166,7 +166,7 @@ TEST_F(EncodingTest, AConnectionOfDatagramsEndsWhenNothingHasComeForItsTime) {
         thread_.context(), Session::Socket(thread_.context(), Session::AnyProtocol(), fd),
         ConnectionEnd{std::chrono::milliseconds(100)}, endpoint_, services_, poster,
         PeerInfo{"datagrams", true}, [&ended](ClientId) { ended = true; });
-    session->Start({}, nullptr);
+    session->Start({});
   });
   TestClient client(std::move(ours));
   client.Send("hold 1\n");

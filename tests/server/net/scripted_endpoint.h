@@ -86,9 +86,11 @@ class ScriptedEndpoint : public Endpoint {
 
   // --- io thread ---
   std::size_t held() const { return held_.size(); }
-  void ReleaseOne() {
+  /// With this text, if it says something.
+  void ReleaseOne(const std::string& text = {}) {
     auto [reply, answer] = std::move(held_.front());
     held_.pop_front();
+    if (!text.empty()) answer.text = text;
     reply(std::move(answer));
   }
   const std::map<ClientId, Connection*>& connections() const { return connections_; }

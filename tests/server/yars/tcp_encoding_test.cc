@@ -35,7 +35,7 @@ struct FakeEndpoint final : Endpoint {
   const CommandTable& table() const override { return commands; }
   void OnRequest(Connection& /*connection*/, Message /*request*/, ReplyFunction /*reply*/) override {}
 
-  std::string DriverBeside(const Connection& /*connection*/) override { return driver; }
+  std::string DriverBeside(const Connection& /*connection*/) const override { return driver; }
 
   std::string driver;
   std::string name = "/seeker/channel";
