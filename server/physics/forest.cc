@@ -229,17 +229,6 @@ Vector3 Forest::Point(int node, const Vector3& p_R) const {
   return Carried(of.state, of.R_WR, *of.rigid, p_R);
 }
 
-int Forest::SharedLength(int dof_a, int dof_b) const {
-  while (dof_a != dof_b) {
-    if (dof_a > dof_b) {
-      dof_a = at(parents_, dof_a);
-    } else {
-      dof_b = at(parents_, dof_b);
-    }
-  }
-  return dof_a == kNone ? 0 : ChainLength(dof_a);
-}
-
 void Forest::Begin(double gravity_m_s2, double dt_s) {
   const Spatial up = Join(Vector3::Zero(), gravity_m_s2 * Vector3::UnitZ());
   for (Node& node : nodes_) {

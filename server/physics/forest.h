@@ -47,8 +47,6 @@ class Forest {
   std::span<const int> Chain(int dof) const {
     return std::span(paths_).subspan(at(offsets_, dof), static_cast<std::size_t>(ChainLength(dof)));
   }
-  /// How many degrees of freedom from the root on two chains share.
-  int SharedLength(int dof_a, int dof_b) const;
   /// Position of a joint in the tree, in its own direction: m, or rad, wrapped unless it is a screw's; after
   /// Move() where it has come to.
   double Position(int node) const { return at(nodes_, node).position; }

@@ -16,6 +16,7 @@ using Kind = JointModel::Kind;
 
 // m/s per N·s, rad/s per N·m·s: what counts as rigid.
 constexpr double kRigid = 1e-7;
+constexpr double kGivenIn = 1 - 1e-9;
 
 }  // namespace
 
@@ -154,7 +155,12 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
       } else if (row.stop != 0) {
         AddStop(member, index, row.stop, row.gap, dt_s);
       } else if (row.max_effort > 0) {
+        const std::size_t first = motors_.size();
         AddMotor(member, index, row.velocity, row.softness / dt_s, row.max_effort * dt_s);
+        // A start near the end: what has given in does so again.
+        const double effort = member.channels[static_cast<std::size_t>(joint.channel)].effort;
+        if (motors_.size() > first && std::abs(effort) > kGivenIn * row.max_effort)
+          motors_.back().gives_in = effort > 0 ? 1 : -1;
       }
       if (row.effort != 0) {
         Push(member, index, row.effort * dt_s);

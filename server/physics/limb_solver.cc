@@ -252,17 +252,13 @@ void LimbSolver::Solve(bool is_again) {
   }
 }
 
-double LimbSolver::Dot(const Row& a, const Row& b) const {
-  double sum = 0;
-  for (const Row::Part& of_a : a.all()) {
-    const double* const x = transformed_.data() + of_a.from;
-    for (const Row::Part& of_b : b.all()) {
-      const double* const y = divided_.data() + of_b.from;
-      const int shared = forest_.SharedLength(of_a.end, of_b.end);
-      for (int d = 0; d < shared; ++d) sum += x[d] * y[d];
-    }
+const std::vector<double>& LimbSolver::Column(const Row& row) {
+  column_.assign(static_cast<std::size_t>(forest_.dof_count()), 0);
+  for (const Row::Part& part : row.all()) {
+    const double* x = divided_.data() + part.from;
+    for (const int dof : forest_.Chain(part.end)) column_[static_cast<std::size_t>(dof)] += *x++;
   }
-  return sum;
+  return column_;
 }
 
 double LimbSolver::Dot(const Row& row, std::span<const double> transformed) const {
@@ -290,7 +286,9 @@ void LimbSolver::SolveDirectly(bool is_again) {
   bool rubs = false;
   for (Eigen::Index i = 0; i < n; ++i) {
     const Row& row = rows_[static_cast<std::size_t>(i)];
-    for (Eigen::Index j = 0; j <= i; ++j) A_(i, j) = A_(j, i) = Dot(row, rows_[static_cast<std::size_t>(j)]);
+    const std::vector<double>& column = Column(row);
+    for (Eigen::Index j = i; j < n; ++j)
+      A_(i, j) = A_(j, i) = Dot(rows_[static_cast<std::size_t>(j)], column);
     A_(i, i) += row.softness;
     b_[i] = row.target - Dot(row, state_);
     lower_[i] = row.normal == kNone ? row.lower : 0;
@@ -315,7 +313,7 @@ void LimbSolver::SolveDirectly(bool is_again) {
 void LimbSolver::SolveByIteration() {
   std::vector<double> diagonal;
   impulses_.setZero();
-  for (const Row& row : rows_) diagonal.push_back(Dot(row, row) + row.softness);
+  for (const Row& row : rows_) diagonal.push_back(Dot(row, Column(row)) + row.softness);
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const Row& row = rows_[i];

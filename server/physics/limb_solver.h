@@ -131,7 +131,8 @@ class LimbSolver {
   void Solve(bool is_again);
   void SolveDirectly(bool is_again);
   void SolveByIteration();
-  double Dot(const Row& a, const Row& b) const;
+  /// What a row's impulse of 1 adds to the transformed rates. Until the next call.
+  const std::vector<double>& Column(const Row& row);
   double Dot(const Row& row, std::span<const double> transformed) const;
   void Apply(const Row& row, double impulse);
   /// Lets motors give in, or hold again; whether one did.
@@ -156,7 +157,7 @@ class LimbSolver {
   std::array<Vector3, 3> directions_;                     // of the contact added last
   std::vector<double> jacobian_, transformed_, divided_;  // of the rows' parts; the last: by the pivots
   std::vector<double> pushes_;                            // impulses by degree of freedom
-  std::vector<double> added_, state_, rates_, efforts_;
+  std::vector<double> added_, state_, rates_, efforts_, column_;
   Eigen::MatrixXd A_;
   Eigen::VectorXd b_, lower_, upper_, impulses_;
 };
