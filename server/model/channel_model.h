@@ -137,6 +137,7 @@ struct ChannelModel {
   std::vector<Motor> motors;
   std::vector<Value> values;
   int steps = 1;                    // of one exchange
+  int port = 0;                     // where its clients look for it; 0: the next of all channels
   std::vector<std::string> abort;   // contact modules that end a try when they are pressed
   std::vector<std::size_t> aborts;  // index into the sensors
 

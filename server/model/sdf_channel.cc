@@ -219,6 +219,7 @@ std::string_view ToString(ChannelModel::Quantity quantity) {
 
 void ReadInto(ChannelModel& sensor, const SensorSource& source) {
   if (auto v = source.attributes.Integer("steps", 1, 1'000'000)) sensor.steps = *v;
+  if (auto v = source.attributes.Integer("port", 1, 65535)) sensor.port = *v;
   for (std::string& name : SplitWords(source.attributes.Text("abort").value_or("")))
     sensor.abort.push_back(std::move(name));
   source.ForEachChild({"coopdyn:motor", "coopdyn:value"}, [&](XmlAttributes& child, std::string_view name) {

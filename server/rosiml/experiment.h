@@ -179,6 +179,7 @@ struct Movable {
   std::vector<MotorValue> motors;   // what a client exchanges, in this order
   std::vector<SensorValue> values;  // likewise
   int exchange_steps = 1;
+  int port = 0;             // where its client looks for it; 0: it does not say
   std::vector<int> aborts;  // contact sensors that end a try
   std::string controller;   // "NAME key=value …"; empty: clients drive it
   std::string colour;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // <controller> of the public grammar, as the line of a loaded controller.
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "server/base/printable.h"
@@ -81,6 +82,22 @@ std::string Reader::LoadedController(const Element& element, bool has_motors,
     }
   });
   return line;
+}
+
+int Reader::PortOf(const Element& controller) {
+  constexpr double kMost = 65535;
+  int port = 0;
+  if (Text(controller, "module") != "TCPIP") return port;
+  ForEachChild(controller, [&](const Element& parameter) {
+    if (Text(parameter, "name") != "port") return;
+    const std::string text = Text(parameter, "value");
+    const std::optional<double> value = ParseNumber(text);
+    if (!value || *value < 1 || *value > kMost || *value != std::floor(*value))
+      return Error(parameter,
+                   "the port must be a whole number from 1 to 65535, not '" + Printable(text) + "'");
+    port = static_cast<int>(*value);
+  });
+  return port;
 }
 
 }  // namespace coopdyn::rosiml

@@ -216,6 +216,7 @@ class PublicReader : Reader {
     if (const Element* sensors = Child(element, "sensors")) ReadSensors(*sensors, robot);
     if (const Element* controller = Child(element, "controller")) {
       robot.controller = LoadedController(*controller, !robot.motors.empty(), has_controller_);
+      robot.port = PortOf(*controller);
       constexpr double kUsual_hz = 10;
       robot.exchange_steps = StepsOf(*controller, frequency_hz_, Number(*controller, "frequency", kUsual_hz));
     }

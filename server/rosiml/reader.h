@@ -79,6 +79,8 @@ class Reader {
   /// The line of the loaded controller that a <controller> of the public grammar names; empty: clients drive
   /// the robot.
   std::string LoadedController(const Element& element, bool has_motors, const HasController& has_controller);
+  /// The port of a controller of module TCPIP; 0: it does not say one.
+  int PortOf(const Element& controller);
 
  private:
   void ReadFilter(const Element& filter, Mapped& mapped);

@@ -79,6 +79,7 @@ MadeText WriteChannel(const Movable& movable, const ChannelPlaces& places) {
   }
   const int line = inside.lines.front();
   out.Add(line, "<coopdyn:channel" + Attribute("steps", std::to_string(movable.exchange_steps)) +
+                    (movable.port == 0 ? "" : Attribute("port", std::to_string(movable.port))) +
                     (aborts.empty() ? "" : Attribute("abort", aborts)) + ">");
   out.text += inside.text;
   out.lines.insert(out.lines.end(), inside.lines.begin(), inside.lines.end());

@@ -48,6 +48,13 @@ TEST(ChannelReaderTest, AMotorHasAJointAModeAndItsMapping) {
   EXPECT_EQ(motor.noise.mean, 0.2);
 }
 
+TEST(ChannelReaderTest, ItMayHaveAPort) {
+  const std::string value = "<coopdyn:value name=\"sun\" of=\"ambient_light\"/>";
+  EXPECT_EQ(ReadChannel(value).port, 0);
+  EXPECT_EQ(ReadChannel(value, " port=\"9500\"").port, 9500);
+  EXPECT_THAT(WrongIn(value, " port=\"65536\""), HasSubstr("port"));
+}
+
 TEST(ChannelReaderTest, AValueIsOfAModuleAJointAPlaceOrTheWorld) {
   const ChannelModel channel = ReadChannel(
       "<coopdyn:value name=\"up\" module=\"imu\" index=\"10\"/>"

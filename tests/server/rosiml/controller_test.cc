@@ -64,5 +64,25 @@ TEST(RosimlControllerTest, ClientsDriveTheRobotIfThereIsNoneOrItHasNoMotors) {
   EXPECT_HAS(passive.ToString(), "the robot has no motors");
 }
 
+TEST(RosimlControllerTest, ThePortOfAClientByTcpIsThatOfTheChannel) {
+  const auto model_with = [](const std::string& module) {
+    return Made(Controlled("<controller module=\"" + module +
+                           "\"><parameter name=\"port\" value=\"9500\"/>"
+                           "<parameter name=\"debug\" value=\"false\"/></controller>"))
+        .models.front()
+        .sdf.text;
+  };
+  EXPECT_HAS(model_with("TCPIP"), "<coopdyn:channel steps=\"10\" port=\"9500\">");
+  EXPECT_HAS_NOT(model_with("Wave"), "port=");
+}
+
+TEST(RosimlControllerTest, AWrongPortIsToldAtItsLine) {
+  for (const char* port : {"0", "65536", "95.5", "-1", "nine", ""}) {
+    EXPECT_HAS(Said(Controlled("<controller module=\"TCPIP\">\n<parameter name=\"port\" value=\"" +
+                               std::string(port) + "\"/></controller>")),
+               "x.xml:2: error: the port must be a whole number from 1 to 65535, not '" + std::string(port));
+  }
+}
+
 }  // namespace
 }  // namespace coopdyn::rosiml
