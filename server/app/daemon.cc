@@ -52,6 +52,13 @@ std::optional<YarpDialect> DialectOf(const ServeOptions& options) {
   return options.yarp_dialect == "4" ? YarpDialect::k4 : YarpDialect::k3;
 }
 
+/// Listens on `port`; if that is in use, with `any_port` on another one.
+template <typename Server>
+std::string ListenOn(Server& server, const std::vector<std::string>& addresses, int port, bool any_port) {
+  std::string error = server.Listen(addresses, port);
+  return error.empty() || !any_port ? error : server.Listen(addresses, 0);
+}
+
 }  // namespace
 
 Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
@@ -71,7 +78,7 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
       wrong_tokens_(logger_),
       robot_guard_(token_, options.private_robots, &wrong_tokens_),
       control_guard_(token_, true, &wrong_tokens_),
-      ports_(options.port == 0 ? 0 : options.port + 2,
+      ports_(options.port == 0 || options.any_port ? 0 : options.port + 2,
              [this](int port) { return names_.IsExternalPort(port); }),
       channel_ports_(options.channel_port.value_or(options.port == 0 ? 0 : kChannelPort)),
       pool_(ThreadsOf(options)),
@@ -141,7 +148,7 @@ std::string Daemon::OpenNames() {
           [this](const std::string& name) { OpenYarpPort(name); },
           [this](const Subscription& each, bool connects) { yarp_.Tell(each.from, each.to, connects); }});
   const int port = options_.name_port.value_or(options_.port);
-  std::string error = name_server_->Listen(addresses(), port);
+  std::string error = ListenOn(*name_server_, addresses(), port, options_.any_port);
   if (!error.empty()) return WithAdvice(error, "--port, or --name-port");
   ports_.Reserve(name_server_->port());
   ports_.Reserve(options_.http_port.value_or(options_.port == 0 ? 0 : options_.port + 1));
@@ -239,7 +246,7 @@ std::string Daemon::OpenPage() {
   web_ = std::make_unique<WebServer>(std::move(web), names_, frames_, options_.no_render ? nullptr : &images_,
                                      net_);
   const int port = options_.http_port.value_or(options_.port == 0 ? 0 : options_.port + 1);
-  const std::string error = web_->Listen(addresses(), port);
+  const std::string error = ListenOn(*web_, addresses(), port, options_.any_port);
   return WithAdvice(error, "--port, or --http-port");
 }
 

@@ -44,6 +44,7 @@ struct ServeOptions {
   RecordOptions record;
   RunOptions run;
   int port = 10000;
+  bool any_port = false;  // other free ones if those are in use
   std::optional<int> name_port, http_port;
   std::optional<int> channel_port;  // the first for clients of YARS
   std::string channel_ports_file;   // begins the names of files with these ports; empty: none

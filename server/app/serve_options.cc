@@ -141,6 +141,8 @@ void AddNetwork(CLI::App* sub, ServeOptions& serve) {
   sub->add_option("--port", serve.port, "Names on P, page on P+1, modules from P+2; 0: any free ports")
       ->check(WholeIn(0, 65000))
       ->capture_default_str();
+  sub->add_flag("--any-port", serve.any_port,
+                "Other free ports for names and page if theirs are in use, and any for the modules");
   sub->add_option("--name-port", serve.name_port, "Another port for the name server")
       ->check(WholeIn(0, 65535));
   sub->add_option("--http-port", serve.http_port, "Another port for the page")->check(WholeIn(0, 65535));

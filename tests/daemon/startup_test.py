@@ -42,6 +42,13 @@ class MistakeTest(unittest.TestCase):
             self.assertIn("--port", said)
             self.assertEqual(len(said.strip().splitlines()), 1, said)
 
+    def test_names_and_page_may_take_other_ports_than_those_in_use(self):
+        with socket.create_server(("127.0.0.1", 0)) as busy:
+            port = str(busy.getsockname()[1])
+            with Daemon(scenario(), "--any-port", "--name-port", port, "--http-port", port, "--http", "--no-render") as daemon:
+                self.assertNotEqual(daemon.names[1], int(port))
+                self.assertNotIn(":" + port, daemon.http)
+
     def test_a_missing_file_is_one_line(self):
         done = run("serve", "no_such_scenario", "--port", "0")
         self.assertEqual(done.returncode, 1)
