@@ -166,8 +166,8 @@ int RunSweep(std::vector<std::string> words) {
 /// `serve` with the words of YARS.
 int RunYars(std::vector<std::string> words) {
   YarsWords read = ReadYarsWords(words);
-  if (read.help) {
-    PrintLines(YarsHelp());
+  if (!read.told.empty()) {
+    PrintLines(read.told);
     return kExitOk;
   }
   if (!read.error.empty()) {

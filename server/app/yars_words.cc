@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "server/app/options.h"
 #include "server/base/printable.h"
 #include "server/base/words.h"
 #include "server/model/values.h"
@@ -40,7 +41,6 @@ constexpr std::array kFlags = {
     YarsFlag{"--lib", Takes::kValue, "--scenarios %"},
     YarsFlag{"--printComPortsToFile", Takes::kValue, "--channel-ports-to %"},
     YarsFlag{"--pause", Takes::kNothing, "--paused"},
-    YarsFlag{"--debug", Takes::kNothing, "--log-level debug"},
     YarsFlag{"--silent", Takes::kNothing, "--log-level off"},
     YarsFlag{"--record", Takes::kValue, "--record %"},
     YarsFlag{"--port", Takes::kValue, "--port %"},
@@ -52,6 +52,11 @@ constexpr std::array kFlags = {
     YarsFlag{"--geometry", Takes::kValue, {}, kPage},
     YarsFlag{"--textures", Takes::kMayTake, {}, kPage},
     YarsFlag{"--synched", Takes::kMayTake, {}, "a robot with a controller is always waited for"},
+    YarsFlag{"--texture", Takes::kMayTake, {}, kPage},
+    YarsFlag{"--capture", Takes::kNothing, {}, kFilms},
+    YarsFlag{"--captureName", Takes::kValue, {}, kFilms},
+    YarsFlag{"--captureFrameRate", Takes::kValue, {}, kFilms},
+    YarsFlag{"--captureDirectory", Takes::kValue, {}, kFilms},
     YarsFlag{"--captureVideo", Takes::kMayTake, {}, kFilms},
     YarsFlag{"--captureFrames", Takes::kMayTake, {}, kFilms},
     YarsFlag{"--framesDirectory", Takes::kValue, {}, kFilms},
@@ -77,6 +82,7 @@ constexpr std::array kFlags = {
     YarsFlag{
         "--printRobotConfiguration", Takes::kNothing, {}, "coopdyn describe robot FILE prints what it is"},
     YarsFlag{"--printKeyboardShortcuts", Takes::kNothing, {}, "the page's help lists its keys"},
+    YarsFlag{"--cr", Takes::kNothing, {}, "each line ends with a line feed"},
 };
 
 std::optional<double> PositiveOf(const std::string& text) {
@@ -84,13 +90,24 @@ std::optional<double> PositiveOf(const std::string& text) {
   return value && *value > 0 ? value : std::nullopt;
 }
 
+/// What is told by a flag with which YARS tells something and ends; empty: it is none.
+std::string ToldBy(const std::string& flag) {
+  if (flag == "--help" || flag == "-h") return YarsHelp();
+  if (flag == "--version") return std::string("coopdyn ") + kVersion + "\n";
+  if (flag == "--license") return "coopdyn is under the MIT license: its file LICENSE has the text\n";
+  if (flag == "--export") return "coopdyn has its grammar in docs/rosiml.xsd\n";
+  if (flag == "--list") return "debug: debug, info or silent; what to follow is chosen on the page\n";
+  return {};
+}
+
 class YarsLine {
  public:
   explicit YarsLine(const std::vector<std::string>& words) : words_(words) {}
 
   YarsWords Read() {
-    for (at_ = 0; at_ < words_.size() && out_.error.empty(); ++at_) ReadWord(words_[at_]);
-    if (out_.error.empty() && !out_.help) Finish();
+    for (at_ = 0; at_ < words_.size() && out_.error.empty() && out_.told.empty(); ++at_)
+      ReadWord(words_[at_]);
+    if (out_.error.empty() && out_.told.empty()) Finish();
     return std::move(out_);
   }
 
@@ -99,8 +116,8 @@ class YarsLine {
     const std::size_t equals = word.find('=');
     const std::string name = word.substr(0, equals);
     given_ = equals == std::string::npos ? std::nullopt : std::optional(word.substr(equals + 1));
-    if (word == "--help" || word == "-h") {
-      out_.help = true;
+    if (std::string told = ToldBy(name); !told.empty()) {
+      out_.told = std::move(told);
     } else if (name == "--xml" || name == "-d" || name == "-x") {
       TakeFile(Value(name, "experiment.xml"));
     } else if (name == "--iterations") {
@@ -111,6 +128,8 @@ class YarsLine {
       Value(name, "10");
       out_.notes.emplace_back(
           "--ctrlfreq: write it as controllerFrequency or <controller frequency> of the XML");
+    } else if (name == "--debug") {
+      ReadDebug();
     } else if (name == "--realtime") {
       realtime_ = 1;
       if (!given_ && at_ + 1 < words_.size() && PositiveOf(words_[at_ + 1])) given_ = words_[++at_];
@@ -153,11 +172,24 @@ class YarsLine {
     step_s_ = step_us / kMicro;
   }
 
+  /// Its level may be left out.
+  void ReadDebug() {
+    const auto is_level = [](const std::string& word) {
+      return word == "debug" || word == "info" || word == "silent";
+    };
+    if (!given_ && at_ + 1 < words_.size() && is_level(words_[at_ + 1])) given_ = words_[++at_];
+    const std::string level = given_.value_or("debug");
+    if (!is_level(level)) out_.error = "--debug takes debug, info or silent, not " + Printable(level);
+    out_.serve.insert(out_.serve.end(), {"--log-level", level == "silent" ? "off" : level});
+  }
+
   void ReadFlag(const std::string& name) {
     const auto* const flag =
         std::find_if(kFlags.begin(), kFlags.end(), [&](const YarsFlag& one) { return one.name == name; });
     if (flag == kFlags.end()) {
-      std::vector<std::string> names = {"--xml", "--iterations", "--simfreq", "--realtime", "--norealtime"};
+      std::vector<std::string> names = {"--xml",        "--iterations", "--simfreq", "--realtime",
+                                        "--norealtime", "--debug",      "--help",    "--version",
+                                        "--license",    "--list",       "--export"};
       for (const YarsFlag& one : kFlags) names.emplace_back(one.name);
       out_.error = "there is no option " + name + " of YARS that coopdyn knows" + DidYouMean(name, names);
       return;
@@ -197,6 +229,8 @@ class YarsLine {
       return;
     }
     std::vector<std::string> first = {file_, "--channel-quits"};
+    // As YARS: several run side by side.
+    if (std::ranges::find(out_.serve, "--port") == out_.serve.end()) first.emplace_back("--any-port");
     const auto add = [&first](std::string name, std::string value) {
       first.push_back(std::move(name));
       first.push_back(std::move(value));
@@ -232,7 +266,8 @@ std::string YarsHelp() {
       "  --iterations N             End after N steps\n"
       "  --realtime [FACTOR]        As fast as the wall clock, or FACTOR times; without it as fast as it "
       "goes\n"
-      "  --simfreq HZ               Steps a second, instead of the file's\n";
+      "  --simfreq HZ               Steps a second, instead of the file's\n"
+      "  --debug [LEVEL]            What the log tells: debug, info or silent\n";
   for (const YarsFlag& flag : kFlags) {
     if (flag.serve.empty()) continue;
     const std::string name = std::string(flag.name) + (flag.takes == Takes::kValue ? " VALUE" : "");

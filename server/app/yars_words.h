@@ -11,7 +11,7 @@ struct YarsWords {
   std::vector<std::string> serve;  // what stands behind `coopdyn serve`
   std::vector<std::string> notes;  // words that change nothing here, and what to use instead
   std::string error;               // what is wrong, and what to write; empty: nothing
-  bool help = false;
+  std::string told;                // what is told instead of a run; empty: it runs
 };
 
 YarsWords ReadYarsWords(const std::vector<std::string>& words);

@@ -370,6 +370,15 @@ class ChannelTest(unittest.TestCase):
         client.say("QUIT")
         self.assertEqual(process.wait(LIMIT_S), 0)
 
+    def test_two_run_side_by_side(self):
+        self.file.write_text(STILL)
+        for _ in range(2):
+            process = subprocess.Popen([BINARY, "yars", "--xml", str(self.file)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                       text=True)
+            self.addCleanup(process.communicate)
+            self.addCleanup(process.kill)
+            self.assertTrue(process.stdout.readline().startswith("opened port "))
+
     def test_iterations_end_a_run_of_a_loaded_controller(self):
         code = subprocess.run([BINARY, "yars", "braitenberg", "--nogui", "--iterations", "50", "--port", "0"],
                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, timeout=LIMIT_S)

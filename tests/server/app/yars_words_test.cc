@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <utility>
+
 namespace coopdyn {
 namespace {
 
@@ -15,7 +18,7 @@ YarsWords Read(const Words& words) {
 
 TEST(YarsWordsTest, AnExperimentRunsAsFastAsItGoesAndWaitsForItsPrograms) {
   EXPECT_EQ(Read({"--xml", "a.xml"}).serve,
-            (Words{"a.xml", "--channel-quits", "--mode", "lockstep", "--speed", "0"}));
+            (Words{"a.xml", "--channel-quits", "--any-port", "--mode", "lockstep", "--speed", "0"}));
 }
 
 TEST(YarsWordsTest, TheFileMayStandAlone) {
@@ -33,7 +36,7 @@ TEST(YarsWordsTest, IterationsAreSteps) {
 
 TEST(YarsWordsTest, RealtimeMayHaveAFactor) {
   EXPECT_EQ(Read({"a.xml", "--realtime"}).serve,
-            (Words{"a.xml", "--channel-quits", "--mode", "realtime", "--speed", "1"}));
+            (Words{"a.xml", "--channel-quits", "--any-port", "--mode", "realtime", "--speed", "1"}));
   EXPECT_EQ(Read({"--realtime=2", "a.xml"}).serve.back(), "2");
   EXPECT_EQ(Read({"--realtime", "a.xml"}).serve.back(), "1");
   EXPECT_NE(Read({"--realtime=0", "a.xml"}).error, "");
@@ -42,8 +45,72 @@ TEST(YarsWordsTest, RealtimeMayHaveAFactor) {
 TEST(YarsWordsTest, OptionsOfYarsBecomeOurs) {
   const Words serve =
       Read({"--xml", "a.xml", "--nogui", "--seed", "7", "--printComPortsToFile", "ports"}).serve;
-  EXPECT_EQ(Words(serve.begin() + 6, serve.end()),
+  EXPECT_EQ(Words(serve.begin() + 7, serve.end()),
             (Words{"--no-render", "--no-http", "--seed", "7", "--channel-ports-to", "ports"}));
+}
+
+TEST(YarsWordsTest, AGivenPortIsTheOnlyOne) {
+  const Words serve = Read({"a.xml", "--port", "12000"}).serve;
+  EXPECT_EQ(std::ranges::count(serve, "--any-port"), 0);
+}
+
+TEST(YarsWordsTest, DebugMayHaveALevel) {
+  for (const auto& [words, level] : {std::pair(Words{"--debug", "a.xml"}, "debug"),
+                                     {{"a.xml", "--debug"}, "debug"},
+                                     {{"a.xml", "--debug", "info"}, "info"},
+                                     {{"a.xml", "--debug=silent"}, "off"}}) {
+    const YarsWords read = Read(words);
+    EXPECT_EQ(read.error, "");
+    EXPECT_EQ(Words(read.serve.end() - 2, read.serve.end()), (Words{"--log-level", level}));
+  }
+  EXPECT_EQ(Read({"a.xml", "--debug=loud"}).error, "--debug takes debug, info or silent, not loud");
+}
+
+// Of the public YARS's --help; --noctrl and --config would change much.
+TEST(YarsWordsTest, NoOptionOfYarsIsWrong) {
+  for (const Words& option : std::vector<Words>{{"--textures", "a"},
+                                                {"--lib", "a"},
+                                                {"--iterations", "5"},
+                                                {"--writeConfig"},
+                                                {"--simfreq", "100"},
+                                                {"--seed", "1"},
+                                                {"--ctrlfreq", "25"},
+                                                {"--realtime"},
+                                                {"--texture"},
+                                                {"--synched"},
+                                                {"--nogui"},
+                                                {"--trace"},
+                                                {"--follow"},
+                                                {"--osd"},
+                                                {"--geometry", "a"},
+                                                {"--pause"},
+                                                {"--captureName", "a"},
+                                                {"--captureFrameRate", "5"},
+                                                {"--captureDirectory", "a"},
+                                                {"--capture"},
+                                                {"--vcodec", "a"},
+                                                {"--framesDirectory", "a"},
+                                                {"--debug", "info"},
+                                                {"--silent"},
+                                                {"--cr"},
+                                                {"--printTime"},
+                                                {"--printRobotConfiguration"},
+                                                {"--printConfig"},
+                                                {"--printKeyboardShortcuts"},
+                                                {"--log", "a"}}) {
+    Words words = {"--xml", "a.xml"};
+    words.insert(words.end(), option.begin(), option.end());
+    EXPECT_EQ(Read(words).error, "") << option.front();
+  }
+}
+
+TEST(YarsWordsTest, WhatYarsTellsInsteadOfARunIsTold) {
+  for (const char* option : {"--help", "--version", "--license", "--list", "--export=xsd"}) {
+    const YarsWords read = Read({option});
+    EXPECT_EQ(read.error, "") << option;
+    EXPECT_NE(read.told, "") << option;
+  }
+  EXPECT_NE(Read({"--xml", "a.xml", "--list", "follow"}).told, "");
 }
 
 TEST(YarsWordsTest, WhatChangesNothingIsSaid) {
