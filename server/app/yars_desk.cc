@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "server/app/yars_desk.h"
 
-#include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <string_view>
 #include <utility>
 
 #include "protocol/command_ids.h"
 #include "server/base/printable.h"
+#include "server/model/text_file.h"
+#include "server/rosiml/translate.h"
 
 namespace coopdyn {
 
@@ -41,19 +44,26 @@ void YarsDesk::Ask(YarsOrder order, const Connection& asker, std::function<void(
   control_.Post([this, order = std::move(order), done = std::move(done)] { Take(order, done); });
 }
 
-bool YarsDesk::IsEdited() const {
-  const FramePtr frame = frames_.Latest();
-  if (frame == nullptr) return false;
-  const Scenario& scenario = *frame->scene->scenario;
-  constexpr std::uintmax_t kMost = std::uintmax_t{4} << 20;
-  std::error_code missing;
-  const std::filesystem::path file = scenario.file;
-  if (file.extension() != ".xml" || std::filesystem::file_size(file, missing) > kMost || missing)
-    return false;
-  std::ifstream in(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+bool YarsDesk::IsEdited(const Scenario& scenario) {
+  const std::string& file = scenario.file;
+  if (file.empty() || file == kPipe || !rosiml::IsExperiment(scenario.text)) return false;
+  Diagnostics told_by_reload;
+  const std::optional<std::string> text = ReadTextFile(file, {file, 0}, told_by_reload);
+  if (!text) return true;
+  if (!scenario.text.starts_with(*text)) return true;
   // Settings of the command line may follow the file's own text.
-  return !scenario.text.starts_with(text);
+  std::string_view rest = std::string_view(scenario.text).substr(text->size());
+  rest.remove_prefix(std::min(rest.find_first_not_of('\n'), rest.size()));
+  return !rest.empty() && !rest.starts_with("[SET]\n");
+}
+
+void YarsDesk::KeepSeed(Job& job) const {
+  const FramePtr now = frames_.Latest();
+  if (job.before == nullptr || now->seed == job.before->seed) return;
+  const auto own = [](const FramePtr& frame) { return frame->scene->scenario->simulation.own_seed; };
+  constexpr std::uint64_t kMost = std::numeric_limits<std::int32_t>::max();
+  if (own(now) == own(job.before) && job.before->seed <= kMost)
+    job.requests.front().params = {static_cast<std::int32_t>(job.before->seed)};
 }
 
 void YarsDesk::Take(const YarsOrder& order, std::function<void(const Message&)> done) {
@@ -62,7 +72,10 @@ void YarsDesk::Take(const YarsOrder& order, std::function<void(const Message&)> 
   Job job{{}, std::move(done)};
   switch (order.kind) {
     case YarsOrder::Kind::kReset:
-      if (IsEdited()) job.requests.push_back(ReplyTo(command::kReload));
+      if (const FramePtr frame = frames_.Latest(); frame && IsEdited(*frame->scene->scenario)) {
+        job.requests.push_back(ReplyTo(command::kReload));
+        if (!order.seed) job.before = frame;
+      }
       job.requests.push_back(ReplyTo(command::kReset));
       if (order.seed) job.requests.back().params = {static_cast<std::int32_t>(*order.seed & 0x7fffffff)};
       break;
@@ -97,6 +110,7 @@ void YarsDesk::OnReply(const Message& reply) {
   if (jobs_.empty()) return;
   // A file with mistakes is said, and the world stays as it was.
   const bool was_reload = reply.command == command::kReload;
+  if (was_reload && reply.error == 0) KeepSeed(jobs_.front());
   if (reply.error != 0) net_.logger()->warn("asked by a client of YARS: {}", reply.text);
   if ((reply.error == 0 || was_reload) && !jobs_.front().requests.empty()) return Begin();
   const std::function<void(const Message&)> done = std::move(jobs_.front().done);

@@ -32,6 +32,7 @@ class YarsDesk final : public YarsWorld, private Connection {
   struct Job {
     std::deque<Message> requests;  // one after the other, up to the first that fails
     std::function<void(const Message&)> done;
+    FramePtr before = nullptr;  // whose seed stays over a reload; null: another one is asked for
   };
 
   // Connection
@@ -48,8 +49,11 @@ class YarsDesk final : public YarsWorld, private Connection {
   void Take(const YarsOrder& order, std::function<void(const Message&)> done);
   void Begin();
   void OnReply(const Message& reply);
-  /// The file of the experiment is another one than what runs.
-  bool IsEdited() const;
+  /// The file of the experiment is another one than what runs, or cannot be read.
+  static bool IsEdited(const Scenario& scenario);
+  /// After a reload: the reset that follows keeps the seed in force, unless the edit has changed that of the
+  /// file.
+  void KeepSeed(Job& job) const;
 
   IoThread& control_;
   NetServices& net_;

@@ -57,6 +57,7 @@ struct SimulationOptions {
   std::optional<Nanoseconds> step;
   std::optional<int> substeps;
   std::uint64_t seed = 1;
+  std::uint64_t own_seed = 1;        // what the scenario says, whatever --seed or a reset has made of it
   std::optional<double> speed;       // ≤ 0: no limit
   std::optional<double> duration_s;  // simulated
   double gravity_m_s2 = 9.81;        // downwards

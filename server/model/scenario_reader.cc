@@ -109,6 +109,7 @@ class ScenarioReader {
     FindDegrees();
     // What others depend on comes first: floor and seed for the swarms, objects and robots for their places.
     ReadFirst("simulation", [this](SectionReader& reader) { ReadSimulation(reader); });
+    scenario_->simulation.own_seed = scenario_->simulation.seed;
     if (seed_) scenario_->simulation.seed = *seed_;
     ReadFirst("world", [this](SectionReader& reader) { ReadWorldFile(reader); });
     ReadFirst("floor", [this](SectionReader& reader) { ReadOwnFloor(reader); });
