@@ -32,14 +32,14 @@ class EvolveTest(unittest.TestCase):
         first = self.evolve(*small, "--generations", "1")
         self.assertIn("generation 1: travelled ", first.stdout)
         runs = self.read("results.jsonl")
-        self.evolve(*small, "--generations", "3")
+        self.evolve(*small, "--generations", "4")
         self.assertTrue(self.read("results.jsonl").startswith(runs))
         best = [float(row["travelled"]) for row in csv.DictReader(self.read("evolved.csv").splitlines())]
-        self.assertEqual(len(best), 3)
+        self.assertEqual(len(best), 4)
         self.assertEqual(best, sorted(best))
         self.assertGreater(best[-1], 1.1 * best[0])
         story, runs = self.read("evolved.csv"), self.read("results.jsonl")
-        self.evolve(*small, "--generations", "3")
+        self.evolve(*small, "--generations", "4")
         self.assertEqual(self.read("evolved.csv"), story)
         self.assertEqual(self.read("results.jsonl"), runs)
 
