@@ -162,6 +162,7 @@ std::string Daemon::OpenRobots() {
   host.threads = options_.robot_threads.value_or(0);
   host.spin = Spin();
   host.channel_ports = &channel_ports_;
+  host.said_channel_ports = !options_.channel_port;
   host.channel_ports_file = options_.channel_ports_file;
   const RobotServices robot_services{board_,  frames_,      edits_, images_,  names_,      net_,
                                      roster_, robot_guard_, clock_, kVersion, &yars_ports_};

@@ -67,7 +67,7 @@ void Session::HardClose() {
 }
 
 bool Session::may_leave() const {
-  const bool has_ended = eof_ || write_dead_ || closing_ || closed_ || leave_;
+  const bool has_ended = write_dead_ || closing_ || closed_ || leave_;
   return !has_ended && (encoding_ == nullptr || encoding_->outlives_module());
 }
 

@@ -47,6 +47,12 @@ Robot::~Robot() {
   });
 }
 
+int Robot::said_port(std::size_t module) const {
+  if (!is_channel(module)) return 0;
+  const auto* const channel = core_.model().Find<ChannelModel>();
+  return channel == nullptr ? 0 : channel->port;
+}
+
 std::string Robot::Listen(std::size_t module, const std::vector<std::string>& addresses, int port) {
   std::string error = servers_[module]->Listen(addresses, port);
   if (error.empty()) OpenYarsPort(module, addresses);

@@ -36,6 +36,8 @@ class Robot {
 
   /// It has motors and values for clients of YARS.
   bool is_channel(std::size_t module) const { return core_.devices()[module]->drives_all(); }
+  /// Where its model says that it is to listen; 0: nowhere in particular.
+  int said_port(std::size_t module) const;
   /// Makes a module listen, a channel also by UDP; returns an error text, empty if it listens. At most once
   /// each.
   std::string Listen(std::size_t module, const std::vector<std::string>& addresses, int port);

@@ -75,9 +75,17 @@ void RobotHost::FreeChannels(const Robot& robot) {
   for (std::size_t i = 0; i < robot.module_count(); ++i) {
     if (!robot.is_channel(i) || robot.port(i) == 0) continue;
     freed_channel_ports_.push_back(robot.port(i));
-    std::error_code ignored;
-    if (!options_.channel_ports_file.empty()) std::filesystem::remove(ChannelFile(robot.name()), ignored);
   }
+}
+
+void RobotHost::ForgetFile(const std::string& robot) {
+  for (const std::unique_ptr<Robot>& each : robots_) {
+    bool has_channel = false;
+    ForChannels(*each, [&has_channel](int /*port*/) { has_channel = true; });
+    if (has_channel && each->name() == robot) return;
+  }
+  std::error_code ignored;
+  if (!options_.channel_ports_file.empty()) std::filesystem::remove(ChannelFile(robot), ignored);
 }
 
 void RobotHost::Release(Robot& robot, const std::string& why) {
@@ -112,15 +120,17 @@ std::string RobotHost::OpenModule(Robot& robot, std::size_t module, bool at_star
     NoteChannel(robot, module);
     return {};
   }
+  const int said = options_.said_channel_ports ? robot.said_port(module) : 0;
   for (int attempt = 0; attempt < kMaxBusyPorts; ++attempt) {
-    const int port = ports.Take();
-    if (port == 0 && !ports.any_port()) break;
+    const int port = said > 0 ? said + attempt : ports.Take();
+    if (port > PortPlan::kLast || (port == 0 && !ports.any_port())) break;
     const std::string error = robot.Listen(module, options_.addresses, port);
     if (error.empty()) {
+      if (said > 0) ports.Reserve(port);
       if (robot.is_channel(module)) NoteChannel(robot, module);
       return {};
     }
-    if (must_be_free || ports.any_port()) {
+    if (said == 0 && (must_be_free || ports.any_port())) {
       ports.Release(port);
       return robot.module_path(module) + ": " + error;
     }
@@ -148,8 +158,12 @@ std::string RobotHost::Apply(const Scene& scene, bool at_start) {
   std::vector<std::unique_ptr<Robot>> before = std::exchange(robots_, {}), kept(scene.robots.size());
   freed_channel_ports_.clear();
   std::set<int> vacant;  // ports of channels that are gone
+  std::vector<std::string> with_channel;
   for (std::unique_ptr<Robot>& robot : before) {
-    ForChannels(*robot, [&vacant](int port) { vacant.insert(port); });
+    ForChannels(*robot, [&](int port) {
+      vacant.insert(port);
+      with_channel.push_back(robot->name());
+    });
     const auto found = places.find(robot->name());
     if (found == places.end()) {
       FreeChannels(*robot);
@@ -186,6 +200,7 @@ std::string RobotHost::Apply(const Scene& scene, bool at_start) {
   if (!error.empty()) Stop(error);
   for (const auto& [port, left] : std::exchange(left_, {}))
     services_.net.logger()->info("{}: connections to port {} end", left.why, port);
+  for (const std::string& name : with_channel) ForgetFile(name);
   for (const std::unique_ptr<Robot>& robot : robots_)
     ForChannels(*robot, [&vacant](int port) { vacant.erase(port); });
   if (services_.yars != nullptr) {

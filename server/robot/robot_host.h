@@ -26,6 +26,7 @@ struct RobotHostOptions {
   std::chrono::microseconds spin{0};  // IoThread
   std::size_t cores = 0;              // 0: those of this machine
   PortPlan* channel_ports = nullptr;  // of modules for clients of YARS; null: as all others
+  bool said_channel_ports = true;     // they try that of their model first
   std::string channel_ports_file{};   // begins the names of files that have these ports; empty: none
 };
 
@@ -83,6 +84,8 @@ class RobotHost {
   }
   /// A channel listens on a port that is its robot's from now on.
   void NoteChannel(const Robot& robot, std::size_t module);
+  /// A robot without a channel has no file of its port.
+  void ForgetFile(const std::string& robot);
   /// The ports of `robot`, which is not in the new scene, are free for robots that are new in it.
   void FreeChannels(const Robot& robot);
   /// What the channels of `robot`, which goes, leave to those that get their ports; else, when the new robots

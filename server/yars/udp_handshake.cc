@@ -46,6 +46,12 @@ YarsUdpHandshake::YarsUdpHandshake(const YarsChannel& channel) : tree_{{kTagRobo
   value_order_.insert(value_order_.end(), auxiliary.begin(), auxiliary.end());
 }
 
+bool YarsUdpHandshake::IsLike(const YarsUdpHandshake& other) const {
+  return std::equal(
+      tree_.begin(), tree_.end(), other.tree_.begin(), other.tree_.end(),
+      [](const Tag& a, const Tag& b) { return a.tag == b.tag && a.entry.name == b.entry.name; });
+}
+
 void YarsUdpHandshake::AppendBasic(std::string& datagram) {
   if (told_ >= tree_.size() || in_extended_) told_ = 0;
   in_extended_ = false;

@@ -26,6 +26,8 @@ class YarsUdpHandshake {
   /// Appends the tags up to the next motor or value and its mapping, or that one's name.
   void AppendExtended(std::string& datagram);
 
+  /// It tells of motors and values of the same names.
+  bool IsLike(const YarsUdpHandshake& other) const;
   /// Of motors and values in the order of the tags: their places in the channel's.
   const std::vector<std::size_t>& motor_order() const { return motor_order_; }
   const std::vector<std::size_t>& value_order() const { return value_order_; }

@@ -14,6 +14,7 @@
 #include "protocol/module_tables.h"
 #include "server/net/peer.h"
 #include "server/net/turn.h"
+#include "server/net/unique_fd.h"
 
 namespace coopdyn {
 
@@ -50,6 +51,21 @@ std::string ToText(const udp::endpoint& peer) {
 
 }  // namespace
 
+/// Whoever talks to a port.
+struct YarsPorts::Client {
+  udp::endpoint peer;
+  std::string peer_text;
+  steady_clock::time_point heard;
+  YarsUdpTalk talk;
+  bool told_trouble = false;
+};
+
+/// What a robot that goes leaves to the next one on its port: datagrams wait in the sockets.
+struct YarsPorts::Left {
+  std::vector<std::pair<udp, UniqueFd>> sockets;
+  std::optional<Client> client;
+};
+
 struct YarsPorts::Shared {
   Mutex mutex;
   std::map<int, std::weak_ptr<YarsUdpPort::Impl>> ports GUARDED_BY(mutex);
@@ -70,6 +86,12 @@ YarsPorts::YarsPorts(YarsWorld& world, IoThread& control, NetServices& net)
 
 YarsPorts::~YarsPorts() = default;
 
+YarsPorts::Left YarsPorts::TakeLeft(int port) {
+  vacant_.erase(port);  // which leaves it, too
+  auto found = left_.extract(port);
+  return found.empty() ? Left() : std::move(found.mapped());
+}
+
 void YarsPorts::Vacate(const std::vector<std::string>& addresses, int port) {
   std::string error;
   auto vacant = YarsUdpPort::Open({}, *nobody_, control_, net_, *this, addresses, port, error);
@@ -83,6 +105,7 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
       : robot_(std::move(robot)),
         channel_(channel),
         net_(net),
+        owner_(ports),
         ports_(ports.shared_),
         world_(ports.world()),
         poster_(io.poster()),
@@ -92,6 +115,16 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
 
   std::string Listen(const std::vector<std::string>& addresses, int port) {
     port_ = port;
+    YarsPorts::Left left = owner_.TakeLeft(port);
+    client_ = std::move(left.client);
+    for (auto& [protocol, fd] : left.sockets) {
+      auto socket = std::make_unique<udp::socket>(context_);
+      error_code failed;
+      socket->assign(protocol, fd.Release(), failed);
+      if (!failed) socket->non_blocking(true, failed);
+      sockets_.push_back(std::move(socket));
+    }
+    if (!sockets_.empty()) return {};
     for (const std::string& text : addresses) {
       error_code failed;
       const asio::ip::address address = asio::ip::make_address(text, failed);
@@ -116,6 +149,10 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
       const MutexLock lock(ports_->mutex);
       ports_->ports[port_] = weak_from_this();
     }
+    if (client_) {
+      Begin();
+      Perform(client_->talk.MoveOn());
+    }
     for (const auto& socket : sockets_) Wait(*socket);
   }
 
@@ -124,20 +161,22 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
       const MutexLock lock(ports_->mutex);
       ports_->ports.erase(port_);
     }
+    YarsPorts::Left left{.sockets = {}, .client = client_};
+    Leave();
     for (const auto& socket : sockets_) {
       error_code ignored;
-      socket->close(ignored);
+      const udp protocol = socket->local_endpoint(ignored).protocol();
+      left.sockets.emplace_back(protocol, UniqueFd(socket->release(ignored)));
     }
-    watch_.cancel();
-    Leave();
     closed_ = true;
+    owner_.left_.insert_or_assign(port_, std::move(left));
   }
 
  private:
   // Connection
   ClientId id() const override { return id_; }
-  const std::string& peer() const override { return peer_text_; }
-  bool trusted() const override { return peer_ && peer_->address().is_loopback(); }
+  const std::string& peer() const override { return client_ ? client_->peer_text : nobody_; }
+  bool trusted() const override { return client_ && client_->peer.address().is_loopback(); }
   bool input_ended() const override { return false; }
   bool output_ended() const override { return false; }
   bool Push(const UnaskedPtr& /*message*/, std::int64_t /*dropped*/) override { return true; }
@@ -157,7 +196,7 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
 
   void Say(spdlog::level::level_enum level, const std::string& text) {
     const std::string where = is_vacant() ? "" : "/" + robot_ + "/channel by ";
-    net_.LogPeer(level, peer_text_, where + "UDP: " + text);
+    net_.LogPeer(level, peer(), where + "UDP: " + text);
   }
 
   void Wait(udp::socket& socket) {
@@ -183,43 +222,37 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
 
   void Take(std::string_view datagram, const udp::endpoint& from, udp::socket& socket) {
     const auto now = steady_clock::now();
-    if (peer_ && from != *peer_) {
+    const bool says_who = datagram.size() == 1;
+    if (client_ && from != client_->peer) {
+      if (says_who) return;
       // A silent client may have gone: there is no other sign.
       constexpr std::chrono::seconds kMayGo{2};
-      if (now - heard_ < kMayGo || talk_.waits()) {
-        if (datagram.size() == 1) return;
-        Send(YarsUdpTalk::Refusal(YarsDrivenText(robot_, peer_text_)), from, socket);
-        return;
-      }
+      if (now - client_->heard < kMayGo || client_->talk.waits())
+        return Send(YarsUdpTalk::Refusal(YarsDrivenText(robot_, client_->peer_text)), from, socket);
       Say(spdlog::level::info, "silent, " + ToText(from) + " takes its place");
       Leave();
     }
-    if (!peer_) Join(from, socket);
-    heard_ = now;
-    if (datagram.size() != 1 && net_.read_only()) {
-      Send(YarsUdpTalk::Refusal(kReadOnlyText), from, socket);
-      return;
+    if (!client_) {
+      client_ = YarsPorts::Client{.peer = from, .peer_text = ToText(from), .heard = now, .talk = {}};
+      Begin();
     }
-    Perform(talk_.Take(datagram));
+    client_->heard = now;
+    if (!says_who && net_.read_only()) return Send(YarsUdpTalk::Refusal(kReadOnlyText), from, socket);
+    Perform(client_->talk.Take(datagram));
   }
 
-  void Join(const udp::endpoint& from, udp::socket& socket) {
+  void Begin() {
     id_ = net_.NextClient();
-    peer_ = from;
-    peer_text_ = ToText(from);
-    socket_ = &socket;
-    talk_ = {};
-    told_trouble_ = false;
     channel_.OnOpen(*this);
     Watch();
   }
 
   /// The client is gone.
   void Leave() {
-    if (!peer_) return;
+    if (!client_) return;
     channel_.OnInputEnded(*this);
     channel_.OnClosed(*this);
-    peer_.reset();
+    client_.reset();
     ++serial_;
     watch_.cancel();
   }
@@ -229,9 +262,9 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
     watch_.async_wait([self = shared_from_this()](const error_code& failed) {
       if (failed || self->closed_) return;
       self->turn_.Run([&] {
-        if (!self->peer_) return;
-        const bool is_silent = steady_clock::now() - self->heard_ > ConnectionEnd::kDatagramSilence;
-        if (is_silent && !self->talk_.waits()) {
+        if (!self->client_) return;
+        const bool is_silent = steady_clock::now() - self->client_->heard > ConnectionEnd::kDatagramSilence;
+        if (is_silent && !self->client_->talk.waits()) {
           self->Say(spdlog::level::info, "silent for 10 s: it is taken for gone");
           return self->Leave();
         }
@@ -249,16 +282,17 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
       if (driver.empty()) return;
       const std::string why = YarsDrivenText(robot_, driver);
       action = quits ? YarsUdpTalk::Action{.datagrams = {YarsUdpTalk::Refusal(why)}, .trouble = why}
-                     : talk_.Done(ErrorReply(0, Error::kOwned, why));
+                     : client_->talk.Done(ErrorReply(0, Error::kOwned, why));
     }
   }
 
   void Perform(YarsUdpTalk::Action action) {
     while (true) {
       KeepFromOthers(action);
-      if (!action.trouble.empty() && !std::exchange(told_trouble_, true))
+      if (!action.trouble.empty() && !std::exchange(client_->told_trouble, true))
         Say(spdlog::level::warn, action.trouble);
-      for (const std::string& datagram : action.datagrams) Send(datagram, *peer_, *socket_);
+      for (const std::string& datagram : action.datagrams)
+        Send(datagram, client_->peer, SocketFor(client_->peer));
       if (action.order) Ask(*std::move(action.order));
       if (action.leaves) return Leave();
       if (!action.request) return;
@@ -272,35 +306,30 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
                            if (self->asking_) {
                              self->answer_ = reply;
                            } else {
-                             self->heard_ = steady_clock::now();
-                             self->Perform(self->talk_.Answer(reply));
+                             self->client_->heard = steady_clock::now();
+                             self->Perform(self->client_->talk.Answer(reply));
                            }
                          });
       asking_ = false;
-      if (!answer_ || !peer_) return;
-      action = talk_.Answer(*std::exchange(answer_, std::nullopt));
+      if (!answer_ || !client_) return;
+      action = client_->talk.Answer(*std::exchange(answer_, std::nullopt));
     }
   }
 
   void Ask(YarsOrder order) {
     world_.Ask(std::move(order), *this,
-               [ports = ports_, number = port_, peer = *peer_, talk = talk_](const Message& reply) {
+               [ports = ports_, number = port_, peer = client_->peer](const Message& reply) {
                  if (const auto port = ports->Find(number); port != nullptr)
-                   port->Post([peer, talk, reply](Impl& self) { self.GoOn(peer, talk, reply); });
+                   port->Post([peer, reply](Impl& self) { self.GoOn(peer, reply); });
                });
   }
 
   /// The world has answered; the robot, and this port, may be new since the order.
-  void GoOn(const udp::endpoint& peer, const YarsUdpTalk& talk, const Message& reply) {
-    if (!talk.waits() || (peer_ && *peer_ != peer)) return;
-    if (!peer_) {
-      Join(peer, SocketFor(peer));
-      talk_ = talk;
-    }
-    heard_ = steady_clock::now();
-    if (!talk_.waits()) return;
+  void GoOn(const udp::endpoint& peer, const Message& reply) {
+    if (!client_ || client_->peer != peer || !client_->talk.waits()) return;
+    client_->heard = steady_clock::now();
     const bool is_gone = is_vacant() && reply.error == 0;
-    Perform(talk_.Done(is_gone ? ErrorReply(0, Error::kNoSuchName, kGone) : reply));
+    Perform(client_->talk.Done(is_gone ? ErrorReply(0, Error::kNoSuchName, kGone) : reply));
   }
 
   udp::socket& SocketFor(const udp::endpoint& peer) {
@@ -320,6 +349,7 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
   int port_ = 0;
   Endpoint& channel_;
   NetServices& net_;
+  YarsPorts& owner_;
   const std::shared_ptr<YarsPorts::Shared> ports_;
   YarsWorld& world_;
   const IoThread::Poster poster_;
@@ -328,14 +358,9 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
   std::vector<std::unique_ptr<udp::socket>> sockets_;
   asio::steady_timer watch_;
   bool closed_ = false;
-  // Of the client; none: no peer_.
-  std::optional<udp::endpoint> peer_;
-  std::string peer_text_;
-  udp::socket* socket_ = nullptr;  // on which it talks
-  ClientId id_ = 0;
-  steady_clock::time_point heard_;
-  YarsUdpTalk talk_;
-  bool told_trouble_ = false;
+  const std::string nobody_;
+  std::optional<YarsPorts::Client> client_;
+  ClientId id_ = 0;           // of client_
   std::uint64_t serial_ = 0;  // of the request under way
   bool asking_ = false;
   std::optional<Message> answer_;  // that has come while asking
@@ -347,7 +372,6 @@ std::unique_ptr<YarsUdpPort> YarsUdpPort::Open(std::string robot, Endpoint& chan
                                                NetServices& net, YarsPorts& ports,
                                                const std::vector<std::string>& addresses, int port,
                                                std::string& error) {
-  ports.vacant_.erase(port);
   auto impl = std::make_shared<Impl>(std::move(robot), channel, io, net, ports);
   error = impl->Listen(addresses, port);
   if (!error.empty()) return nullptr;

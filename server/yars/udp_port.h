@@ -34,22 +34,27 @@ class YarsPorts {
 
  private:
   friend class YarsUdpPort;
+  struct Client;
+  struct Left;
   struct Shared;
+  Left TakeLeft(int port);
 
   YarsWorld& world_;
   IoThread& control_;
   NetServices& net_;
   const std::shared_ptr<Shared> shared_;
-  const std::unique_ptr<Endpoint> nobody_;              // in place of a robot that is gone
-  std::map<int, std::unique_ptr<YarsUdpPort>> vacant_;  // control thread
+  const std::unique_ptr<Endpoint> nobody_;  // in place of a robot that is gone
+  // Control thread, or a robot's while that one waits for it.
+  std::map<int, Left> left_;  // by ports without a robot, until the next one is there
+  std::map<int, std::unique_ptr<YarsUdpPort>> vacant_;
 };
 
-/// One client at a time: whoever registers first, until it is silent for long or leaves. Opened on any
-/// thread, destroyed on the thread `io` or when that has stopped.
+/// One client at a time: whoever registers first, until it is silent for long or leaves. Opened on the
+/// control thread, destroyed on the thread `io` or when that has stopped.
 class YarsUdpPort {
  public:
-  /// Listens on `port` of all `addresses`, where nobody may be vacant any more. Null with `error`. All
-  /// outlive it.
+  /// Listens on `port` of all `addresses`, and goes on with the client of the robot before it. Null with
+  /// `error`. All outlive it.
   static std::unique_ptr<YarsUdpPort> Open(std::string robot, Endpoint& channel, IoThread& io,
                                            NetServices& net, YarsPorts& ports,
                                            const std::vector<std::string>& addresses, int port,

@@ -58,15 +58,19 @@ std::string YarsUdpTalk::Finish(std::string datagram) const {
   return datagram;
 }
 
+std::string YarsUdpTalk::Refused(const std::string& why) {
+  const std::string text = why.substr(0, kUsable - 16);
+  return Ints({kRefused, static_cast<std::int32_t>(text.size())}) + text;
+}
+
 std::string YarsUdpTalk::Refusal(const std::string& why) {
-  std::string out = Ints({kRefused, static_cast<std::int32_t>(why.size())}) + why;
+  std::string out = Refused(why);
   PutInt(kEnd, out);
   return out;
 }
 
 YarsUdpTalk::Action YarsUdpTalk::Refuse(const std::string& why) {
-  const std::string text = why.substr(0, kUsable - 16);
-  Action action = Send({Finish(Ints({kRefused, static_cast<std::int32_t>(text.size())}) + text)});
+  Action action = Send({Finish(Refused(why))});
   action.trouble = why;
   return action;
 }
@@ -74,7 +78,17 @@ YarsUdpTalk::Action YarsUdpTalk::Refuse(const std::string& why) {
 YarsUdpTalk::Action YarsUdpTalk::Send(std::vector<std::string> datagrams) {
   last_answer_ = datagrams;
   last_number_ = number_;
+  if (number_) numbers_.push_back(*number_);
+  if (numbers_.size() > kRemembered) numbers_.pop_front();
   return {.datagrams = std::move(datagrams)};
+}
+
+std::optional<YarsUdpTalk::Action> YarsUdpTalk::AnswerAgain() {
+  if (!number_) return std::nullopt;
+  if (number_ == last_number_ && !last_answer_.empty()) return Action{.datagrams = last_answer_};
+  if (std::find(numbers_.begin(), numbers_.end(), *number_) == numbers_.end()) return std::nullopt;
+  const std::string why = "request " + std::to_string(*number_) + " has been answered: numbers go up";
+  return Action{.datagrams = {Finish(Refused(why))}, .trouble = why};
 }
 
 YarsUdpTalk::Action YarsUdpTalk::Take(std::string_view datagram) {
@@ -104,10 +118,7 @@ YarsUdpTalk::Action YarsUdpTalk::Begin(std::string_view datagram) {
   const bool is_reset = id == kReset || id == kInit || id == kNextTry;  // also without a robot
   if (!knows_channel_ && !is_reset) {
     waiting_ = Waiting::kChannel;
-    Action action;
-    action.request.emplace();
-    action.request->command = command::kGetChannel;
-    return action;
+    return {.request = ReplyTo(command::kGetChannel)};
   }
   return Handle(*id, whole);
 }
@@ -121,7 +132,6 @@ YarsUdpTalk::Action YarsUdpTalk::Handle(std::int32_t id, YarsReader& fields) {
     number_ = rest.Int();
     return true;
   };
-  const auto is_repeated = [&] { return number_ && number_ == last_number_ && !last_answer_.empty(); };
   const auto other_robot = [&] { return fields.Int() != kRobot; };
   const std::string unfinished =
       "the request " + std::to_string(id) + " does not end with -1 where it should";
@@ -131,24 +141,21 @@ YarsUdpTalk::Action YarsUdpTalk::Handle(std::int32_t id, YarsReader& fields) {
       return Send({Finish(Ints({kPingAck}))});
     case kHandshake: {
       if (!end(0)) return Refuse(unfinished);
-      if (is_repeated()) return {.datagrams = last_answer_};
+      if (std::optional<Action> answer = AnswerAgain()) return *std::move(answer);
       std::string datagram = Ints({kHandshakeAck});
       handshake_.AppendBasic(datagram);
       return Send({Finish(std::move(datagram))});
     }
     case kExtended:
       if (!end(0) && !end(1)) return Refuse(unfinished);
-      if (is_repeated()) return {.datagrams = last_answer_};
+      if (std::optional<Action> answer = AnswerAgain()) return *std::move(answer);
       return Handshake(fields);
     case kSensors: {
       if (!end(1)) return Refuse(unfinished);
       if (other_robot()) return Refuse(kOtherRobot);
       step_id_ = id;
       waiting_ = Waiting::kValues;
-      Action action;
-      action.request.emplace();
-      action.request->command = command::kGetValues;
-      return action;
+      return {.request = ReplyTo(command::kGetValues)};
     }
     case kMotors:
     case kStep:
@@ -157,7 +164,7 @@ YarsUdpTalk::Action YarsUdpTalk::Handle(std::int32_t id, YarsReader& fields) {
     case kNextTry:
     case kReset: {
       if (!end(id == kReset ? 1 : 2)) return Refuse(unfinished);
-      if (is_repeated()) return {.datagrams = last_answer_};
+      if (std::optional<Action> answer = AnswerAgain()) return *std::move(answer);
       if (other_robot()) return Refuse(kOtherRobot);
       YarsOrder order;
       if (id != kReset) order.seed = static_cast<std::uint32_t>(fields.Int().value_or(0));
@@ -229,7 +236,10 @@ YarsUdpTalk::Action YarsUdpTalk::Step(std::int32_t id, YarsReader& fields) {
     return Refuse("a step is 40, robot, count, motors, -1, and all motors are finite numbers");
   }
   number_ = fields.Int();
-  if (number_ && number_ == last_number_ && !last_answer_.empty()) return {.datagrams = last_answer_};
+  if (std::optional<Action> answer = AnswerAgain()) {
+    motors_.clear();
+    return *std::move(answer);
+  }
   if (robot != kRobot) {
     motors_.clear();
     return Refuse(kOtherRobot);
@@ -249,21 +259,37 @@ YarsUdpTalk::Action YarsUdpTalk::Step(std::int32_t id, YarsReader& fields) {
   return action;
 }
 
+YarsUdpTalk::Action YarsUdpTalk::MoveOn() {
+  if (waiting_ == Waiting::kWorld || !waits()) {
+    knows_channel_ = false;
+    return {};
+  }
+  moved_ = waiting_ != Waiting::kChannel;
+  waiting_ = Waiting::kChannel;
+  return {.request = ReplyTo(command::kGetChannel)};
+}
+
 YarsUdpTalk::Action YarsUdpTalk::Answer(const Message& reply) {
+  // Another module takes its place soon, or it is told that there is none: MoveOn().
+  if (reply.error != 0 && reply.text.ends_with(kGoneText)) return {};
   const Waiting waited = std::exchange(waiting_, Waiting::kNot);
   if (waited == Waiting::kChannel) {
+    const bool moved = std::exchange(moved_, false);
     if (reply.error != 0) return GoOn(Refuse(reply.text));
-    handshake_ = YarsUdpHandshake(YarsChannel::Of(reply));
+    YarsUdpHandshake handshake(YarsChannel::Of(reply));
+    const bool is_same = handshake.IsLike(handshake_);
+    handshake_ = std::move(handshake);
     knows_channel_ = true;
-    return GoOn(Begin(std::string(current_)));
+    if (!moved) return GoOn(Begin(std::string(current_)));
+    if (!is_same)
+      return GoOn(Refuse("the robot has been edited and has other motors or values: shake hands"));
+    waiting_ = Waiting::kValues;
+    return {.request = ReplyTo(command::kGetValues)};
   }
   if (reply.error == static_cast<std::int32_t>(Error::kNotPossible) && waited == Waiting::kStep) {
     // A reset, of another robot's client, has ended the step: what is so now is the answer.
     waiting_ = Waiting::kValues;
-    Action action;
-    action.request.emplace();
-    action.request->command = command::kGetValues;
-    return action;
+    return {.request = ReplyTo(command::kGetValues)};
   }
   if (reply.error != 0) return GoOn(Refuse(reply.text));
   constexpr std::int32_t kAbort = 1;

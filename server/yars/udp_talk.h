@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -25,6 +26,7 @@ class YarsUdpTalk {
   static constexpr std::size_t kMaxDatagram = 1024, kUsable = YarsUdpHandshake::kUsable;
   static constexpr std::size_t kValuesEach = 250;     // in one datagram
   static constexpr std::size_t kUnacknowledged = 80;  // datagrams
+  static constexpr std::size_t kRemembered = 16;      // numbers: what comes later is late
   static constexpr std::size_t kMaxText = std::size_t{4} << 20;
 
   /// What is to be done now.
@@ -47,6 +49,9 @@ class YarsUdpTalk {
   Action Answer(const Message& reply);
   /// @pre an order is under way
   Action Done(const Message& reply);
+  /// The module has gone, and another one takes its place: what the last one has not answered is asked of
+  /// this one, but a step is over.
+  Action MoveOn();
   bool waits() const { return waiting_ != Waiting::kNot; }
 
   /// The answer to who is not the robot's client.
@@ -63,8 +68,11 @@ class YarsUdpTalk {
   Action NewSimulationData(YarsReader& fields, std::int32_t index);
   Action Order(YarsOrder order, std::int32_t ack, std::optional<std::int32_t> failed);
   Action Refuse(const std::string& why);
+  /// Refusal(), not finished.
+  static std::string Refused(const std::string& why);
   Action Send(std::vector<std::string> datagrams);
-  Action SendValues();
+  /// The answer to a request that has been answered already: the same, if it was the last.
+  std::optional<Action> AnswerAgain();
   /// `numbers`, then −1 and the number of the request.
   std::string Finish(std::string datagram) const;
   static std::string Ints(std::initializer_list<std::int32_t> numbers);
@@ -78,6 +86,8 @@ class YarsUdpTalk {
   std::vector<std::string> last_answer_;  // to current_
   std::optional<std::int32_t> number_;    // of the request
   std::optional<std::int32_t> last_number_;
+  std::deque<std::int32_t> numbers_;  // of the last requests
+  bool moved_ = false;                // the values wait for what the new module tells of itself
 
   std::vector<double> motors_;  // of a step whose datagrams come
   std::size_t motor_datagrams_ = 0;

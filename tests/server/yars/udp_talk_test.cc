@@ -266,6 +266,51 @@ TEST_F(YarsUdpTalkTest, AStepThatAResetEndsIsAnsweredWithWhatIsNow) {
   EXPECT_EQ(IdOf(talk_.Answer(ValuesReply({0, 0, 0, 0}))), 41);
 }
 
+TEST_F(YarsUdpTalkTest, ALateCopyOfANumberIsNoStep) {
+  for (const std::int32_t number : {7, 8}) {
+    ASSERT_TRUE(Send(StepOf({0, 0}) + Ints({number})).request);
+    talk_.Answer(ValuesReply({1, 1, 1, 1}));
+  }
+  const YarsUdpTalk::Action late = Send(StepOf({0, 0}) + Ints({7}));
+  EXPECT_FALSE(late.request);
+  ASSERT_EQ(late.datagrams.size(), 1U);
+  EXPECT_EQ(IdOf(late), 99);
+  EXPECT_TRUE(late.datagrams[0].ends_with(Ints({-1, 7})));
+  EXPECT_TRUE(Send(StepOf({0, 0}) + Ints({9})).request);
+}
+
+TEST_F(YarsUdpTalkTest, AStepIsAnsweredByTheModuleThatTakesThePlace) {
+  Send(StepOf({0, 0}));
+  talk_.Answer(ErrorReply(command::kSetMotors, Error::kNotPossible, "load"));
+  const Message gone =
+      ErrorReply(command::kGetValues, Error::kNotPossible, "seeker" + std::string(kGoneText));
+  EXPECT_TRUE(talk_.Answer(gone).datagrams.empty());
+  const YarsUdpTalk::Action moved = talk_.MoveOn();
+  ASSERT_TRUE(moved.request);
+  EXPECT_EQ(moved.request->command, command::kGetChannel);
+  const YarsUdpTalk::Action values = talk_.Answer(channel_);
+  ASSERT_TRUE(values.request);
+  EXPECT_EQ(values.request->command, command::kGetValues);
+  EXPECT_EQ(IdOf(talk_.Answer(ValuesReply({0, 0, 0, 0}))), 41);
+}
+
+TEST_F(YarsUdpTalkTest, AModuleWithOtherMotorsWantsAHandshake) {
+  Send(StepOf({0, 0}));
+  talk_.MoveOn();
+  EXPECT_EQ(IdOf(talk_.Answer(ChannelReply(3, 4))), 99);
+  EXPECT_EQ(IdOf(Send(Ints({10, -1}))), 11);
+}
+
+TEST_F(YarsUdpTalkTest, ARequestBehindAResetIsTakenUpAfterIt) {
+  Send(Ints({50, 0, -1}));
+  Send(Ints({0, -1}));
+  EXPECT_FALSE(talk_.MoveOn().request);
+  YarsUdpTalk::Action done = talk_.Done(ReplyTo(0));
+  ASSERT_EQ(done.datagrams, std::vector<std::string>{Ints({51, 0, -1})});
+  ASSERT_TRUE(done.request);
+  EXPECT_EQ(talk_.Answer(channel_).datagrams, std::vector<std::string>{Ints({1, -1})});
+}
+
 /// The datagrams of a new simulation.
 std::vector<std::string> Upload(const std::string& text, std::int32_t each, std::int32_t source) {
   std::vector<std::string> all = {
