@@ -8,6 +8,7 @@ import unittest
 from pathlib import Path
 
 from channel_test import STILL
+from filters_test import EXPERIMENT as ARM
 from harness import LIMIT_S, Daemon, until
 from yars_clients import Tcp, Udp, ints
 
@@ -200,6 +201,19 @@ class ChannelReloadTest(unittest.TestCase):
                     vehicle.sensors()
                 other.join(LIMIT_S)
                 self.assertEqual(answers, [ints(41)] * steps)
+
+    def test_a_robot_has_the_port_that_its_file_names_or_the_next_free_one(self):
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            named = free.getsockname()[1]
+        text = ARM.replace('module="TCPIP" frequency="100"/>',
+                           f'module="TCPIP" frequency="100"><parameter name="port" value="{named}"/></controller>')
+        self.serve(text)
+        self.assertEqual(self.port("arm"), named)
+        self.serve(text)
+        self.assertGreater(self.port("arm"), named)
+        self.serve(text, "--channel-port", "0")
+        self.assertNotEqual(self.port("arm"), named)
 
     def test_a_datagram_behind_a_reset_is_taken_up_after_it(self):
         self.serve()
