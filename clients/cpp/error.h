@@ -39,8 +39,8 @@ class WorldReset : public Error {
 class Closed : public Error {
  public:
   explicit Closed(const std::string& notice)
-      : Error(kNoConnection,
-              "the daemon closed the connection" + (notice.empty() ? "; is it still running?" : ": " + notice)),
+      : Error(kNoConnection, "the daemon closed the connection" +
+                                 (notice.empty() ? "; is it still running?" : ": " + notice)),
         notice_(notice) {}
   const std::string& notice() const { return notice_; }
   /// A load has dropped the robot of the connection.
