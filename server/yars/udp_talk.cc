@@ -264,7 +264,7 @@ YarsUdpTalk::Action YarsUdpTalk::MoveOn() {
     knows_channel_ = false;
     return {};
   }
-  moved_ = waiting_ != Waiting::kChannel;
+  moved_ = moved_ || waiting_ != Waiting::kChannel;
   waiting_ = Waiting::kChannel;
   return {.request = ReplyTo(command::kGetChannel)};
 }

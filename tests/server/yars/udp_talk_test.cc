@@ -294,6 +294,16 @@ TEST_F(YarsUdpTalkTest, AStepIsAnsweredByTheModuleThatTakesThePlace) {
   EXPECT_EQ(IdOf(talk_.Answer(ValuesReply({0, 0, 0, 0}))), 41);
 }
 
+TEST_F(YarsUdpTalkTest, AStepStaysOverWhenTheModuleMovesTwice) {
+  Send(StepOf({0, 0}));
+  talk_.MoveOn();
+  talk_.Answer(ErrorReply(command::kGetChannel, Error::kNotPossible, "seeker" + std::string(kGoneText)));
+  ASSERT_TRUE(talk_.MoveOn().request);
+  const YarsUdpTalk::Action values = talk_.Answer(channel_);
+  ASSERT_TRUE(values.request);
+  EXPECT_EQ(values.request->command, command::kGetValues);
+}
+
 TEST_F(YarsUdpTalkTest, AModuleWithOtherMotorsWantsAHandshake) {
   Send(StepOf({0, 0}));
   talk_.MoveOn();
