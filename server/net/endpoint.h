@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,6 +17,7 @@
 #include "protocol/command_table.h"
 #include "protocol/message.h"
 #include "server/base/ids.h"
+#include "server/base/input_end.h"
 
 namespace coopdyn {
 
@@ -69,6 +71,8 @@ class Connection {
   virtual bool trusted() const = 0;
   /// The client has shut down its sending side (or died: they look alike).
   virtual bool input_ended() const = 0;
+  /// By which any thread sees that, maybe earlier; also if the daemon has begun to close it. Null: none can.
+  virtual std::shared_ptr<InputEnd> input_end() const { return nullptr; }
   /// The client is gone or takes nothing more: an endpoint need not compute answers for it.
   virtual bool output_ended() const = 0;
   /// Sends an unasked message. At most 64 wait; then the oldest is dropped and the next one says `dropped N`;

@@ -4,8 +4,10 @@
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <poll.h>
 #include <sys/socket.h>
 
+#include <cerrno>
 #include <cstring>
 
 namespace coopdyn {
@@ -109,6 +111,20 @@ void SetClientSocketOptions(int fd) {
   SetOption(fd, IPPROTO_TCP, TCP_KEEPCNT, kKeepCount);
   // No TCP_USER_TIMEOUT: it also ends connections whose peer lives but does not read (a program at a
   // breakpoint). PeerLooksDead() finds what keepalive does not see.
+}
+
+bool PeerHasEnded(int fd) {
+  // poll() sees the end also behind unread bytes, but not one that came while another thread is in recv():
+  // the kernel hands it over afterwards. A look into a stream waits for that; of a datagram socket it would
+  // take the error.
+  if (Option(fd, SOL_SOCKET, SO_TYPE) == SOCK_STREAM) {
+    char byte = 0;
+    const ssize_t count = ::recv(fd, &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+    const bool is_empty = count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR);
+    if (count <= 0 && !is_empty) return true;
+  }
+  pollfd state{fd, POLLRDHUP, 0};
+  return ::poll(&state, 1, 0) > 0 && (state.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0;
 }
 
 bool PeerLooksDead(const tcp_info& info) {

@@ -57,6 +57,10 @@ PeerInfo DescribePeer(int fd);
 /// TCP: no delay, and keepalive that finds a dead peer within 25 s. Unix: room for large replies.
 void SetClientSocketOptions(int fd);
 
+/// True if nothing follows what the peer has sent already: it has shut down its sending side, closed, or
+/// died. What is unread stays so.
+bool PeerHasEnded(int fd);
+
 /// True if the peer of a TCP socket has acknowledged nothing for 20 s although something is outstanding:
 /// keepalive is silent then. A peer that lives but does not read answers window probes and is left alone.
 bool PeerLooksDead(int fd);

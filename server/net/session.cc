@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "server/net/session.h"
 
-#include <poll.h>
 #include <sys/socket.h>
 
 #include <cerrno>
@@ -35,6 +34,7 @@ Session::Session(asio::io_context& context, Socket socket, ConnectionEnd end, En
       turn_(Turn::Of(context)),
       socket_(std::move(socket)),
       end_(end),
+      input_end_(std::make_shared<SocketEnd>(socket_.native_handle())),
       endpoint_(&endpoint),
       services_(services),
       poster_(poster),
@@ -104,14 +104,12 @@ void Session::EndInput() {
 
 void Session::TellInputEnded() {
   if (std::exchange(input_ended_, true)) return;
+  input_end_->Note();
   CallEndpoint([this](Endpoint& endpoint) { endpoint.OnInputEnded(*this); });
 }
 
 void Session::WatchPeer() {
-  pollfd state{socket_.native_handle(), POLLRDHUP, 0};
-  if (!input_ended_ && ::poll(&state, 1, 0) > 0 && (state.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0) {
-    TellInputEnded();  // what is still to be read is read and executed in its turn
-  }
+  if (input_end_->Look()) TellInputEnded();  // what is still to be read is read and executed in its turn
   StartRead();
 }
 

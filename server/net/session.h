@@ -29,6 +29,7 @@
 #include "server/net/net_services.h"
 #include "server/net/out_queue.h"
 #include "server/net/peer.h"
+#include "server/net/socket_end.h"
 #include "server/net/turn.h"
 #include "server/net/waiting_note.h"
 
@@ -74,6 +75,7 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   }
   bool trusted() const override { return peer_.trusted; }
   bool input_ended() const override { return input_ended_; }
+  std::shared_ptr<InputEnd> input_end() const override { return input_end_; }
   bool output_ended() const override { return write_dead_; }
   bool Push(const UnaskedPtr& message, std::int64_t dropped) override;
   void Close(const std::string& reason) override { Close(reason, spdlog::level::debug); }
@@ -154,6 +156,7 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   Turn& turn_;
   Socket socket_;
   const ConnectionEnd end_;
+  const std::shared_ptr<SocketEnd> input_end_;
   Endpoint* endpoint_;  // null after OnClosed()
   NetServices& services_;
   const IoThread::Poster& poster_;

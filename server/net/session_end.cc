@@ -34,6 +34,7 @@ void Session::Close(const std::string& reason, spdlog::level::level_enum level) 
     out_.AddNotice(std::move(notice));
   }
   closing_ = true;
+  input_end_->Note();  // before the client can see that, as it may take what it owned on another connection
   Log(level, "closed: " + reason);
   At(linger_timer_, std::chrono::steady_clock::now() + kLinger, &Session::HardClose);
   Post(&Session::DeliverClosed);
@@ -58,6 +59,7 @@ void Session::HardClose() {
   if (std::exchange(closed_, true)) return;
   const std::shared_ptr<Session> self = shared_from_this();
   ErrorCode ignored;
+  input_end_->Forget();
   socket_.close(ignored);
   StopTimers();
   DeliverClosed();
@@ -82,6 +84,7 @@ void Session::Leave(std::function<void(LooseConnection)> done) {
 void Session::HandOver() {
   const std::shared_ptr<Session> self = shared_from_this();
   closed_ = true;
+  input_end_->Forget();
   DeliverClosed();
   StopTimers();
   LooseConnection connection{.already_read = std::string(in_.bytes()), .peer = peer_};
