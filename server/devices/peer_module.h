@@ -55,6 +55,7 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
     peer.client.client.id = connection.id();
     peer.client.client.peer = connection.peer();
     peer.client.client.input_ended = connection.input_ended();
+    peer.client.client.input_end = connection.input_end();
     peer.client.trusted = connection.trusted();
     services_.roster.Add({connection.id(), path_, connection.peer(), {}});
   }

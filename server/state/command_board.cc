@@ -18,10 +18,10 @@ std::optional<Verdict> CommandBoard::Objection(std::size_t index, const Client& 
     return Verdict{Error::kOwned, robot + " is owned by " + table_.Who(index) + ": release_robot " + robot +
                                       " of /simulation, or the page, unloads it"};
   }
-  if (drive.owner != 0 && drive.owner != client.id && !client.IsAllyOf(table_.slot(index).owner)) {
-    return Verdict{Error::kOwned, robot + " is driven by " + table_.Who(index) +
-                                      ": wait until that program ends, or free the robot (release_robot of "
-                                      "/simulation, or the page)"};
+  if (IsHeldBeside(index, client)) {
+    return Owned(
+        index,
+        ": wait until that program ends, or free the robot (release_robot of /simulation, or the page)");
   }
   return std::nullopt;
 }
@@ -29,7 +29,7 @@ std::optional<Verdict> CommandBoard::Objection(std::size_t index, const Client& 
 void CommandBoard::TakeOwnership(std::size_t index, const Client& client) {
   Drive& drive = table_.drive(index);
   Slot& slot = table_.slot(index);
-  if (client.input_ended) {
+  if (client.has_ended()) {
     slot.former = client;
     return;
   }
@@ -68,15 +68,6 @@ std::string CommandBoard::OwnerOf(SlotId slot) const {
   return index == kNoSlot ? "" : table_.Who(index);
 }
 
-std::string CommandBoard::ClientBeside(SlotId slot, const Client& client) const {
-  const MutexLock lock(mutex_);
-  const std::size_t index = table_.Find(slot);
-  if (index == kNoSlot) return {};
-  const ClientId owner = table_.drive(index).owner;
-  const bool is_other = owner != 0 && owner != client.id && !client.IsAllyOf(table_.slot(index).owner);
-  return is_other ? table_.Who(index) : "";
-}
-
 std::vector<SlotId> CommandBoard::FindSlots(const Scene& scene) const {
   const MutexLock lock(mutex_);
   std::vector<SlotId> slots;
@@ -90,6 +81,11 @@ std::vector<SlotId> CommandBoard::FindSlots(const Scene& scene) const {
 
 Verdict CommandBoard::Command(SlotId id, const Client& client, std::span<const Setpoint> setpoints,
                               std::optional<int> steps, StepDone done) {
+  return Insist([&] { return TryCommand(id, client, setpoints, steps, done); });
+}
+
+Verdict CommandBoard::TryCommand(SlotId id, const Client& client, std::span<const Setpoint> setpoints,
+                                 std::optional<int> steps, StepDone& done) {
   Completions completions;
   Verdict verdict;
   bool became_ready = false;
@@ -132,32 +128,38 @@ Verdict CommandBoard::Ready(SlotId slot, const Client& client, int steps, StepDo
 }
 
 Verdict CommandBoard::Claim(SlotId id, const Client& client) {
-  const MutexLock lock(mutex_);
-  const std::size_t index = table_.Find(id);
-  if (index == kNoSlot) return Gone();
-  if (std::optional<Verdict> objection = Objection(index, client)) return *std::move(objection);
-  TakeOwnership(index, client);
-  return Fine();
+  return Insist([&]() -> Verdict {
+    const MutexLock lock(mutex_);
+    const std::size_t index = table_.Find(id);
+    if (index == kNoSlot) return Gone();
+    if (std::optional<Verdict> objection = Objection(index, client)) return *std::move(objection);
+    TakeOwnership(index, client);
+    return Fine();
+  });
 }
 
-Verdict CommandBoard::MayTune(SlotId id, const Client& client) const {
-  const MutexLock lock(mutex_);
-  const std::size_t index = table_.Find(id);
-  if (index == kNoSlot) return Gone();
-  return Objection(index, client).value_or(Fine());
+Verdict CommandBoard::MayTune(SlotId id, const Client& client) {
+  return Insist([&]() -> Verdict {
+    const MutexLock lock(mutex_);
+    const std::size_t index = table_.Find(id);
+    if (index == kNoSlot) return Gone();
+    return Objection(index, client).value_or(Fine());
+  });
 }
 
 Verdict CommandBoard::Release(SlotId id, const Client& client) {
-  const MutexLock lock(mutex_);
-  const std::size_t index = table_.Find(id);
-  if (index == kNoSlot) return Gone();
-  const ClientId owner = table_.drive(index).owner;
-  if (owner == client.id) {
-    Disown(index);
-  } else if (owner != 0 || table_.drive(index).driven) {
-    return NotOwner(index);
-  }
-  return Fine();
+  return Insist([&]() -> Verdict {
+    const MutexLock lock(mutex_);
+    const std::size_t index = table_.Find(id);
+    if (index == kNoSlot) return Gone();
+    const ClientId owner = table_.drive(index).owner;
+    if (owner == client.id) {
+      Disown(index);
+    } else if (owner != 0 || table_.drive(index).driven) {
+      return NotOwner(index);
+    }
+    return Fine();
+  });
 }
 
 Verdict CommandBoard::Hello(SlotId id, const Client& client) {
@@ -168,27 +170,11 @@ Verdict CommandBoard::Hello(SlotId id, const Client& client) {
   return verdict;
 }
 
-void CommandBoard::InputEnded(SlotId id, ClientId client) {
-  const MutexLock lock(mutex_);
-  const std::size_t index = table_.Find(id);
-  if (index != kNoSlot && table_.drive(index).owner == client) EndInput(index);
-}
-
-void CommandBoard::Closed(SlotId id, ClientId client) {
-  bool became_ready = false;
-  {
-    const MutexLock lock(mutex_);
-    const std::size_t index = table_.Find(id);
-    if (index == kNoSlot || !table_.IsOf(index, client)) return;
-    const bool was_awaited = table_.drive(index).is_awaited();
-    LoseClient(index);
-    std::optional<Nanoseconds> now;
-    became_ready = NoteChange(index, was_awaited, now);
-  }
-  if (became_ready && all_ready_hook_) all_ready_hook_();
-}
-
 Verdict CommandBoard::Send(SlotId id, const Client& client, const RobotMessage& message) {
+  return Insist([&] { return TrySend(id, client, message); });
+}
+
+Verdict CommandBoard::TrySend(SlotId id, const Client& client, const RobotMessage& message) {
   const MutexLock lock(mutex_);
   const std::size_t found = table_.Find(id);
   if (found == kNoSlot) return Gone();
@@ -203,11 +189,9 @@ Verdict CommandBoard::Send(SlotId id, const Client& client, const RobotMessage& 
   }
   const bool same_name = !slot.owner.name.empty() && slot.owner.name == client.name;
   if (table_.drive(index).owner != 0 && !same_name) {
-    return Verdict{Error::kOwned, slot.robot + " is driven by " + table_.Who(index) +
-                                      (slot.owner.name.empty()
-                                           ? ", which has no name: say hello NAME there and here, then it "
-                                             "may send here, too"
-                                           : ": only a client of the same name (hello) may send for it")};
+    return Owned(index, slot.owner.name.empty()
+                            ? ", which has no name: say hello NAME there and here, then it may send here, too"
+                            : ": only a client of the same name (hello) may send for it");
   }
   if (slot.message == Slot::kNoMessage) {
     slot.message = static_cast<std::uint32_t>(messages_.size());
@@ -222,6 +206,10 @@ Verdict CommandBoard::Send(SlotId id, const Client& client, const RobotMessage& 
 
 Verdict CommandBoard::StepAll(const TeamStep& step, const Client& client, int steps, StepDone done) {
   if (step.setpoints.empty() && WaitInPlayback(steps, done)) return {.answer_now = false};
+  return Insist([&] { return TryStepAll(step, client, steps, done); });
+}
+
+Verdict CommandBoard::TryStepAll(const TeamStep& step, const Client& client, int steps, StepDone& done) {
   Completions completions;
   Verdict verdict;
   bool became_ready = false;
@@ -267,39 +255,54 @@ Verdict CommandBoard::StepAll(const TeamStep& step, const Client& client, int st
 }
 
 Verdict CommandBoard::ClaimAll(std::span<const SlotId> slots, const Client& client) {
-  const MutexLock lock(mutex_);
-  for (const SlotId id : slots) {
-    const std::size_t index = table_.Find(id);
-    if (index == kNoSlot) return Gone();
-    if (std::optional<Verdict> objection = TeamObjection(index, client)) return *std::move(objection);
-  }
-  for (const SlotId id : slots) TakeOwnership(table_.Find(id), client);
-  return Fine();
+  return Insist([&]() -> Verdict {
+    const MutexLock lock(mutex_);
+    for (const SlotId id : slots) {
+      const std::size_t index = table_.Find(id);
+      if (index == kNoSlot) return Gone();
+      if (std::optional<Verdict> objection = TeamObjection(index, client)) return *std::move(objection);
+    }
+    for (const SlotId id : slots) TakeOwnership(table_.Find(id), client);
+    return Fine();
+  });
 }
 
 Verdict CommandBoard::ClaimFree(const Client& client) {
-  const MutexLock lock(mutex_);
-  for (std::size_t i = 0; i < table_.size(); ++i) {
-    if (table_.drive(i).owner == 0 && !TeamObjection(i, client)) TakeOwnership(i, client);
+  Verdict verdict;
+  bool freed = true;
+  while (std::exchange(freed, false)) {
+    std::vector<Holder> holders;
+    {
+      const MutexLock lock(mutex_);
+      verdict = Fine();
+      for (std::size_t i = 0; i < table_.size(); ++i) {
+        if (table_.drive(i).owner == 0 && !TeamObjection(i, client)) TakeOwnership(i, client);
+        const bool is_same = !holders.empty() && holders.back().id == table_.drive(i).owner;
+        if (IsHeldBeside(i, client) && !is_same) holders.push_back(HolderOf(i));
+      }
+    }
+    for (const Holder& holder : holders) freed |= FreeIfEnded(holder);
   }
-  return Fine();
+  return verdict;
 }
 
 Verdict CommandBoard::ReleaseAll(std::span<const SlotId> slots, const Client& client) {
-  const MutexLock lock(mutex_);
-  for (const SlotId id : slots) {
-    const std::size_t index = table_.Find(id);
-    if (index == kNoSlot) return Gone();
-    const Drive& drive = table_.drive(index);
-    if (drive.owner == client.id || (drive.owner == 0 && !drive.driven)) continue;
-    return NotOwner(index);
-  }
-  for (const SlotId id : slots) {
-    const std::size_t index = table_.Find(id);
-    if (table_.drive(index).owner == client.id) Disown(index);
-    if (table_.slot(index).former.id == client.id) table_.slot(index).former.id = 0;
-  }
-  return Fine();
+  return Insist([&]() -> Verdict {
+    const MutexLock lock(mutex_);
+    for (const SlotId id : slots) {
+      const std::size_t index = table_.Find(id);
+      if (index == kNoSlot) return Gone();
+      const Drive& drive = table_.drive(index);
+      if (drive.owner == client.id || (drive.owner == 0 && !drive.driven)) continue;
+      return NotOwner(index);
+    }
+    for (const SlotId id : slots) {
+      const std::size_t index = table_.Find(id);
+      if (table_.drive(index).owner == client.id) Disown(index);
+      if (table_.slot(index).former.id == client.id) table_.slot(index).former.id = 0;
+    }
+    return Fine();
+  });
 }
 
 void CommandBoard::StopTeam(std::span<const SlotId> slots, const Client& client) {
@@ -319,28 +322,6 @@ std::vector<ClientId> CommandBoard::HelloAll(const Client& client) {
   }
   if (!displaced.empty()) NoteTeams();
   return displaced;
-}
-
-void CommandBoard::InputEndedAll(ClientId client) {
-  const MutexLock lock(mutex_);
-  for (std::size_t i = 0; i < table_.size(); ++i) {
-    if (table_.drive(i).owner == client) EndInput(i);
-  }
-}
-
-void CommandBoard::ClosedAll(ClientId client) {
-  bool became_ready = false;
-  {
-    const MutexLock lock(mutex_);
-    std::optional<Nanoseconds> now;
-    for (std::size_t i = 0; i < table_.size(); ++i) {
-      if (!table_.IsOf(i, client)) continue;
-      const bool was_awaited = table_.drive(i).is_awaited();
-      LoseClient(i);
-      became_ready |= NoteChange(i, was_awaited, now);
-    }
-  }
-  if (became_ready && all_ready_hook_) all_ready_hook_();
 }
 
 std::vector<SlotId> CommandBoard::Team(ClientId client) const {

@@ -46,6 +46,12 @@ struct StepResult {
   std::string why = {};             // kStopping
 };
 
+/// The connection that owns what somebody else wants.
+struct Holder {
+  ClientId id = 0;
+  std::shared_ptr<InputEnd> input_end = {};
+};
+
 /// The board's answer to a request.
 struct Verdict {
   Error error = Error::kOk;
@@ -53,6 +59,7 @@ struct Verdict {
   bool answer_now = true;  // false: `done` will be called
   Mode mode = Mode::kRealtime;
   ClientId displaced = 0;  // hello: the connection that was taken over and must get its closing notice
+  Holder holder = {};      // of kOwned
 };
 
 /// Whom the world waits for.
@@ -85,6 +92,9 @@ struct LostClient {
 
 /// The requests of all connections and what came of them. Any thread: one lock guards all but what the
 /// stepping thread alone reads. Callbacks are never called with it held.
+///
+/// A client owns nothing once its input has ended, even if its connection's thread has yet to read that:
+/// before the board refuses a request, it looks for the end of the input of whoever is in the way.
 class CommandBoard {
  public:
   // --- robot threads and the control thread
@@ -96,7 +106,7 @@ class CommandBoard {
   /// Who owns a slot: client name, else peer, or `controller diffuse`; empty: nobody.
   std::string OwnerOf(SlotId slot) const;
   /// The client, not `client` or one of its party, that owns a slot; empty: none does.
-  std::string ClientBeside(SlotId slot, const Client& client) const;
+  std::string ClientBeside(SlotId slot, const Client& client);
   /// An actuator command: the client becomes owner if there is none. `steps` empty: one step, answered at
   /// once unless in lockstep; given (≥ 1): it stands for that many steps and is answered after the last, in
   /// every mode. If the verdict says answer_now, `done` is never called. `setpoints`: of the slot's channels.
@@ -106,7 +116,7 @@ class CommandBoard {
   Verdict Ready(SlotId slot, const Client& client, int steps, StepDone done);
   Verdict Claim(SlotId slot, const Client& client);
   /// Whether the client may change how the module drives: nobody else owns it.
-  Verdict MayTune(SlotId slot, const Client& client) const;
+  Verdict MayTune(SlotId slot, const Client& client);
   Verdict Release(SlotId slot, const Client& client);
   /// The connection calls itself client.name from now on; takes the module over from an older connection of
   /// that name.
@@ -277,9 +287,35 @@ class CommandBoard {
   };
 
   static Verdict Gone() { return {Error::kNotPossible, "this robot is no longer part of the scenario"}; }
+  /// Asks again as long as the holder that it is refused for has ended. `ask`: Verdict().
+  template <typename Ask>
+  Verdict Insist(const Ask& ask) EXCLUDES(mutex_) {
+    while (true) {
+      Verdict verdict = ask();
+      if (!FreeIfEnded(verdict.holder)) return verdict;
+    }
+  }
+  /// Frees what the holder owns if its input has ended; true then.
+  bool FreeIfEnded(const Holder& holder) EXCLUDES(mutex_);
+  Verdict TryCommand(SlotId slot, const Client& client, std::span<const Setpoint> setpoints,
+                     std::optional<int> steps, StepDone& done) EXCLUDES(mutex_);
+  Verdict TryStepAll(const TeamStep& step, const Client& client, int steps, StepDone& done) EXCLUDES(mutex_);
+  Verdict TrySend(SlotId slot, const Client& client, const RobotMessage& message) EXCLUDES(mutex_);
+  Verdict Owned(std::size_t index, const std::string& why) const REQUIRES(mutex_) {
+    return {.error = Error::kOwned,
+            .text = table_.slot(index).robot + " is driven by " + table_.Who(index) + why,
+            .holder = HolderOf(index)};
+  }
+  Holder HolderOf(std::size_t index) const REQUIRES(mutex_) {
+    return {table_.drive(index).owner, table_.slot(index).owner.input_end};
+  }
+  /// A client that is neither `client` nor of its party owns it.
+  bool IsHeldBeside(std::size_t index, const Client& client) const REQUIRES(mutex_) {
+    const ClientId owner = table_.drive(index).owner;
+    return owner != 0 && owner != client.id && !client.IsAllyOf(table_.slot(index).owner);
+  }
   Verdict NotOwner(std::size_t index) const REQUIRES(mutex_) {
-    return {Error::kOwned, table_.slot(index).robot + " is driven by " + table_.Who(index) +
-                               ": only its owner can release it"};
+    return Owned(index, ": only its owner can release it");
   }
   /// What keeps `client` from acting on a robot, if anything does.
   std::optional<Verdict> Objection(std::size_t index, const Client& client) const REQUIRES(mutex_);

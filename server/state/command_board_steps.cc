@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The part of the board that the stepping thread calls: layout, modes, steps, deadlines; and what ends a wait
-// or a client's hold on a robot.
+// The part of the board that the stepping thread calls: layout, modes, steps, deadlines; and what ends a
+// wait.
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -101,43 +101,6 @@ void CommandBoard::Revise(const Scene& scene, std::span<const int> unloaded, Fra
     layout_revision_.fetch_add(1, std::memory_order_release);
   }
   completions.Call();
-}
-
-void CommandBoard::EndInput(std::size_t index) {
-  table_.slot(index).former = table_.slot(index).owner;
-  Disown(index);
-}
-
-void CommandBoard::LoseClient(std::size_t index) {
-  if (table_.drive(index).owner != 0) EndInput(index);
-  table_.slot(index).former.id = 0;
-  if (table_.drive(index).pending) {
-    table_.drive(index).loses_client = true;
-  } else {
-    ApplyLoss(index);
-  }
-}
-
-void CommandBoard::ApplyLoss(std::size_t index) {
-  const Slot& slot = table_.slot(index);
-  if (slot.on_disconnect) {
-    table_.ApplyPolicy(index, *slot.on_disconnect);
-    if (*slot.on_disconnect != LossPolicy::kWait) NoteLoss(index, *slot.on_disconnect);
-  } else if (!slot.former.name.empty()) {
-    table_.drive(index).abandoned = true;
-    if (mode_ != Mode::kLockstep) StopAbandoned(index);
-  }
-}
-
-void CommandBoard::StopAbandoned(std::size_t index) {
-  table_.drive(index).abandoned = false;
-  if (!table_.Moves(index)) return;
-  table_.Stop(index);
-  NoteLoss(index, LossPolicy::kStop);
-}
-
-void CommandBoard::NoteLoss(std::size_t index, LossPolicy policy) {
-  losses_.push_back({table_.drive(index).robot, table_.slot(index).former.shown(), policy});
 }
 
 void CommandBoard::EndAllWaits(StepEnd end, Completions& completions) {

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "server/base/ids.h"
+#include "server/base/input_end.h"
 #include "server/model/scenario.h"
 #include "server/state/scene.h"
 
@@ -30,8 +32,10 @@ struct Client {
   bool input_ended = false;  // may still have requests executed, but owns nothing
   bool is_team = false;      // a connection to /swarm: its name takes over only from such ones
   std::string party = {};    // Connection::party()
+  std::shared_ptr<InputEnd> input_end = {};  // null: it has ended when `input_ended` says so
 
   const std::string& shown() const { return !name.empty() ? name : party.empty() ? peer : party; }
+  bool has_ended() const { return input_ended || (input_end != nullptr && input_end->is_known()); }
   /// They act as one.
   bool IsAllyOf(const Client& other) const { return !party.empty() && party == other.party; }
 };

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+// The part of the board that is about clients that leave: who is gone and no longer in the way of others, and
+// what becomes of the robots.
+#include <utility>
+
+#include "server/state/command_board.h"
+
+namespace coopdyn {
+
+// --- seen by others
+
+bool CommandBoard::FreeIfEnded(const Holder& holder) {
+  if (holder.id == 0 || holder.input_end == nullptr || !holder.input_end->Look()) return false;
+  InputEndedAll(holder.id);
+  return true;
+}
+
+std::string CommandBoard::ClientBeside(SlotId slot, const Client& client) {
+  const Verdict verdict = Insist([&]() -> Verdict {
+    const MutexLock lock(mutex_);
+    const std::size_t index = table_.Find(slot);
+    if (index == kNoSlot || !IsHeldBeside(index, client)) return {};
+    return {.text = table_.Who(index), .holder = HolderOf(index)};
+  });
+  return verdict.text;
+}
+
+// --- told by their connections
+
+void CommandBoard::InputEnded(SlotId id, ClientId client) {
+  const MutexLock lock(mutex_);
+  const std::size_t index = table_.Find(id);
+  if (index != kNoSlot && table_.drive(index).owner == client) EndInput(index);
+}
+
+void CommandBoard::InputEndedAll(ClientId client) {
+  const MutexLock lock(mutex_);
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    if (table_.drive(i).owner == client) EndInput(i);
+  }
+}
+
+void CommandBoard::Closed(SlotId id, ClientId client) {
+  bool became_ready = false;
+  {
+    const MutexLock lock(mutex_);
+    const std::size_t index = table_.Find(id);
+    if (index == kNoSlot || !table_.IsOf(index, client)) return;
+    const bool was_awaited = table_.drive(index).is_awaited();
+    LoseClient(index);
+    std::optional<Nanoseconds> now;
+    became_ready = NoteChange(index, was_awaited, now);
+  }
+  if (became_ready && all_ready_hook_) all_ready_hook_();
+}
+
+void CommandBoard::ClosedAll(ClientId client) {
+  bool became_ready = false;
+  {
+    const MutexLock lock(mutex_);
+    std::optional<Nanoseconds> now;
+    for (std::size_t i = 0; i < table_.size(); ++i) {
+      if (!table_.IsOf(i, client)) continue;
+      const bool was_awaited = table_.drive(i).is_awaited();
+      LoseClient(i);
+      became_ready |= NoteChange(i, was_awaited, now);
+    }
+  }
+  if (became_ready && all_ready_hook_) all_ready_hook_();
+}
+
+// --- the robots
+
+void CommandBoard::EndInput(std::size_t index) {
+  table_.slot(index).former = table_.slot(index).owner;
+  Disown(index);
+}
+
+void CommandBoard::LoseClient(std::size_t index) {
+  if (table_.drive(index).owner != 0) EndInput(index);
+  table_.slot(index).former.id = 0;
+  if (table_.drive(index).pending) {
+    table_.drive(index).loses_client = true;
+  } else {
+    ApplyLoss(index);
+  }
+}
+
+void CommandBoard::ApplyLoss(std::size_t index) {
+  const Slot& slot = table_.slot(index);
+  if (slot.on_disconnect) {
+    table_.ApplyPolicy(index, *slot.on_disconnect);
+    if (*slot.on_disconnect != LossPolicy::kWait) NoteLoss(index, *slot.on_disconnect);
+  } else if (!slot.former.name.empty()) {
+    table_.drive(index).abandoned = true;
+    if (mode_ != Mode::kLockstep) StopAbandoned(index);
+  }
+}
+
+void CommandBoard::StopAbandoned(std::size_t index) {
+  table_.drive(index).abandoned = false;
+  if (!table_.Moves(index)) return;
+  table_.Stop(index);
+  NoteLoss(index, LossPolicy::kStop);
+}
+
+void CommandBoard::NoteLoss(std::size_t index, LossPolicy policy) {
+  losses_.push_back({table_.drive(index).robot, table_.slot(index).former.shown(), policy});
+}
+
+}  // namespace coopdyn
