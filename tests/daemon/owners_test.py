@@ -4,8 +4,10 @@ import subprocess
 import sys
 import unittest
 from contextlib import contextmanager
+from pathlib import Path
 
-from harness import Daemon, scenario, until
+from harness import Binary, Daemon, Text, scenario, until
+from local_socket_test import Local
 
 CLIENT = """
 import socket, sys
@@ -174,6 +176,79 @@ class OwnershipTest(unittest.TestCase):
             self.assertEqual(done.stdout.count(b"\n"), 5)
             self.assertEqual(daemon.status()["step"], 5)
             self.assertFalse(daemon.status()["robots"][0]["owner"])
+
+
+@contextmanager
+def held(daemon):
+    """Meanwhile the daemon does nothing; what comes waits for it, in order."""
+    daemon.process.send_signal(signal.SIGSTOP)
+    until(lambda: Path(f"/proc/{daemon.process.pid}/stat").read_text().rsplit(")", 1)[1].split()[0] == "T")
+    try:
+        yield
+    finally:
+        daemon.process.send_signal(signal.SIGCONT)
+
+
+class AtOnceTest(unittest.TestCase):
+    """A program closes its connection, and then the robot is taken on another one, before the daemon has read the end."""
+
+    def test_a_robot_in_every_mode_and_by_every_connection(self):
+        kinds = {"text": lambda d: Text(d, "/robot1/motors"), "direct": lambda d: Text(d, "/robot1/motors", direct=True),
+                 "local": lambda d: Local(d).open("/robot1/motors"), "binary": lambda d: Binary(d, "/robot1/motors")}
+        with Daemon(scenario(1)) as daemon:
+            next_one = daemon.text("/robot1/motors")
+            for mode in ("lockstep", "realtime", "free"):
+                daemon.text("/simulation").must(f"set_mode {mode}")
+                for kind, connect in kinds.items():
+                    with self.subTest(mode=mode, kind=kind):
+                        owner = connect(daemon)
+                        self.assertEqual(owner.ask(7 if kind == "binary" else "claim").error, 0)
+                        with held(daemon):
+                            next_one.send("set_velocity 0 0")  # the daemon reads it first
+                            owner.close()
+                        self.assertEqual(next_one.receive().error, 0)
+                        next_one.must("release")
+
+    def test_a_robot_whose_program_is_far_ahead(self):
+        with Daemon(scenario(2)) as daemon:
+            owner, next_one = daemon.text("/robot1/motors"), daemon.text("/robot1/motors")
+            next_one.must("get_wheels")
+            owner.send_to_wait("set_velocity 0.1 0")
+            owner.socket.setblocking(False)
+            with self.assertRaises(BlockingIOError):
+                while True:
+                    owner.socket.send(b"ping\n" * 1000)
+            owner.close()
+            next_one.must("claim")
+
+    def test_the_robots_of_many_programs_as_a_team(self):
+        with Daemon(scenario(5)) as daemon:
+            swarm = daemon.text("/swarm")
+            for _ in range(10):
+                owners = [Text(daemon, f"/robot{i}/motors") for i in range(1, 6)]
+                for owner in owners:
+                    owner.must("claim")
+                with held(daemon):
+                    for owner in owners:
+                        owner.close()
+                    swarm.send("claim robot1 robot2 robot3 robot4 robot5")
+                self.assertEqual(swarm.receive().params, [1, 2, 3, 4, 5])
+                swarm.must("release")
+
+    def test_a_team_whose_program_ends_by_the_next_team_and_by_single_programs(self):
+        with Daemon(scenario(5)) as daemon:
+            for taker in ("/swarm", "/robot1/motors") * 5:
+                with client_process(daemon, "/robot1/motors") as program:
+                    team, next_one = Text(daemon, "/swarm"), Text(daemon, taker)
+                    next_one.must("get_time")
+                    self.assertEqual(team.must("claim robot2 robot3").params, [2, 3])
+                    with held(daemon):
+                        next_one.send("claim robot1 robot2 robot3" if taker == "/swarm" else "claim")
+                        team.close()
+                        program.kill()
+                        program.wait()
+                    self.assertEqual(next_one.receive().error, 0)
+                next_one.close()
 
 
 if __name__ == "__main__":
