@@ -179,7 +179,7 @@ TEST_F(EndsTest, WhoHasBeenFoundGoneOwnsNothingAgain) {
 TEST_F(EndsTest, WhatItHadSentLastStillRuns) {
   board_.Command(slot("robot1"), gone_, Wheels(4, 4), {}, Note("cy"));
   end_->come = true;
-  board_.Claim(slot("robot1"), bob_);
+  EXPECT_EQ(board_.Claim(slot("robot1"), bob_).error, Error::kOk);
   board_.Ready(slot("robot2"), bob_, 1, Note("bob"));
   board_.Ready(slot("robot3"), bob_, 1, Note("bob"));
   EXPECT_TRUE(board_.AllReady());
