@@ -1,9 +1,10 @@
 # What every target shares, and one short function a kind of target.
 option(COOPDYN_TESTS "Build the tests and benchmarks" ${PROJECT_IS_TOP_LEVEL})
 set(COOPDYN_SANITIZE "" CACHE STRING "Sanitizers for every target, e.g. address,undefined or thread")
-option(COOPDYN_UNIT_TESTS "Build the unit tests, too" ON)
+set(COOPDYN_UNIT_TESTS ON CACHE STRING "Unit tests to build: ON, or release, asan or tsan for those of ./check all")
+option(COOPDYN_NIGHT "Build what only ./check night runs" OFF)
 option(COOPDYN_COVERAGE "Instrument for coverage" OFF)
-option(COOPDYN_FUZZ "Build the libFuzzer targets (clang only)" OFF)
+option(COOPDYN_FUZZ "Instrument for libFuzzer and build its targets (clang only)" OFF)
 
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
@@ -46,6 +47,9 @@ if(COOPDYN_SANITIZE)
     target_compile_options(coopdyn_options INTERFACE -Wno-maybe-uninitialized)
   endif()
 endif()
+if(COOPDYN_FUZZ)
+  target_compile_options(coopdyn_options INTERFACE -fsanitize=fuzzer-no-link)
+endif()
 if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # It takes what is local to one of the joined sources for part of a header.
   target_compile_options(coopdyn_options INTERFACE -Wno-subobject-linkage)
@@ -55,14 +59,18 @@ if(COOPDYN_COVERAGE)
   target_link_options(coopdyn_options INTERFACE --coverage)
 endif()
 
-# Adds the library of this folder: all its *.cc. LINK names our libraries and external ones alike.
+# Adds the library of this folder: all its *.cc. LINK names our libraries and external ones alike. Sanitized builds optimise
+# only those that compute, the OPTIMIZED: to compile the others takes a quarter of the time so.
 function(coopdyn_library name)
-  cmake_parse_arguments(ARG "" "" "LINK" ${ARGN})
+  cmake_parse_arguments(ARG "OPTIMIZED" "" "LINK" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc)
   list(FILTER sources EXCLUDE REGEX "/main\\.cc$")
   if(sources)
     add_library(${name} STATIC ${sources})
     target_link_libraries(${name} PUBLIC coopdyn_options ${ARG_LINK})
+    if(ARG_OPTIMIZED AND COOPDYN_SANITIZE)
+      target_compile_options(${name} PRIVATE -O1)
+    endif()
   else()
     add_library(${name} INTERFACE)
     target_link_libraries(${name} INTERFACE coopdyn_options ${ARG_LINK})
@@ -81,11 +89,15 @@ endfunction()
 
 # Adds one test program from all *.cc of this folder. It is one CTest test, as it takes longer to start than most of its
 # tests to run; --gtest_filter=… runs some of them. Tests are most of what is compiled, and few compute so much that it
-# pays to optimise them: those are OPTIMIZED. Long ones run in several PARTS. In those of ONE_THREAD the thread sanitizer
-# finds nothing; of others it runs those that the filter THREADED names, if there is one.
+# pays to optimise them: those are OPTIMIZED. Long ones run in several PARTS. IN says which builds run it in `./check all`:
+# release what computes, as optimisation may change that; asan bytes and lifetimes; tsan what has threads, of which THREADED
+# may name some by a filter. The thread sanitizer never runs the others.
 function(coopdyn_test name)
-  cmake_parse_arguments(ARG "OPTIMIZED;ONE_THREAD" "PARTS;THREADED" "LINK" ${ARGN})
-  if(ARG_ONE_THREAD AND COOPDYN_SANITIZE STREQUAL "thread")
+  cmake_parse_arguments(ARG "OPTIMIZED" "PARTS;THREADED" "IN;LINK" ${ARGN})
+  if(NOT ARG_IN)
+    set(ARG_IN asan tsan)
+  endif()
+  if(COOPDYN_SANITIZE STREQUAL "thread" AND NOT tsan IN_LIST ARG_IN)
     return()
   endif()
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc)
@@ -98,7 +110,7 @@ function(coopdyn_test name)
   if(NOT ARG_OPTIMIZED)
     target_compile_options(${name} PRIVATE -O0)
   endif()
-  if(NOT COOPDYN_UNIT_TESTS)
+  if(NOT COOPDYN_UNIT_TESTS IN_LIST ARG_IN AND NOT COOPDYN_UNIT_TESTS STREQUAL "ON")
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
     return()
   endif()

@@ -14,7 +14,7 @@ namespace {
 // A state without drive trains is written as it always was.
 constexpr std::uint8_t kStateVersion = 7, kWithoutTrains = 6, kWithoutScores = 5, kWithoutSensed = 4,
                        kWithoutAcceleration = 3, kWithoutControls = 2;
-constexpr std::size_t kContactBytes = 2 * 4 * 4 + 9 * 8;
+constexpr std::size_t kStoredContactBytes = 2 * 4 * 4 + 9 * 8;
 constexpr std::size_t kMessageBytes = 4 + 8 + 4;  // and its values
 
 void CodeContact(auto& codec, auto& contact) {
@@ -32,7 +32,7 @@ void CodeContact(auto& codec, auto& contact) {
 /// What of a frame sensors see, besides bodies and channels.
 void CodeSensed(auto& codec, auto& frame) {
   codec.List(frame.measured, 8, [&codec](auto& value) { codec.Finite(value); });
-  codec.List(frame.contacts, kContactBytes, [&codec](auto& contact) { CodeContact(codec, contact); });
+  codec.List(frame.contacts, kStoredContactBytes, [&codec](auto& contact) { CodeContact(codec, contact); });
 }
 
 /// A moment that a sensor shows.

@@ -10,7 +10,7 @@
 namespace coopdyn {
 namespace {
 
-constexpr const char* kText =
+constexpr const char* kSettings =
     "[ROBOT_1]\ntype coopbot\nposition 1 2\ncolor red\n[Wall_1]\ntype box\nsize 1 2 3\nposition 4 4\n";
 
 struct Set {
@@ -18,7 +18,7 @@ struct Set {
   std::string said;
 };
 
-Set ReadWith(const Settings& settings, const std::string& text = kText) {
+Set ReadWith(const Settings& settings, const std::string& text = kSettings) {
   Diagnostics diagnostics;
   const std::string whole = WithSettings(text, settings, diagnostics);
   auto scenario = ReadScenario(whole, "lesson.scenario", ShippedRobots(), true, diagnostics);
@@ -62,7 +62,7 @@ TEST(SettingsTest, TheLastOfTwoForOneKeyCounts) {
 
 TEST(SettingsTest, TheTextCarriesItsSettings) {
   Diagnostics diagnostics;
-  std::string text = WithSettings(kText, {"ROBOT_1.position=5 6"}, diagnostics);
+  std::string text = WithSettings(kSettings, {"ROBOT_1.position=5 6"}, diagnostics);
   text = WithSettings(text, {"ROBOT_1.name=ana"}, diagnostics);
   EXPECT_EQ(SettingsIn(text), (Settings{"robot_1.position=5 6", "robot_1.name=ana"}));
   const Set again = ReadWith({}, text);
@@ -73,7 +73,7 @@ TEST(SettingsTest, TheTextCarriesItsSettings) {
 
 TEST(SettingsTest, RobotsMeansEachRobotAndSwarm) {
   const Set read =
-      ReadWith({"ROBOTS.fidelity=rolling"}, std::string(kText) + "[SWARM_1]\ntype single\ncount 2\nname s\n");
+      ReadWith({"ROBOTS.fidelity=rolling"}, std::string(kSettings) + "[SWARM_1]\ntype single\ncount 2\nname s\n");
   ASSERT_NE(read.scenario, nullptr) << read.said;
   EXPECT_EQ(read.scenario->robots[0].fidelity, Fidelity::kRolling);
   EXPECT_EQ(read.scenario->robots.back().fidelity, Fidelity::kRolling);
@@ -87,14 +87,14 @@ TEST(SettingsTest, RobotsOfAScenarioWithoutAnyIsAMistake) {
 }
 
 TEST(SettingsTest, ATextKeepsTheNameOfItsFile) {
-  const Set read = ReadWith({"ROBOT_1.name=ana"}, std::string(kText) + "# file: lesson.scenario\n");
+  const Set read = ReadWith({"ROBOT_1.name=ana"}, std::string(kSettings) + "# file: lesson.scenario\n");
   ASSERT_NE(read.scenario, nullptr) << read.said;
   EXPECT_EQ(read.scenario->name, "lesson");
 }
 
 TEST(SettingsTest, WithoutSettingsTheTextIsTheSame) {
   Diagnostics diagnostics;
-  EXPECT_EQ(WithSettings(kText, {}, diagnostics), kText);
+  EXPECT_EQ(WithSettings(kSettings, {}, diagnostics), kSettings);
 }
 
 struct Wrong {
@@ -136,12 +136,12 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(SettingsTest, LinesOfTheFileStayInMessages) {
   const Set read =
-      ReadWith({"ROBOT_1.name=ana"}, std::string(kText) + "[BALL]\ntype sphere\nsize x\nposition 0 0\n");
+      ReadWith({"ROBOT_1.name=ana"}, std::string(kSettings) + "[BALL]\ntype sphere\nsize x\nposition 0 0\n");
   EXPECT_EQ(read.said.substr(0, 26), "lesson.scenario:11: error:") << read.said;
 }
 
 TEST(SettingsTest, AKeyThatStandsTwiceIsNotSet) {
-  const Set read = ReadWith({"TARGET.red=1 1"}, std::string(kText) + "[TARGET]\nred 0 0\nred 2 2\n");
+  const Set read = ReadWith({"TARGET.red=1 1"}, std::string(kSettings) + "[TARGET]\nred 0 0\nred 2 2\n");
   EXPECT_EQ(
       read.said,
       "--set TARGET.red=1 1: error: 'red' stands 2 times in [TARGET]: change the scenario's file instead\n");
