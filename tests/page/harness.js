@@ -83,7 +83,10 @@ async function makePage(webgl) {
     if (!draws) HTMLCanvasElement.prototype.getContext = function flat(kind, ...more) {
       return kind.startsWith('webgl') ? null : getContext.call(this, kind, ...more);
     };
-  }, [60, webgl]);
+  }, [150, webgl]);
+  // By a timer: pictures come late where they are drawn slowly.
+  const waitForFunction = page.waitForFunction.bind(page);
+  page.waitForFunction = (condition, arg) => waitForFunction(condition, arg, {polling: 40});
   page.on('pageerror', (error) => page.mistakes.push(String(error)));
   page.on('console', (message) => { if (message.type() === 'error') page.mistakes.push(message.text()); });
   return page;
@@ -204,7 +207,7 @@ export async function eventually(condition) {
   const end = performance.now() + LIMIT_MS;
   while (!(await condition())) {
     if (performance.now() > end) throw new Error(`still not so after ${LIMIT_MS / 1000} seconds: ${condition}`);
-    await sleep(30);
+    await sleep(40);
   }
 }
 

@@ -27,7 +27,10 @@ position 0 -3
 let daemon, page;
 
 before(async () => { ({daemon, page} = await openScenario(SCENARIO, {webgl: true})); });
-beforeEach(() => loadAnew(daemon, page, SCENARIO));
+beforeEach(async () => {
+  await loadAnew(daemon, page, SCENARIO);
+  await order(daemon.url, '/simulation', 'run');
+});
 
 /** Where a thing is in the view: x, y, z. */
 const placeOf = (name) => page.evaluate((which) => {
@@ -46,6 +49,15 @@ test('a robot that drives moves in the view', async () => {
   const from = (await placeOf('robot1'))[0];
   await order(daemon.url, '/robot1/motors', 'set_velocity 0.4 0');
   await eventually(async () => (await placeOf('robot1'))[0] > from + 0.2);
+});
+
+test('a robot that has stopped is shown where it stands', async () => {
+  await order(daemon.url, '/robot1/motors', 'set_velocity 0.4 0');
+  const pose = async () => (await order(daemon.url, '/robot1/pose', 'get_pose')).data;
+  await eventually(async () => (await pose())[3] > 0.3);
+  await order(daemon.url, '/simulation', 'pause');
+  const [x, y] = await pose();
+  await eventually(async () => near((await placeOf('robot1')).slice(0, 2), [x, y], 0.001));
 });
 
 test('what others insert, move and remove is seen', async () => {
