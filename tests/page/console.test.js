@@ -4,31 +4,27 @@ import assert from 'node:assert/strict';
 import {execFile} from 'node:child_process';
 import {once} from 'node:events';
 import {connect} from 'node:net';
-import {after, before, test} from 'node:test';
+import {before, test} from 'node:test';
 import {promisify} from 'node:util';
 import {inLanguages, programOf} from '../../server/web/page/console_copy.js';
-import {call, closeClassroom, hasText, launchBrowser, openClassroom, openConsole} from './harness.js';
+import {call, hasText, openClassroom, openConsole} from './harness.js';
 
 const SOURCE = new URL('../..', import.meta.url).pathname;
 const run = promisify(execFile);
-let browser, daemon, page;
+let daemon, page;
 
 before(async () => {
-  browser = await launchBrowser({flat: true});
-  ({daemon, page} = await openClassroom(browser));
+  ({daemon, page} = await openClassroom());
   await page.waitForSelector('#console-module option[value="/robot1/motors"]', {state: 'attached'});
   await openConsole(page);
   await page.evaluate(() => { globalThis.copied = ''; navigator.clipboard.writeText = async (text) => { globalThis.copied = text; }; });
-});
-after(async () => {
-  await closeClassroom({daemon, page});
-  await browser?.close();
 });
 
 const value = () => page.inputValue('#console-line');
 
 /** Begins a line to a module whose commands are known. */
 async function type(module, line) {
+  await page.evaluate(() => { document.getElementById('console-hint').textContent = ''; });  // of another module
   await page.selectOption('#console-module', module);
   await page.fill('#console-line', '');
   await page.focus('#console-line');
@@ -52,12 +48,12 @@ async function copyOf(language) {
 const names = () => Number(daemon.names.slice(daemon.names.lastIndexOf(':') + 1));
 
 /** Runs lines after those that connect; returns what the program prints. */
-async function python(lines, last = '') {
-  const code = programOf('Python', '127.0.0.1', names(), lines) + last;
+async function python(lines) {
+  const code = programOf('Python', '127.0.0.1', names(), lines);
   return (await run('python3', ['-c', code], {env: {...process.env, PYTHONPATH: `${SOURCE}/clients/python`}})).stdout;
 }
-async function octave(lines, last = '') {
-  const code = `addpath('${SOURCE}/clients/matlab');\n${programOf('MATLAB', '127.0.0.1', names(), lines)}${last}`;
+async function octave(lines) {
+  const code = `addpath('${SOURCE}/clients/matlab');\n${programOf('MATLAB', '127.0.0.1', names(), lines)}`;
   return (await run('octave-cli', ['--no-gui', '--quiet', '--eval', code])).stdout;
 }
 
@@ -149,6 +145,15 @@ async function resolved() {
   return table;
 }
 
+/** Each line of `out` begins with the command of the table that was sent; that of ping has these values. */
+function runAsSent(table, out, pinged) {
+  const lines = out.trim().split('\n');
+  assert.equal(lines.length, table.length, out);
+  table.forEach((sent, i) => assert.equal(Number.parseInt(lines[i], 10), sent.command, `${sent.line}: ${lines[i]}`));
+  const at = table.findIndex(({name}) => name === 'ping');
+  assert.equal(lines[at].trim(), `${table[at].command} ${pinged}`);
+}
+
 /** The box that the lines have inserted, which then goes. */
 async function boxIsThere() {
   const things = async () => (await call(daemon.url, {module: '/world', command: 'list'})).text;
@@ -159,21 +164,17 @@ async function boxIsThere() {
 
 test('the Python lines run, and send what the console sent', async () => {
   const table = await resolved();
-  for (const sent of table) {
-    const out = await python([inLanguages(sent).Python], 'print(reply.command, list(reply.params), list(reply.data))');
-    assert.ok(out.startsWith(`${sent.command} `), `${sent.line}: ${out}`);
-    if (sent.name === 'ping') assert.equal(out.trim(), `${sent.command} [1, 2] [0.5, inf]`);
-  }
+  const out = await python(table.flatMap((sent) =>
+    [inLanguages(sent).Python, 'print(reply.command, list(reply.params), list(reply.data))']));
+  runAsSent(table, out, '[1, 2] [0.5, inf]');
   await boxIsThere();
 });
 
 test('the MATLAB lines run in Octave, and send what the console sent', async () => {
   const table = await resolved();
-  for (const sent of table) {
-    const out = await octave([`${inLanguages(sent).MATLAB};`], "printf('%g ', reply.command, reply.params, reply.data)");
-    assert.ok(out.startsWith(`${sent.command} `), `${sent.line}: ${out}`);
-    if (sent.name === 'ping') assert.equal(out.trim(), `${sent.command} 1 2 0.5 Inf`);
-  }
+  const out = await octave(table.flatMap((sent) =>
+    [`${inLanguages(sent).MATLAB};`, "printf('%g ', reply.command, reply.params, reply.data); printf('\\n');"]));
+  runAsSent(table, out, '1 2 0.5 Inf');
   await boxIsThere();
 });
 

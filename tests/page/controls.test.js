@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: MIT
 // The run, its time, its scenario and its lockstep, changed on the page as a person does it.
 import assert from 'node:assert/strict';
-import {after, afterEach, before, beforeEach, test} from 'node:test';
-import {call, closeClassroom, eventually, hasText, launchBrowser, openClassroom, openModule} from './harness.js';
+import {afterEach, beforeEach, test} from 'node:test';
+import {call, endAll, enterNumber, eventually, hasText, moreStatuses, openClassroom, openModule} from './harness.js';
 
-let browser;
 let daemon;
 let page;
 
-before(async () => { browser = await launchBrowser({flat: true}); });
-after(async () => { await browser?.close(); });
 
-beforeEach(async () => { ({daemon, page} = await openClassroom(browser)); });
-afterEach(() => closeClassroom({daemon, page}));
+beforeEach(async () => { ({daemon, page} = await openClassroom()); });
+afterEach(endAll);
 
 test('run, pause, step and reset do what they say', async () => {
   await page.click('#pause');
@@ -62,11 +59,11 @@ test('many errors in an uploaded scenario leave the robots in sight', async () =
 test('an uploaded scenario is run', async () => {
   const text = '[ROBOT_1]\ntype single\nname ana\nposition 0 0\n[ROBOT_2]\ntype single\nname bo\nposition 1 1\n';
   await page.setInputFiles('#upload', {name: 'mine.scenario', mimeType: 'text/plain', buffer: Buffer.from(text)});
+  await hasText(page, '#message', /^loaded mine\.scenario$/);
   await page.waitForSelector('.card[data-robot="ana"]');
   await page.waitForSelector('.card[data-robot="bo"]');
   await page.waitForSelector('.card[data-robot="robot1"]', {state: 'detached'});
   await hasText(page, '#scenario-name', /^mine$/);
-  await hasText(page, '#message', /^loaded mine\.scenario$/);
   assert.equal((await daemon.status()).scenario, 'mine');
 });
 
@@ -88,9 +85,11 @@ test('lockstep says how to go on without a robot that has no client', async () =
 
 test('lockstep that advances is shown as running', async () => {
   const client = await openModule(daemon.names, '/robot1/motors');
-  let replies = 0;
+  let replies = 0, longest_ms = 0, last = Infinity;
   client.on('data', (data) => {
     replies += String(data).split('\n').length - 1;
+    longest_ms = Math.max(longest_ms, performance.now() - last);
+    last = performance.now();
     client.write('set_velocity 0.1 0\n');
   });
   await page.selectOption('#set-mode', 'lockstep');
@@ -98,16 +97,17 @@ test('lockstep that advances is shown as running', async () => {
   const height = await page.locator('#strip').evaluate((strip) => strip.offsetHeight);
   client.write('set_velocity 0.1 0\n');
   await hasText(page, '#state', /^running$/);
+  longest_ms = 0;
   await page.evaluate(() => {
     globalThis.waits = 0;
     new MutationObserver(() => { globalThis.waits += document.getElementById('waiting').textContent ? 1 : 0; })
       .observe(document.getElementById('strip'), {childList: true, subtree: true, characterData: true});
   });
-  const later = page.statuses + 10;
   const earlier = replies;
-  const waits = () => page.evaluate(() => globalThis.waits);
-  await eventually(async () => (await waits()) >= 0 && page.statuses >= later && replies > earlier);
-  assert.equal(await waits(), 0);
+  await moreStatuses(page, 10);
+  assert.ok(replies > earlier);
+  // On a busy machine the client itself may have let the world wait.
+  if (longest_ms < 400) assert.equal(await page.evaluate(() => globalThis.waits), 0);
   assert.equal(await page.textContent('#mode'), 'lockstep');
   assert.equal(await page.locator('#strip').evaluate((strip) => strip.offsetHeight), height);
   client.destroy();
@@ -144,14 +144,10 @@ test('only connected robots take part, if one wants', async () => {
 });
 
 test('step size and speed are set', async () => {
-  await page.fill('#set-step', '20');
-  await page.press('#set-step', 'Enter');
-  await page.fill('#set-speed', '2');
-  await page.press('#set-speed', 'Enter');
-  await eventually(async () => {
-    const {step_s, speed} = await daemon.status();
-    return step_s === 0.02 && speed === 2;
-  });
+  await enterNumber(page, '#set-step', '20');
+  await enterNumber(page, '#set-speed', '2');
+  const {step_s, speed} = await daemon.status();
+  assert.deepEqual([step_s, speed], [0.02, 2]);
   await page.fill('#set-step', '500');
   await page.press('#set-step', 'Enter');
   await hasText(page, '#message', /^step size: a step lasts 0\.5 to 100 ms, not 500 ms$/);
@@ -161,9 +157,7 @@ test('step size and speed are set', async () => {
 });
 
 test('a wrong number for the speed is refused, in red, and changes nothing', async () => {
-  await page.fill('#set-speed', '2');
-  await page.press('#set-speed', 'Enter');
-  await eventually(async () => (await daemon.status()).speed === 2);
+  await enterNumber(page, '#set-speed', '2');
   for (const wrong of ['-1', '1e', '0', '--']) {
     await page.fill('#set-speed', '');
     await page.focus('#set-speed');
@@ -182,9 +176,7 @@ test('a wrong number for the speed is refused, in red, and changes nothing', asy
 });
 
 test('a refused number gives way to what holds when its field is left', async () => {
-  await page.fill('#set-speed', '2');
-  await page.press('#set-speed', 'Enter');
-  await eventually(async () => (await daemon.status()).speed === 2);
+  await enterNumber(page, '#set-speed', '2');
   for (const [id, wrong, key, holds] of [['set-speed', '0', 'Enter', '2'], ['set-speed', '-1', 'Tab', '2'], ['set-step', '500', 'Enter', '10']]) {
     await page.fill(`#${id}`, wrong);
     await page.press(`#${id}`, key);

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The cost table: who slows the run.
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
-import {call, closeClassroom, eventually, hasText, launchBrowser, openClassroom, openModule} from './harness.js';
+import {before, test} from 'node:test';
+import {call, eventually, hasText, openClassroom, openModule} from './harness.js';
 
-let browser, daemon, page;
+let daemon, page;
 
 before(async () => {
-  browser = await launchBrowser({flat: true});
-  ({daemon, page} = await openClassroom(browser));
-});
-after(async () => {
-  await closeClassroom({daemon, page});
-  await browser?.close();
+  ({daemon, page} = await openClassroom());
 });
 
 const rows = () => page.evaluate(() => [...document.querySelectorAll('#cost-table tbody tr')].map((row) =>
@@ -20,11 +15,14 @@ const rows = () => page.evaluate(() => [...document.querySelectorAll('#cost-tabl
 
 test('in real time the parts of a step and the spare time make up the step', async () => {
   await page.click('#tab-cost');
-  await hasText(page, '#cost-verdict', /^A step takes \d+\.\d\d ms, \d+\.\d\d ms of it to spare: nothing in the run slows it\.$/);
-  await eventually(async () => (await rows()).some(({name}) => name === 'physics'));
-  const [listed, said] = await page.evaluate(() => [[...document.querySelectorAll('#cost-table tbody tr')].map((row) =>
-    ({ms: Number(row.children[1].textContent), kind: row.dataset.kind})), document.getElementById('cost-verdict').textContent]);
-  assert.equal(listed[0].kind, 'spare');
+  let listed, said;
+  await eventually(async () => {
+    [listed, said] = await page.evaluate(() => [[...document.querySelectorAll('#cost-table tbody tr')].map((row) =>
+      ({name: row.children[0].textContent, ms: Number(row.children[1].textContent), kind: row.dataset.kind})),
+    document.getElementById('cost-verdict').textContent]);
+    return /^A step takes \d+\.\d\d ms, \d+\.\d\d ms of it to spare: nothing in the run slows it\.$/.test(said) &&
+      listed[0].kind === 'spare' && listed.some(({name}) => name === 'physics');
+  });
   const sum = listed.reduce((total, {ms}) => total + ms, 0), length = Number(said.match(/takes (\S+) ms/)[1]);
   assert.ok(Math.abs(sum - length) < 0.02, `${sum} ms, and it says ${length}`);
   assert.ok(length > 5, `${length} ms for steps of 10 ms`);
@@ -35,10 +33,10 @@ test('a slow client is named, with how long the world waits for it', async () =>
   client.on('data', () => setTimeout(() => client.write('set_velocity 0.1 0\n'), 20));
   client.write('hello ana\n');
   await call(daemon.url, {module: '/simulation', line: 'set_mode lockstep'});
-  await hasText(page, '#cost-verdict', /^A step takes [2-9]\d\.\d\d ms\. robot1's client: the world waited [2-9]\d\.\d\d ms per step for it\.$/);
+  await hasText(page, '#cost-verdict', /^A step takes (?:[2-9]\d|\d{3,})\.\d\d ms\. robot1's client: the world waited (?:[2-9]\d|\d{3,})\.\d\d ms per step for it\.$/);
   const [first] = await rows();
   assert.equal(first.name, "robot1's client");
-  assert.match(await page.getAttribute('#cost-table tbody tr', 'title'), /^ana: the world waited [2-9]\d\./);
+  assert.match(await page.getAttribute('#cost-table tbody tr', 'title'), /^ana: the world waited (?:[2-9]\d|\d{3,})\./);
   client.destroy();
   await call(daemon.url, {module: '/simulation', line: 'set_mode realtime'});
 });

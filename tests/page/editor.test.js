@@ -2,22 +2,16 @@
 // The tab Text: mistakes by line as one types, completion, load, and a draft that stays.
 import assert from 'node:assert/strict';
 import {readFile} from 'node:fs/promises';
-import {after, before, test} from 'node:test';
+import {before, test} from 'node:test';
 import {GRAMMAR, kindOf} from '../../server/web/page/grammar.js';
-import {closeClassroom, eventually, hasText, launchBrowser, openClassroom} from './harness.js';
+import {eventually, hasText, openClassroom} from './harness.js';
 
-let browser, daemon, page;
+let daemon, page;
 
 before(async () => {
-  browser = await launchBrowser();
-  ({daemon, page} = await openClassroom(browser));
-  await page.waitForFunction(() => window.coopdyn?.handles);
+  ({daemon, page} = await openClassroom());
   await page.click('#tab-text');
   await page.waitForFunction(() => window.coopdyn.editor.report);
-});
-after(async () => {
-  if (page) await closeClassroom({daemon, page});
-  await browser?.close();
 });
 
 const text = () => page.evaluate(() => window.coopdyn.editor.text);
@@ -81,9 +75,8 @@ test('completion offers choices, robots among them', async () => {
 test('the draft is there after the page was opened again', async () => {
   const before = await text();
   await page.reload();
-  await page.waitForFunction(() => window.coopdyn?.handles);
   await page.click('#tab-text');
-  await page.waitForFunction(() => window.coopdyn.editor.report);
+  await page.waitForFunction(() => window.coopdyn?.editor.report);
   assert.equal(await text(), before);
 });
 

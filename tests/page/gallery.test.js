@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: MIT
 // The tab Arena, files that are dropped, and links.
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
-import {call, closeClassroom, eventually, hasText, launchBrowser, openClassroom, openPage, startDaemon} from './harness.js';
+import {before, test} from 'node:test';
+import {call, eventually, hasText, openClassroom, openPage, startDaemon} from './harness.js';
 
-let browser, daemon, page;
+const WEBGL = {webgl: true};
+let daemon, page;
 const requests = [];
 
 before(async () => {
-  browser = await launchBrowser();
-  ({daemon, page} = await openClassroom(browser));
+  ({daemon, page} = await openClassroom(WEBGL));
   page.on('request', (request) => requests.push(request.url()));
   await page.waitForFunction(() => window.coopdyn?.handles);
-});
-after(async () => {
-  if (page) await closeClassroom({daemon, page});
-  await browser?.close();
 });
 
 const world = async () => JSON.parse((await call(daemon.url, {module: '/world', line: 'list'})).text);
@@ -40,12 +36,13 @@ test('scenarios, worlds and robots are there with their pictures', async () => {
 });
 
 test('few pictures are fetched at once, so that a click need not wait for them', async () => {
-  const fresh = await openPage(browser, daemon.url);
+  const fresh = await openPage(daemon.url);
   let held = 0;
   await fresh.route('**/thumb/**', () => { ++held; });  // never answered
   await fresh.click('#tab-arena');
   await fresh.locator('.thumb-box .small').first().click();
   await eventually(() => fresh.evaluate(() => window.coopdyn.editor.code?.view.state.doc.length > 0));
+  await eventually(() => held >= 3);
   assert.equal(held, 3);
   await fresh.close();
 });
@@ -62,6 +59,7 @@ test('a click on a world loads it without robots', async () => {
 });
 
 test('a robot is dragged from the gallery onto the floor', async () => {
+  await page.waitForFunction(() => !window.coopdyn.view.scene.find('robot1'));
   const card = page.locator('.thumb[data-kind="robot"][data-name="coopbot"]');
   await card.scrollIntoViewIfNeeded();
   const frame = await page.locator('#view').boundingBox();
@@ -133,7 +131,7 @@ test('a scenario with a name of markup is text', async () => {
 });
 
 test('a link loads its scenario and looks from where it says', async () => {
-  const linked = await openPage(browser, `${daemon.url}?scenario=corridor&view=top&tab=world`);
+  const linked = await openPage(`${daemon.url}?scenario=corridor&view=top&tab=world`, WEBGL);
   await eventually(async () => (await daemon.status()).scenario === 'corridor');
   await linked.waitForFunction(() => window.coopdyn?.view.scene);
   await linked.waitForFunction(() => {
@@ -147,14 +145,14 @@ test('a link loads its scenario and looks from where it says', async () => {
 });
 
 test('a link to a scenario that is not there says so', async () => {
-  const linked = await openPage(browser, `${daemon.url}?scenario=nowhere`);
+  const linked = await openPage(`${daemon.url}?scenario=nowhere`);
   await hasText(linked, '#message.error', /nowhere/);
   await linked.close();
 });
 
 test('with --read-only nothing is loaded, in words', async () => {
   const locked = await startDaemon('classroom', '--read-only', '--mode', 'free');
-  const looking = await openPage(browser, `${locked.url}?scenario=corridor`);
+  const looking = await openPage(`${locked.url}?scenario=corridor`);
   await hasText(looking, '#message.error', /read-only/);
   assert.equal((await locked.status()).scenario, 'classroom');
   await looking.close();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Starts the daemon that COOPDYN_BINARY names and opens its page in a headless Chromium.
+// Starts the daemon that COOPDYN_BINARY names and opens its page in a headless Chromium, which all tests share.
 import assert from 'node:assert/strict';
 import {spawn} from 'node:child_process';
 import {once} from 'node:events';
@@ -8,120 +8,171 @@ import {mkdirSync, mkdtempSync, rmSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {dirname, join} from 'node:path';
 import {createInterface} from 'node:readline';
+import {setTimeout as sleep} from 'node:timers/promises';
 import {chromium} from 'playwright-core';
 
 const SOURCE_DIR = new URL('../..', import.meta.url).pathname;
+const LIMIT_MS = 120000;  // only what hangs takes so long
+const SIZE = {width: 1024, height: 768};  // a projector's
+const daemons = new Set(), pages = new Set(), folders = new Set();
+const kept = [];  // pages that were used: another costs three times as much as an address that one of them goes to
+let browser;
 
 /** A daemon on free ports: {url, names, process, status(), stop()}. `scenario`: a name or path. */
-export const startDaemon = (scenario = 'classroom', ...flags) => start('serve', scenario, ...flags);
+export const startDaemon = (scenario = 'classroom', ...flags) => start({}, 'serve', scenario, ...flags);
+
+/** As startDaemon(), in another environment. */
+export const startDaemonIn = (environment, scenario, ...flags) => start(environment, 'serve', scenario, ...flags);
 
 /** Plays a recording on free ports; as startDaemon(). */
-export const startPlayer = (file, ...flags) => start('play', file, ...flags);
+export const startPlayer = (file, ...flags) => start({}, 'play', file, ...flags);
 
-async function start(...words) {
+async function start(environment, ...words) {
   const binary = process.env.COOPDYN_BINARY;
   if (!binary) throw new Error('set COOPDYN_BINARY to the daemon to test, e.g. build/release/coopdyn');
-  const child = spawn(binary, [...words, '--port', '0'],
-    {stdio: ['ignore', 'pipe', 'pipe'], env: {...process.env, COOPDYN_PATH: process.env.COOPDYN_PATH ?? SOURCE_DIR}});
-  let log = '';
-  child.stderr.on('data', (chunk) => { log += chunk; });
+  const child = spawn(binary, [...words, '--port', '0'], {stdio: ['ignore', 'pipe', 'pipe'],
+    env: {...process.env, COOPDYN_PATH: process.env.COOPDYN_PATH ?? SOURCE_DIR, ...environment}});
   const ended = once(child, 'exit');
-  const ready = (async () => {
-    for await (const line of createInterface({input: child.stdout})) {
-      const match = /^ready names=(\S+) http=(\S+)/.exec(line);
-      if (match) return {names: match[1], url: match[2]};
-    }
-    await ended;
-    throw new Error(`the daemon ended before it was ready:\n${log}`);
-  })();
-  const addresses = await ready;
-  return {
-    ...addresses,
+  const daemon = {
     process: child,
-    async status() { return (await fetch(new URL('api/status', addresses.url))).json(); },
+    async status() { return (await fetch(new URL('api/status', daemon.url))).json(); },
     async stop() {
       child.kill('SIGTERM');
       await ended;
+      daemons.delete(daemon);
     },
   };
+  daemons.add(daemon);
+  let log = '';
+  child.stderr.on('data', (chunk) => { log += chunk; });
+  for await (const line of createInterface({input: child.stdout})) {
+    const match = /^ready names=(\S+) http=(\S+)/.exec(line);
+    if (match) return Object.assign(daemon, {names: match[1], url: match[2]});
+  }
+  await ended;
+  throw new Error(`the daemon ended before it was ready:\n${log}`);
 }
 
-/** `flat`: without WebGL, for tests of what stands beside the view; it draws on the processor, which takes half of a test's
- *  time. The page then shows the daemon's pictures. */
-export function launchBrowser({flat = false} = {}) {
-  return chromium.launch({
-    executablePath: process.env.COOPDYN_CHROMIUM ?? '/usr/bin/chromium',
-    args: ['--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run',
-      '--disable-background-networking', '--disable-component-update', '--disable-sync',
-      ...(flat ? ['--disable-3d-apis'] : [])],
-  });
-}
-
-/** A page at a projector's size that has the daemon's status. Errors on it are collected in `page.mistakes`;
- *  `page.statuses` counts what it was told. */
-export async function openPage(browser, url) {
-  const page = await browser.newPage({viewport: {width: 1024, height: 768}});
-  // Software draws on the cores that the test needs: a few pictures a second are enough.
-  await page.addInitScript((pause_ms) => {
-    const soon = window.requestAnimationFrame.bind(window);
-    window.requestAnimationFrame = (draw) => setTimeout(() => soon(draw), pause_ms);
-    window.cancelAnimationFrame = (number) => clearTimeout(number);
-  }, 60);
+/** An empty page. Errors on it are collected in `page.mistakes`. `webgl`: it can draw the view itself. Software draws it on the
+ *  processor, which takes most of a test's time; without, the page shows the daemon's pictures. */
+export async function newPage({webgl = false} = {}) {
+  const at = kept.findIndex((page) => page.webgl === webgl);
+  const page = at >= 0 ? kept.splice(at, 1)[0] : await makePage(webgl);
   page.mistakes = [];
-  page.on('pageerror', (error) => page.mistakes.push(String(error)));
-  page.on('console', (message) => { if (message.type() === 'error') page.mistakes.push(message.text()); });
-  page.statuses = 0;
-  page.on('websocket', (socket) => socket.on('framereceived', ({payload}) => {
-    if (typeof payload === 'string' && payload.startsWith('{"type":"status"')) ++page.statuses;
-  }));
-  await page.goto(url);
-  await page.waitForFunction(() => /^[\d.]+ s$/.test(document.getElementById('time').textContent));
+  pages.add(page);
   return page;
 }
 
-/** A daemon with the classroom, and its page. */
-export async function openClassroom(browser) {
-  const daemon = await startDaemon('classroom');
-  return {daemon, page: await openPage(browser, daemon.url)};
+/** The one browser. */
+export const startBrowser = () => (browser ??= chromium.launch({
+  executablePath: process.env.COOPDYN_CHROMIUM ?? '/usr/bin/chromium',
+  args: ['--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run',
+    '--disable-background-networking', '--disable-component-update', '--disable-sync'],
+}));
+
+async function makePage(webgl) {
+  const page = Object.assign(await (await startBrowser()).newPage({viewport: SIZE}), {webgl});
+  page.setDefaultTimeout(LIMIT_MS);
+  page.on('close', () => pages.delete(page));
+  // A few pictures a second are enough.
+  await page.addInitScript(([pause_ms, draws]) => {
+    const soon = window.requestAnimationFrame.bind(window);
+    window.requestAnimationFrame = (draw) => setTimeout(() => soon(draw), pause_ms);
+    window.cancelAnimationFrame = (number) => clearTimeout(number);
+    const {getContext} = HTMLCanvasElement.prototype;
+    if (!draws) HTMLCanvasElement.prototype.getContext = function flat(kind, ...more) {
+      return kind.startsWith('webgl') ? null : getContext.call(this, kind, ...more);
+    };
+  }, [150, webgl]);
+  // By a timer: pictures come late where they are drawn slowly.
+  const waitForFunction = page.waitForFunction.bind(page);
+  page.waitForFunction = (condition, arg) => waitForFunction(condition, arg, {polling: 40});
+  page.on('pageerror', (error) => page.mistakes.push(String(error)));
+  page.on('console', (message) => { if (message.type() === 'error') page.mistakes.push(message.text()); });
+  return page;
 }
 
-/** A daemon with the scenario of this text, which finds `files` (texts by path) too, and its page. closeScenario() ends them. */
-export async function openScenario(browser, text, files = {}) {
-  const folder = mkdtempSync(join(tmpdir(), 'coopdyn_page_'));
+/** A page, as newPage() makes it, that has the daemon's status. */
+export async function openPage(url, options) {
+  const page = await newPage(options);
+  await page.goto(url);
+  await page.waitForFunction(() => window.coopdyn && /^[\d.]+ s$/.test(document.getElementById('time').textContent));
+  return page;
+}
+
+/** A daemon draws where its page cannot, which takes most of its time: only where a test looks at that, `pictures`. */
+const drawing = ({webgl, pictures} = {}) => (webgl || pictures ? [] : ['--no-render']);
+
+/** A daemon with the classroom, and its page. */
+export async function openClassroom(options) {
+  const daemon = await startDaemon('classroom', ...drawing(options));
+  return {daemon, page: await openPage(daemon.url, options)};
+}
+
+/** A daemon with the scenario of this text, which finds `files` (texts by path) too, and its page. */
+export async function openScenario(text, {files = {}, ...options} = {}) {
+  const folder = newFolder();
   for (const [name, content] of Object.entries({...files, 'page.scenario': text})) {
     mkdirSync(dirname(join(folder, name)), {recursive: true});
     writeFileSync(join(folder, name), content);
   }
-  const daemon = await startDaemon(join(folder, 'page.scenario'), '--scenarios', folder);
-  return {daemon, folder, page: await openPage(browser, daemon.url)};
+  const daemon = await startDaemon(join(folder, 'page.scenario'), '--scenarios', folder, ...drawing(options));
+  return {daemon, page: await openPage(daemon.url, options)};
 }
 
-/** Ends what openScenario() began; there were no errors on the page. */
-export async function closeScenario({daemon, folder, page}) {
-  await closeClassroom({daemon, page});
-  rmSync(folder, {recursive: true, force: true});
+/** Loads this text into a daemon, and waits until the page, which draws it, shows that scene. */
+export async function loadAnew(daemon, page, text) {
+  await page.waitForFunction(() => window.coopdyn.view.scene);
+  const last = await page.evaluate(() => window.coopdyn.view.scene.number);
+  const {error, text: said} = await call(daemon.url, {module: '/simulation', command: 'load_scenario', text});
+  assert.equal(error, 0, said);
+  await page.waitForFunction((old) => window.coopdyn.view.scene.number !== old, last);
 }
 
-/** Ends both; there were no errors on the page. */
-export async function closeClassroom({daemon, page}) {
-  assert.deepEqual(page.mistakes, []);
-  await page.close();
-  await daemon.stop();
+/** A folder that goes with the daemons. */
+export function newFolder() {
+  const folder = mkdtempSync(join(tmpdir(), 'coopdyn_page_'));
+  folders.add(folder);
+  return folder;
 }
 
-/** Waits until the page was told its status `count` times more, five times a second. */
-export async function moreStatuses(page, count) {
-  const later = page.statuses + count;
-  await eventually(async () => {
-    await page.evaluate(() => 0);  // so that what comes is heard
-    return page.statuses >= later;
-  });
+/** Ends what tests have begun, after each test or after all of a file; there were no errors on the pages that are still open.
+ *  Who changes more of a page than is set back here closes it. */
+export async function endAll() {
+  const mistakes = [...pages].flatMap((page) => page.mistakes);
+  for (const page of pages) {
+    page.removeAllListeners('request');
+    await page.unrouteAll();
+    await page.goto('about:blank');
+    await page.setViewportSize(SIZE);
+    kept.push(page);
+  }
+  pages.clear();
+  await Promise.all([...daemons].map((daemon) => daemon.stop()));
+  for (const folder of folders) rmSync(folder, {recursive: true, force: true});
+  folders.clear();
+  assert.deepEqual(mistakes, []);
 }
+
+export const closeBrowser = async () => (await browser)?.close();
+
+/** Waits until the page was told its status `count` times more, and has shown it. */
+export const moreStatuses = (page, count) => page.evaluate((more) => new Promise((done) => {
+  let left = more;
+  window.coopdyn.connection.addEventListener('status', () => { if (--left === 0) done(); });
+}), count);
 
 /** Waits until the text of `selector` matches. */
 export const hasText = (page, selector, pattern) => page.waitForFunction(
   ([where, source]) => new RegExp(source).test(document.querySelector(where)?.textContent ?? ''),
   [selector, pattern.source]);
+
+/** Writes a number into a field and waits for its answer, when the page leaves the field. */
+export async function enterNumber(page, field, number) {
+  await page.fill(field, number);
+  await page.press(field, 'Enter');
+  await page.waitForFunction((of) => !document.activeElement.matches(of), field);
+}
 
 /** Shows the console, which is folded at first. */
 export const openConsole = (page) => page.evaluate(() => { document.getElementById('console-box').open = true; });
@@ -134,6 +185,13 @@ export async function call(url, request) {
   return response.json();
 }
 
+/** As call(), of a line, which must not fail. */
+export async function order(url, module, line) {
+  const reply = await call(url, {module, line});
+  assert.equal(reply.error, 0, `${line}: ${reply.text}`);
+  return reply;
+}
+
 /** A text connection to a module, through the port of the names. */
 export async function openModule(names, module) {
   const separator = names.lastIndexOf(':');
@@ -144,18 +202,18 @@ export async function openModule(names, module) {
   return client;
 }
 
-/** Asks again and again until `condition` resolves to true; fails after as long as Playwright's own waits. */
+/** Asks until `condition` resolves to true; in between others have the processor. */
 export async function eventually(condition) {
-  const end = performance.now() + 30000;
+  const end = performance.now() + LIMIT_MS;
   while (!(await condition())) {
-    if (performance.now() > end) throw new Error(`still not so after thirty seconds: ${condition}`);
+    if (performance.now() > end) throw new Error(`still not so after ${LIMIT_MS / 1000} seconds: ${condition}`);
+    await sleep(40);
   }
 }
 
 /** Waits until a picture of this or a later moment than now is shown, and returns the pixels as a data URL. */
 export async function nextPicture(page) {
-  const shown = () => page.evaluate(() => Number(document.getElementById('view').dataset.shown ?? 0));
-  const before = await shown();
+  const before = await page.evaluate(() => Number(document.getElementById('view').dataset.shown ?? 0));
   await page.waitForFunction((count) => Number(document.getElementById('view').dataset.shown ?? 0) > count, before);
   return picture(page);
 }

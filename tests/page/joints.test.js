@@ -1,26 +1,21 @@
 // SPDX-License-Identifier: MIT
 // The joints of an arm on the page: what they are, and moving them by sliders.
 import assert from 'node:assert/strict';
-import {after, afterEach, before, beforeEach, test} from 'node:test';
-import {call, closeScenario, eventually, launchBrowser, openScenario} from './harness.js';
+import {afterEach, beforeEach, test} from 'node:test';
+import {call, endAll, eventually, openScenario, order} from './harness.js';
 
 const SCENARIO = '[SIMULATION]\nmode realtime\n[FLOOR]\nsize 6 6 0.1\n[ROBOT_1]\ntype lwa\nname arm1\nposition 0 0\n';
 
-let browser;
 let daemon;
-let opened;
 let page;
 
-before(async () => { browser = await launchBrowser({flat: true}); });
-after(async () => { await browser?.close(); });
 
 beforeEach(async () => {
-  opened = await openScenario(browser, SCENARIO);
-  ({daemon, page} = opened);
+  ({daemon, page} = await openScenario(SCENARIO));
   await page.waitForSelector('.card[open] .joints tr');
 });
 
-afterEach(() => closeScenario(opened));
+afterEach(endAll);
 
 const joint = async (id) => (await call(daemon.url, {module: '/arm1/arm', command: 'get_joints', params: [id]})).data[0];
 
@@ -66,6 +61,7 @@ test('a slider moves its joint, and the page drives the robot until it lets go',
 });
 
 test('hold stops a move', async () => {
+  await order(daemon.url, '/simulation', 'set_speed 0.1');  // so that it still moves when the button is pressed
   await slide(0, 3);
   await eventually(async () => await joint(1) > 0.05);
   await page.click('.card[open] .joints button:has-text("Hold")');

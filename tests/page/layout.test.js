@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Tabs, the bar between view and sidebar, light and dark, and small windows.
 import assert from 'node:assert/strict';
-import {after, before, beforeEach, test} from 'node:test';
-import {closeClassroom, eventually, launchBrowser, openClassroom} from './harness.js';
+import {before, beforeEach, test} from 'node:test';
+import {eventually, openClassroom} from './harness.js';
 
-let browser, daemon, page;
+let page;
 
-before(async () => {
-  browser = await launchBrowser();
-  ({daemon, page} = await openClassroom(browser));
-});
+before(async () => { ({page} = await openClassroom({webgl: true})); });
 beforeEach(() => page.setViewportSize({width: 1280, height: 800}));
-after(async () => {
-  if (page) await closeClassroom({daemon, page});
-  await browser?.close();
-});
 
 const box = (selector) => page.locator(selector).boundingBox();
 
@@ -109,4 +102,5 @@ test('what is written can be read: its contrast is at least 4.5, light and dark'
     });
     assert.deepEqual(poor, [], colorScheme);
   }
+  await page.emulateMedia({colorScheme: null});
 });

@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Several people at one daemon see who is there.
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
-import {closeClassroom, eventually, launchBrowser, openClassroom, openPage} from './harness.js';
+import {before, test} from 'node:test';
+import {eventually, openClassroom, openPage} from './harness.js';
 
-let browser, daemon, page, other;
+const WEBGL = {webgl: true};
+let daemon, page, other;
 
 before(async () => {
-  browser = await launchBrowser();
-  ({daemon, page} = await openClassroom(browser));
-  await page.waitForFunction(() => window.coopdyn?.view.scene);
-});
-after(async () => {
-  if (page) await closeClassroom({daemon, page});
-  await browser?.close();
+  ({daemon, page} = await openClassroom());
 });
 
 const chips = (of) => of.locator('.person').count();
@@ -21,7 +16,7 @@ const chips = (of) => of.locator('.person').count();
 test('who is alone sees nobody', async () => assert.equal(await chips(page), 0));
 
 test('two see each other', async () => {
-  other = await openPage(browser, daemon.url);
+  other = await openPage(daemon.url, WEBGL);
   await other.waitForFunction(() => window.coopdyn?.view.scene);
   for (const each of [page, other]) await eventually(async () => await chips(each) === 2);
 });

@@ -1,21 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Recordings played from the page: scrubbed, reversed, stepped, branched from, laid over one another.
 import assert from 'node:assert/strict';
-import {mkdtemp, rm} from 'node:fs/promises';
-import {tmpdir} from 'node:os';
-import {join} from 'node:path';
 import {createInterface} from 'node:readline';
-import {after, before, test} from 'node:test';
-import {call, eventually, hasText, launchBrowser, openModule, openPage, startDaemon} from './harness.js';
+import {before, test} from 'node:test';
+import {eventually, hasText, newFolder, openModule, openPage, order as orderAt, startDaemon} from './harness.js';
 
 const STEPS = 2000;  // long enough that it still plays when a slow browser presses pause
-let browser, folder, daemon, page, liveHash;
+const WEBGL = {webgl: true};
+let daemon, page, liveHash;
 
-const order = async (module, line) => {
-  const reply = await call(daemon.url, {module, line});
-  assert.equal(reply.error, 0, `${line}: ${reply.text}`);
-  return reply;
-};
+const order = (module, line) => orderAt(daemon.url, module, line);
 
 /** Records `name` in lockstep; the robot turns from step 100 on at `turn`. */
 async function record(name, turn) {
@@ -33,20 +27,12 @@ async function record(name, turn) {
 }
 
 before(async () => {
-  browser = await launchBrowser();
-  folder = await mkdtemp(join(tmpdir(), 'coopdyn-page-'));
-  daemon = await startDaemon('classroom', '--recordings', folder, '--mode', 'lockstep');
+  daemon = await startDaemon('classroom', '--recordings', newFolder(), '--mode', 'lockstep');
   await record('straight', 0);
   await record('turning', 1);
   liveHash = (await daemon.status()).hash;
-  page = await openPage(browser, daemon.url);
+  page = await openPage(daemon.url, WEBGL);
   await page.waitForFunction(() => window.coopdyn?.handles);
-});
-after(async () => {
-  await page?.close();
-  await daemon?.stop();
-  await browser?.close();
-  await rm(folder, {recursive: true, force: true});
 });
 
 const playback = async () => (await daemon.status()).playback;
@@ -99,7 +85,7 @@ test('below 0 it goes backwards', async () => {
   await page.click('#timeline-play');
   await eventually(async () => (await playback()).step < STEPS - 140);
   await page.selectOption('#timeline-speed', '1');
-  if ((await playback()).playing) await page.click('#timeline-play');
+  await order('/playback', 'pause');
 });
 
 test('in a loop it begins again', async () => {
@@ -115,20 +101,15 @@ test('a ghost of another run is drawn where that run was, and the page tells whe
   await eventually(async () => (await playback()).step === 200);
   await button('turning.run', 'Ghost').click();
   await hasText(page, '#parting', /step 10[0-9]/);
-  const places = await page.evaluate(() => new Promise((resolve) => {
+  await page.waitForFunction(() => {
     const {view} = window.coopdyn;
-    let ghost;
-    view.scene.root.parent.children.forEach((child) => { if (child.userData.ghost) ghost = child; });
-    const look = () => {
-      const mesh = ghost?.children.find((child) => child.isInstancedMesh);
-      const place = mesh && [mesh.instanceMatrix.array[12], mesh.instanceMatrix.array[13]];
-      if (place && place[0] !== 0) resolve({ghost: place, shown: view.scene.pose(view.scene.find('robot1'))[0].toArray()});
-      else requestAnimationFrame(look);
-    };
-    look();
-  }));
-  const apart = Math.hypot(places.ghost[0] - places.shown[0], places.ghost[1] - places.shown[1]);
-  assert.ok(apart > 0.02 && apart < 0.5, JSON.stringify(places));
+    const ghost = view.scene.root.parent.children.find((child) => child.userData.ghost);
+    const mesh = ghost?.children.find((child) => child.isInstancedMesh);
+    if (!mesh || view.step !== 200) return false;
+    const [x, y] = view.scene.pose(view.scene.find('robot1'))[0].toArray();
+    const apart = Math.hypot(mesh.instanceMatrix.array[12] - x, mesh.instanceMatrix.array[13] - y);
+    return apart > 0.02 && apart < 0.5;
+  });
   await page.waitForSelector('.mark.parting');
   await button('turning.run', 'Ghost').click();
   await page.waitForSelector('#parting', {state: 'hidden'});

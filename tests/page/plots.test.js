@@ -2,15 +2,15 @@
 // Values against simulated time: live, of a recording, as CSV and PNG.
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
-import {mkdtempSync, readFileSync, rmSync} from 'node:fs';
+import {readFileSync} from 'node:fs';
 import {readFile} from 'node:fs/promises';
-import {tmpdir} from 'node:os';
 import {join} from 'node:path';
-import {after, before, test} from 'node:test';
-import {call, eventually, hasText, launchBrowser, openPage, startDaemon} from './harness.js';
+import {before, test} from 'node:test';
+import {call, eventually, hasText, newFolder, openPage, order as orderAt, startDaemon} from './harness.js';
 
-let browser, folder, daemon, page;
+let folder, daemon, page;
 
+const order = (module, line) => orderAt(daemon.url, module, line);
 const choose = (name) => page.locator('#plot-values label', {hasText: new RegExp(`^ ?${name}$`)}).first().locator('input').check();
 const points = () => page.evaluate(() => {
   const {plots} = window.coopdyn;
@@ -18,19 +18,11 @@ const points = () => page.evaluate(() => {
 });
 
 before(async () => {
-  browser = await launchBrowser();
-  folder = mkdtempSync(join(tmpdir(), 'coopdyn-plots-'));
-  daemon = await startDaemon('classroom', '--recordings', folder);
-  page = await openPage(browser, daemon.url);
-  await page.waitForFunction(() => window.coopdyn?.handles);
+  folder = newFolder();
+  daemon = await startDaemon('classroom', '--recordings', folder, '--no-render');
+  page = await openPage(daemon.url);
   await page.click('#tab-plots');
   await page.waitForSelector('#plot-values input');
-});
-after(async () => {
-  await page?.close();
-  await daemon?.stop();
-  await browser?.close();
-  rmSync(folder, {recursive: true, force: true});
 });
 
 test('values of one unit share a plot, others have their own', async () => {
@@ -44,7 +36,7 @@ test('values of one unit share a plot, others have their own', async () => {
 test('each point is the reading at its simulated time', async () => {
   await page.evaluate(() => window.coopdyn.connection.call({module: '/robot1/motors', line: 'set_velocity 0.3 0.4'}));
   await eventually(async () => (await points()).times.length > 20);
-  await call(daemon.url, {module: '/simulation', line: 'pause'});
+  await order('/simulation', 'pause');
   const {time_s: time} = await daemon.status();
   await eventually(async () => (await points()).times.at(-1) === time);
   const pose = await call(daemon.url, {module: '/robot1/pose', line: 'get_pose'});
@@ -52,15 +44,15 @@ test('each point is the reading at its simulated time', async () => {
   const of = (name) => columns[values.findIndex((value) => value.module === 'pose' && value.name === name)];
   assert.deepEqual([of('x').at(-1), of('y').at(-1), of('heading').at(-1)], pose.data.slice(0, 3));
   assert.ok(times.every((t, i) => i === 0 || t > times[i - 1]), 'times grow');
-  await call(daemon.url, {module: '/simulation', line: 'run'});
+  await order('/simulation', 'run');
 });
 
 test('a reset begins the curves anew', async () => {
-  await call(daemon.url, {module: '/simulation', line: 'reset'});
-  await eventually(async () => {
-    const {times} = await points();
-    return times.length > 0 && times.at(-1) < 5 && times.every((t, i) => i === 0 || t > times[i - 1]);
-  });
+  await order('/simulation', 'pause');
+  await order('/simulation', 'reset');
+  await eventually(async () => JSON.stringify((await points()).times) === '[0]');
+  await order('/simulation', 'run');
+  await eventually(async () => (await points()).times.length > 5);
 });
 
 test('the strip tells real-time factor and hash', async () => {
@@ -85,23 +77,23 @@ test('PNG is a picture of all plots', async () => {
 });
 
 test('a drag zooms, a double click shows all again', async () => {
+  await order('/simulation', 'pause');  // then nothing moves below the mouse
   const over = page.locator('#plot-charts .u-over').first();
   const span = () => page.evaluate(() => { const {min, max} = window.coopdyn.plots.charts[0].scales.x; return max - min; });
   const whole = await span();
-  await eventually(async () => {  // the charts move while others above them grow
-    const {x, y, width, height} = await over.boundingBox();
-    await page.mouse.move(x + 0.3 * width, y + height / 2);
-    await page.mouse.down();
-    await page.mouse.move(x + 0.6 * width, y + height / 2, {steps: 4});
-    await page.mouse.up();
-    return await span() < 0.6 * whole;
-  });
+  await over.hover();
+  const {x, y, width, height} = await over.boundingBox();
+  await page.mouse.move(x + 0.3 * width, y + height / 2);
+  await page.mouse.down();
+  await page.mouse.move(x + 0.6 * width, y + height / 2, {steps: 4});
+  await page.mouse.up();
+  await eventually(async () => await span() < 0.6 * whole);
   await over.dblclick();
   await eventually(async () => await span() > 0.9 * whole);
+  await order('/simulation', 'run');
 });
 
 test('of a recording the whole curve is there, as in its export', async () => {
-  const order = async (module, line) => assert.equal((await call(daemon.url, {module, line})).error, 0, line);
   await order('/simulation', 'reset');
   await order('/recorder', 'start plotted');
   await page.evaluate(() => window.coopdyn.connection.call({module: '/robot1/motors', line: 'set_velocity 0.3 -0.4'}));
@@ -126,10 +118,10 @@ test('a click on a plot of a recording goes to that time', async () => {
   await choose('x');
   const over = page.locator('#plot-charts .u-over').first();
   await over.waitFor();
-  const {x, y, width, height} = await over.boundingBox();
+  await over.hover();
+  const {width, height} = await over.boundingBox();
   const wanted = await page.evaluate((left) => window.coopdyn.plots.charts[0].posToVal(left, 'x'), 0.5 * width);
-  await page.mouse.move(x + 0.5 * width - 3, y + height / 2);
-  await page.mouse.click(x + 0.5 * width, y + height / 2);
+  await over.click({position: {x: 0.5 * width, y: height / 2}});
   await eventually(async () => Math.abs((await daemon.status()).playback.time_s - wanted) < 0.05);
 });
 

@@ -2,12 +2,12 @@
 // Scores and logged numbers: shown under Run and plotted, live and of a recording.
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
-import {mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
+import {readFileSync, writeFileSync} from 'node:fs';
 import {readFile} from 'node:fs/promises';
-import {tmpdir} from 'node:os';
 import {join} from 'node:path';
-import {after, before, test} from 'node:test';
-import {call, eventually, hasText, launchBrowser, moreStatuses, openPage, startDaemon} from './harness.js';
+import {before, test} from 'node:test';
+import {isDeepStrictEqual} from 'node:util';
+import {eventually, hasText, moreStatuses, newFolder, openPage, order as orderAt, startDaemon} from './harness.js';
 
 const ROOM = `[SIMULATION]
 mode realtime
@@ -28,12 +28,9 @@ kind coverage
 kind time
 until >= 500
 `;
-let browser, folder, daemon, page;
+let folder, daemon, page;
 
-const order = async (module, line) => {
-  const reply = await call(daemon.url, {module, line});
-  assert.equal(reply.error, 0, `${line}: ${reply.text}`);
-};
+const order = (module, line) => orderAt(daemon.url, module, line);
 const drive = () => page.evaluate(() => window.coopdyn.connection.call({module: '/eva/motors', line: 'set_velocity 0.3 0.4'}));
 /** The rows that are shown: [name, value, note]. */
 const rows = () => page.$$eval('#scores tr', (all) => all.map((row) => [...row.cells].map(({textContent}) => textContent)));
@@ -45,23 +42,15 @@ const choose = (name) => page.locator('#plot-values label', {hasText: new RegExp
 const columnOf = ({columns, values}, key) => columns[values.findIndex((value) => value.key === key)] ?? [];
 
 before(async () => {
-  browser = await launchBrowser();
-  folder = mkdtempSync(join(tmpdir(), 'coopdyn-scores-'));
+  folder = newFolder();
   writeFileSync(join(folder, 'scored.scenario'), SCORED);
   writeFileSync(join(folder, 'short.scenario'), `${ROOM}[SCORE_1]\nkind time\nuntil >= 0.5\nlimit 3\n`);
   writeFileSync(join(folder, 'many.scenario'),
     ROOM + Array.from({length: 60}, (_, i) => `[SCORE_${i + 1}]\nkind time\nname score${i + 1}\n`).join(''));
   execFileSync(process.env.COOPDYN_BINARY, ['serve', join(folder, 'short.scenario'), '--mode', 'free', '--no-net', '--no-render',
     '--record', join(folder, 'short.run'), '--duration', '3']);
-  daemon = await startDaemon(join(folder, 'scored.scenario'), '--recordings', folder, '--scenarios', folder);
-  page = await openPage(browser, daemon.url);
-  await page.waitForFunction(() => window.coopdyn?.handles);
-});
-after(async () => {
-  await page?.close();
-  await daemon?.stop();
-  await browser?.close();
-  rmSync(folder, {recursive: true, force: true});
+  daemon = await startDaemon(join(folder, 'scored.scenario'), '--recordings', folder, '--scenarios', folder, '--no-render');
+  page = await openPage(daemon.url);
 });
 
 test('scores stand under Run, with their units and what they end', async () => {
@@ -69,9 +58,9 @@ test('scores stand under Run, with their units and what they end', async () => {
   await eventually(async () => (await daemon.status()).scores[0].value > 0.05);
   await order('/simulation', 'pause');
   const [way, coverage, time] = (await daemon.status()).scores;
-  await hasText(page, '#scores', new RegExp(`way${way.value.toFixed(3)} m`));
-  assert.deepEqual(await rows(), [['way', `${way.value.toFixed(3)} m`, 'limit 600 s'], ['coverage', `${coverage.value.toFixed(3)} m²`, ''],
-    ['time', `${time.value.toFixed(3)} s`, 'until >= 500']]);
+  const wanted = [['way', `${way.value.toFixed(3)} m`, 'limit 600 s'], ['coverage', `${coverage.value.toFixed(3)} m²`, ''],
+    ['time', `${time.value.toFixed(3)} s`, 'until >= 500']];
+  await eventually(async () => isDeepStrictEqual(await rows(), wanted));
   assert.equal(await page.textContent('#scores-title'), 'Scores');
   assert.ok(await page.isVisible('#scores'));
 });
@@ -149,8 +138,8 @@ test('of a recording they are shown as they were at each moment', async () => {
     await order('/playback', `seek ${row[at('time_s')]}`);
     await hasText(page, '#scores', new RegExp(`way${Number(row[at('score.way_m')]).toFixed(3)} m`));
     const energy = row[at('logged.energy')];
-    await eventually(async () => JSON.stringify((await rows()).slice(3).map((cells) => cells.slice(0, 2))) ===
-      JSON.stringify(energy === 'nan' ? [] : [['energy', energy]]));
+    await eventually(async () => isDeepStrictEqual((await rows()).slice(3).map((cells) => cells.slice(0, 2)),
+      energy === 'nan' ? [] : [['energy', energy]]));
   }
 });
 

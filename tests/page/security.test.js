@@ -5,25 +5,15 @@ import {once} from 'node:events';
 import {createServer} from 'node:http';
 import {connect} from 'node:net';
 import {networkInterfaces} from 'node:os';
-import {after, before, test} from 'node:test';
-import {hasText, launchBrowser, openConsole, openModule, openPage, startDaemon} from './harness.js';
+import {afterEach, test} from 'node:test';
+import {endAll, hasText, newPage, openClassroom, openConsole, openModule, openPage, startDaemon} from './harness.js';
 
 const MARKUP = '<img/src=x/onerror=globalThis.hit=1>';
 
-let browser;
-let daemon;
-
-before(async () => {
-  browser = await launchBrowser({flat: true});
-  daemon = await startDaemon('classroom');
-});
-after(async () => {
-  await browser?.close();
-  await daemon?.stop();
-});
+afterEach(endAll);
 
 test('names with markup are shown as text', async () => {
-  const page = await openPage(browser, daemon.url);
+  const {daemon, page} = await openClassroom();
   const client = await openModule(daemon.names, '/robot1/motors');
   client.write(`hello ${MARKUP}\nclaim\n`);
   await page.waitForFunction((text) => document.querySelector('.card .owner')?.textContent.includes(text), MARKUP);
@@ -41,17 +31,17 @@ test('names with markup are shown as text', async () => {
   assert.equal(await page.evaluate(() => document.querySelectorAll('img').length), 0);
   assert.equal(await page.evaluate(() => globalThis.hit), undefined);
   client.destroy();
-  await page.close();
 });
 
 test('a page of another origin can change nothing', async () => {
+  const daemon = await startDaemon('classroom', '--no-render');
   const server = createServer((request, response) => {
     response.setHeader('Content-Type', 'text/html');
     response.end('<!doctype html><title>elsewhere</title>');
   });
-  server.listen(0, '127.0.0.1');
+  server.listen(0, '127.0.0.1').unref();
   await once(server, 'listening');
-  const page = await browser.newPage();
+  const page = await newPage();
   await page.goto(`http://127.0.0.1:${server.address().port}/`);
   const results = await page.evaluate(async (url) => {
     const body = JSON.stringify({id: 1, module: '/simulation', command: 'pause'});
@@ -77,12 +67,11 @@ test('a page of another origin can change nothing', async () => {
   assert.equal(results.socket, 'refused');
   assert.match(results.json, /^refused/);
   assert.notEqual((await daemon.status()).state, 'paused');
-  await page.close();
-  server.close();
+  await page.close();  // it was refused, which is a mistake for it
 });
 
 test('the page runs no script but its own files', async () => {
-  const page = await openPage(browser, daemon.url);
+  const {page} = await openClassroom();
   const ran = await page.evaluate(() => {
     const script = document.createElement('script');
     script.textContent = 'globalThis.inline = 1';
@@ -96,12 +85,10 @@ test('the page runs no script but its own files', async () => {
 test('who opens too many connections is refused, and nobody else is', async () => {
   const outer = Object.values(networkInterfaces()).flat().find(({internal, family}) => !internal && family === 'IPv4');
   assert.ok(outer, 'this test needs a network address besides loopback');
-  const open = await startDaemon('classroom', '--host', '0.0.0.0', '--token', 'a-long-enough-token');
+  const open = await startDaemon('classroom', '--no-render', '--host', '0.0.0.0', '--token', 'a-long-enough-token');
   const port = Number(new URL(open.url).port);
-  const sockets = [];
   const come = async (host) => {
     const socket = connect(port, host);
-    sockets.push(socket);
     await once(socket, 'connect');
     socket.write(`GET /api/scenarios HTTP/1.1\r\nHost: ${host}\r\n\r\n`);
     const [answer] = await once(socket, 'data');
@@ -109,17 +96,13 @@ test('who opens too many connections is refused, and nobody else is', async () =
   };
   for (let i = 0; i < 64; ++i) assert.match(await come(outer.address), /^HTTP\/1\.1 200 /);
   assert.match(await come(outer.address), /^HTTP\/1\.1 503 [^]*\r\nRetry-After: \d+\r\n/);
-  const page = await openPage(browser, `http://127.0.0.1:${port}/`);
-  assert.deepEqual(page.mistakes, []);
-  await page.close();
-  for (const socket of sockets) socket.destroy();
-  await open.stop();
+  await openPage(`http://127.0.0.1:${port}/`);
 });
 
 test('who has no token sends no large bodies', async () => {
   const outer = Object.values(networkInterfaces()).flat().find(({internal, family}) => !internal && family === 'IPv4');
   assert.ok(outer, 'this test needs a network address besides loopback');
-  const open = await startDaemon('classroom', '--host', '0.0.0.0', '--token', 'a-long-enough-token');
+  const open = await startDaemon('classroom', '--no-render', '--host', '0.0.0.0', '--token', 'a-long-enough-token');
   const announce = async (...headers) => {
     const socket = connect(Number(new URL(open.url).port), outer.address);
     await once(socket, 'connect');
@@ -132,22 +115,21 @@ test('who has no token sends no large bodies', async () => {
   };
   assert.match(await announce(), /^HTTP\/1\.1 413 [^]*Authorization: Bearer TOKEN/);
   assert.match(await announce('Authorization: Bearer a-long-enough-token'), /^HTTP\/1\.1 100 /);
-  await open.stop();
 });
 
 /** The page as another machine has it: its daemon wants a token. */
 async function openFromOutside() {
   const outer = Object.values(networkInterfaces()).flat().find(({internal, family}) => !internal && family === 'IPv4');
   assert.ok(outer, 'this test needs a network address besides loopback');
-  const open = await startDaemon('classroom', '--host', '0.0.0.0', '--token', 'the-right-token');
+  const open = await startDaemon('classroom', '--no-render', '--host', '0.0.0.0', '--token', 'the-right-token');
   const address = new URL(open.url);
   address.hostname = outer.address;
-  const page = await openPage(browser, address.href);
-  return {open, address, page};
+  const page = await openPage(address.href);
+  return {address, page};
 }
 
 test('from another machine the token unlocks the page, and a wrong one is told', async () => {
-  const {open, address, page} = await openFromOutside();
+  const {address, page} = await openFromOutside();
   const says = (id, text) => page.waitForFunction(
     ([where, part]) => document.getElementById(where).textContent.includes(part), [id, text]);
   await page.waitForSelector('#locked', {state: 'visible'});
@@ -161,6 +143,7 @@ test('from another machine the token unlocks the page, and a wrong one is told',
   await page.waitForSelector('#locked', {state: 'hidden'});
   assert.equal(await page.locator('#message.error').count(), 0);
   await page.reload();
+  await page.waitForFunction(() => window.coopdyn?.connection.isOpen);
   await page.click('#pause');
   await page.waitForFunction(() => document.getElementById('state').textContent === 'paused');
   assert.ok(await page.locator('#locked').isHidden());
@@ -168,17 +151,11 @@ test('from another machine the token unlocks the page, and a wrong one is told',
   await page.waitForSelector('#locked', {state: 'visible'});
   await says('token-answer', 'not the token');
   assert.equal(new URL(page.url()).search, '');
-  assert.deepEqual(page.mistakes, []);
-  await page.close();
-  await open.stop();
 });
 
 test('after too many wrong tokens the page tells how long to wait', async () => {
-  const {open, address, page} = await openFromOutside();
+  const {page} = await openFromOutside();
   await page.fill('#token', 'wrong');
   for (let i = 0; i < 3; ++i) await page.click('#locked button');
   await hasText(page, '#token-answer', /wait 1 s/);
-  assert.deepEqual(page.mistakes, []);
-  await page.close();
-  await open.stop();
 });

@@ -2,8 +2,8 @@
 // A robot with several lidars and cameras on the page, each by its module's name; and what sensors see in the view.
 import assert from 'node:assert/strict';
 import {readFileSync} from 'node:fs';
-import {after, afterEach, before, beforeEach, test} from 'node:test';
-import {closeScenario, eventually, hasText, launchBrowser, openScenario, picture} from './harness.js';
+import {before, test} from 'node:test';
+import {eventually, hasText, moreStatuses, openScenario, picture} from './harness.js';
 
 const SCENARIO = '[SIMULATION]\nmode lockstep\n[FLOOR]\nsize 6 6\n[WALL]\ntype box\nsize 0.1 2 0.5\nposition 1.05 0\n' +
   '[ROBOT_1]\ntype twin\nname robot1\nposition 0 0\n';
@@ -15,20 +15,11 @@ const TWIN = TURTLE.replace('name="turtle"', 'name="twin"').replace('</model>', 
   <coopdyn:module type="camera" name="rear_camera"/>
 </model>`);
 
-let browser;
-let daemon;
-let opened;
-let page;
+let daemon, page;
 
-before(async () => { browser = await launchBrowser(); });
-after(async () => { await browser?.close(); });
-
-beforeEach(async () => {
-  opened = await openScenario(browser, SCENARIO, {'robots/twin/model.sdf': TWIN});
-  ({daemon, page} = opened);
+before(async () => {
+  ({daemon, page} = await openScenario(SCENARIO, {files: {'robots/twin/model.sdf': TWIN}, webgl: true}));
 });
-
-afterEach(() => closeScenario(opened));
 
 test('each camera has a tile and each lidar a plot, by its name', async () => {
   await page.waitForSelector('.card[open] [data-camera="rear_camera"]');
@@ -53,7 +44,12 @@ test('the view shows what sensors see while the box is checked', async () => {
 test('so do the pictures of the daemon', async () => {
   await page.goto(`${daemon.url}?view=server`);
   await page.waitForFunction(() => Number(document.getElementById('view').dataset.shown ?? 0) > 0);
-  const without = await picture(page);
+  let without;
+  await eventually(async () => {  // the first may have been asked for before the view had its size
+    without = await picture(page);
+    await moreStatuses(page, 3);
+    return await picture(page) === without;
+  });
   await page.click('#show > summary');
   await page.check('#rays');
   await eventually(async () => await picture(page) !== without);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What a robot sees, on the page: the picture of its camera and the scan of its lidar.
 import assert from 'node:assert/strict';
-import {after, afterEach, before, beforeEach, test} from 'node:test';
-import {call, closeScenario, eventually, hasText, launchBrowser, openScenario} from './harness.js';
+import {afterEach, beforeEach, test} from 'node:test';
+import {call, endAll, eventually, hasText, openScenario} from './harness.js';
 
 const WALLS = [[1.05, 0, 0.1, 2], [-1.05, 0, 0.1, 2], [0, 1.05, 2, 0.1], [0, -1.05, 2, 0.1]]
   .map(([x, y, length, width], i) => `[WALL_${i + 1}]\ntype box\nsize ${length} ${width} 0.5\nposition ${x} ${y}\n`).join('');
@@ -11,21 +11,14 @@ const SCENARIO = `[SIMULATION]\nmode realtime\n[FLOOR]\nsize 6 6\n${WALLS}[POST_
 const TILE = '.card[open] [data-camera="camera"]';
 const SCAN = '.card[open] [data-module="/robot1/lidar"]';
 
-let browser;
-let daemon;
-let opened;
-let page;
-
-before(async () => { browser = await launchBrowser(); });
-after(async () => { await browser?.close(); });
+let daemon, page;
 
 beforeEach(async () => {
-  opened = await openScenario(browser, SCENARIO);
-  ({daemon, page} = opened);
+  ({daemon, page} = await openScenario(SCENARIO, {pictures: true}));
   await page.waitForSelector(TILE);
 });
 
-afterEach(() => closeScenario(opened));
+afterEach(endAll);
 
 /** What an image or a canvas shows: its width, the mean column of its red pixels (null without any), whether all of it is grey, and
  *  how opaque each pixel of a canvas is. */

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 // Measures the page, a line each: from first load to a moving picture, pictures per second with a crowd, and an edit from
 // click to seen. Never a pass or fail. COOPDYN_BINARY=build/release/coopdyn node tests/page/speed.js
-import {launchBrowser, startDaemon} from './harness.js';
+import {closeBrowser, startBrowser, startDaemon} from './harness.js';
 
 const REPEATS = 9;
 const CROWD_PICTURES = 120;
 const median = (values) => values.sort((a, b) => a - b)[Math.floor(values.length / 2)];
 
 /** Runs `use` with a page of 1280 × 800 and a daemon's address. */
-async function onPage(browser, words, use) {
+async function onPage(words, use) {
   const daemon = await startDaemon(...words);
-  const page = await browser.newPage({viewport: {width: 1280, height: 800}});
+  const page = await (await startBrowser()).newPage({viewport: {width: 1280, height: 800}});
   try {
     await use(page, daemon.url);
   } finally {
@@ -21,8 +21,8 @@ async function onPage(browser, words, use) {
 
 const moves = (page) => page.waitForFunction(() => Number(document.getElementById('view')?.dataset.shown ?? 0) > 0, null, {polling: 'raf'});
 
-async function load(browser) {
-  await onPage(browser, ['classroom'], async (page, url) => {
+async function load() {
+  await onPage(['classroom'], async (page, url) => {
     const times = [];
     for (let i = 0; i < REPEATS; ++i) {
       await page.goto('about:blank');
@@ -35,8 +35,8 @@ async function load(browser) {
   });
 }
 
-async function crowd(browser) {
-  await onPage(browser, ['swarm1000', '--mode', 'realtime'], async (page, url) => {
+async function crowd() {
+  await onPage(['swarm1000', '--mode', 'realtime'], async (page, url) => {
     await page.goto(url);
     await moves(page);
     const drawn = () => page.evaluate(() => window.coopdyn.view.framesDrawn);
@@ -48,8 +48,8 @@ async function crowd(browser) {
 }
 
 /** A click on Box in the palette until a picture shows the box. */
-async function edit(browser) {
-  await onPage(browser, ['classroom'], async (page, url) => {
+async function edit() {
+  await onPage(['classroom'], async (page, url) => {
     await page.goto(url);
     await moves(page);
     await page.waitForFunction(() => window.coopdyn.handles);
@@ -75,11 +75,10 @@ async function edit(browser) {
   });
 }
 
-const browser = await launchBrowser();
 try {
-  await load(browser);
-  await edit(browser);
-  await crowd(browser);
+  await load();
+  await edit();
+  await crowd();
 } finally {
-  await browser.close();
+  await closeBrowser();
 }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The view that the page draws itself: what stands where, how it moves, what a click means, and what takes its place without WebGL.
 import assert from 'node:assert/strict';
-import {after, afterEach, before, beforeEach, test} from 'node:test';
-import {chromium} from 'playwright-core';
-import {call, closeScenario, eventually, launchBrowser, openPage, openScenario} from './harness.js';
+import {before, beforeEach, test} from 'node:test';
+import {eventually, loadAnew, openPage, openScenario, order} from './harness.js';
 
 const SCENARIO = `[SIMULATION]
 mode realtime
@@ -25,19 +24,13 @@ type humanoid
 position 0 -3
 `;
 
-let browser;
-let opened;
-let daemon;
-let page;
+let daemon, page;
 
-before(async () => { browser = await launchBrowser(); });
-after(async () => { await browser?.close(); });
+before(async () => { ({daemon, page} = await openScenario(SCENARIO, {webgl: true})); });
 beforeEach(async () => {
-  opened = await openScenario(browser, SCENARIO);
-  ({daemon, page} = opened);
-  await page.waitForFunction(() => window.coopdyn?.view.scene && window.coopdyn.view.framesDrawn > 1);
+  await loadAnew(daemon, page, SCENARIO);
+  await order(daemon.url, '/simulation', 'run');
 });
-afterEach(() => closeScenario(opened));
 
 /** Where a thing is in the view: x, y, z. */
 const placeOf = (name) => page.evaluate((which) => {
@@ -47,19 +40,28 @@ const placeOf = (name) => page.evaluate((which) => {
 const near = (a, b, far = 0.002) => a.every((x, i) => Math.abs(x - b[i]) < far);
 
 test('things, robots and targets stand where the daemon has them', async () => {
-  assert.ok(near(await placeOf('BOX_1'), [2, 1, 0.5]));
-  assert.ok(near(await placeOf('green_target_1'), [-2, 0, 0.3]));
+  await eventually(async () => near(await placeOf('BOX_1'), [2, 1, 0.5]));
+  await eventually(async () => near(await placeOf('green_target_1'), [-2, 0, 0.3]));
   await eventually(async () => near(await placeOf('robot1'), [-1, 0, 0], 0.01));
 });
 
 test('a robot that drives moves in the view', async () => {
   const from = (await placeOf('robot1'))[0];
-  assert.equal((await call(daemon.url, {module: '/robot1/motors', line: 'set_velocity 0.4 0'})).error, 0);
+  await order(daemon.url, '/robot1/motors', 'set_velocity 0.4 0');
   await eventually(async () => (await placeOf('robot1'))[0] > from + 0.2);
 });
 
+test('a robot that has stopped is shown where it stands', async () => {
+  await order(daemon.url, '/robot1/motors', 'set_velocity 0.4 0');
+  const pose = async () => (await order(daemon.url, '/robot1/pose', 'get_pose')).data;
+  await eventually(async () => (await pose())[3] > 0.3);
+  await order(daemon.url, '/simulation', 'pause');
+  const [x, y] = await pose();
+  await eventually(async () => near((await placeOf('robot1')).slice(0, 2), [x, y], 0.001));
+});
+
 test('what others insert, move and remove is seen', async () => {
-  const edit = async (line) => assert.equal((await call(daemon.url, {module: '/world', line})).error, 0);
+  const edit = (line) => order(daemon.url, '/world', line);
   await edit('insert [CRATE_1] type box | size 0.4 0.4 0.4 | position 3 3');
   await page.waitForFunction(() => window.coopdyn.view.scene.find('CRATE_1'));
   await edit('set_pose CRATE_1 -3 3 0.2 0');
@@ -91,13 +93,7 @@ test('meshes come, and nothing is asked of other hosts', async () => {
 });
 
 test('without WebGL the daemon draws', async () => {
-  const plain = await chromium.launch({executablePath: process.env.COOPDYN_CHROMIUM ?? '/usr/bin/chromium',
-    args: ['--headless', '--no-sandbox', '--disable-gpu', '--disable-3d-apis', '--disable-quic', '--no-first-run']});
-  try {
-    const other = await openPage(plain, daemon.url);
-    await other.waitForFunction(() => Number(document.getElementById('view').dataset.shown ?? 0) > 0);
-    assert.equal(await other.evaluate(() => Boolean(window.coopdyn.view.scene)), false);
-  } finally {
-    await plain.close();
-  }
+  const other = await openPage(daemon.url);
+  await other.waitForFunction(() => Number(document.getElementById('view').dataset.shown ?? 0) > 0);
+  assert.equal(await other.evaluate(() => Boolean(window.coopdyn.view.scene)), false);
 });

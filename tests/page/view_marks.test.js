@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What the view shows besides the world.
 import assert from 'node:assert/strict';
-import {after, before, test} from 'node:test';
-import {call, closeScenario, eventually, launchBrowser, openScenario} from './harness.js';
+import {before, test} from 'node:test';
+import {call, eventually, openScenario} from './harness.js';
 
 const SCENARIO = `[SIMULATION]
 mode realtime
@@ -18,18 +18,12 @@ type lwa
 name arm
 position 0 3
 `;
-let browser, opened, page, daemon;
+let page, daemon;
 
 before(async () => {
-  browser = await launchBrowser();
-  opened = await openScenario(browser, SCENARIO);
-  ({page, daemon} = opened);
+  ({page, daemon} = await openScenario(SCENARIO, {webgl: true}));
   await page.waitForFunction(() => window.coopdyn?.marks && window.coopdyn.view.scene);
   await page.click('#show > summary');
-});
-after(async () => {
-  if (opened) await closeScenario(opened);
-  await browser?.close();
 });
 
 const count = (mark) => page.evaluate((name) => window.coopdyn.marks.of[name].count, mark);

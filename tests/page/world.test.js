@@ -2,8 +2,8 @@
 // The panel World: what stands there is inserted, moved, changed and removed by mouse, form and keys.
 import assert from 'node:assert/strict';
 import {readFileSync} from 'node:fs';
-import {after, afterEach, before, beforeEach, test} from 'node:test';
-import {call, closeScenario, eventually, launchBrowser, openPage, openScenario} from './harness.js';
+import {before, beforeEach, test} from 'node:test';
+import {call, eventually, loadAnew, openPage, openScenario, order} from './harness.js';
 
 const SCENARIO = `[SIMULATION]
 mode realtime
@@ -25,23 +25,21 @@ type coopbot
 position -1 0
 `;
 
-let browser;
-let opened;
-let daemon;
-let page;
+const WEBGL = {webgl: true};
+let daemon, page;
 
-before(async () => { browser = await launchBrowser(); });
-after(async () => { await browser?.close(); });
-beforeEach(async () => {
-  opened = await openScenario(browser, SCENARIO);
-  ({daemon, page} = opened);
-  assert.equal((await call(daemon.url, {module: '/simulation', line: 'pause'})).error, 0);
-  await page.waitForFunction(() => window.coopdyn?.handles && window.coopdyn.view.framesDrawn > 0);
+before(async () => {
+  ({daemon, page} = await openScenario(SCENARIO, WEBGL));
+  await page.waitForFunction(() => window.coopdyn.handles);
   await page.click('#tab-world');
+});
+beforeEach(async () => {
+  await loadAnew(daemon, page, SCENARIO);
+  await order(daemon.url, '/simulation', 'pause');
+  await page.evaluate(() => window.coopdyn.view.select(null));
   await page.waitForSelector('#things button:has-text("BOX_1")');
   await page.click('#view-tools button:has-text("top")');
 });
-afterEach(() => closeScenario(opened));
 
 const world = async () => JSON.parse((await call(daemon.url, {module: '/world', line: 'list'})).text);
 const thing = async (name) => {
@@ -135,7 +133,7 @@ test('an inserted robot is driven from the console', async () => {
 });
 
 test('the saved file loads to the same hash', async () => {
-  assert.equal((await call(daemon.url, {module: '/simulation', line: 'reset'})).error, 0);
+  await order(daemon.url, '/simulation', 'reset');
   await page.click('#palette button:has-text("Cylinder")');
   await eventually(async () => (await world()).things.length === 3);
   const {hash} = await daemon.status();
@@ -148,14 +146,12 @@ test('the saved file loads to the same hash', async () => {
 test('an arrow is dragged with the mouse, and moves what is selected', async () => {
   await select('BOX_1');
   await page.waitForFunction(() => window.coopdyn.view.selected?.name === 'BOX_1');
-  // The arrows are where they were drawn last.
-  const drawn = await page.evaluate(() => window.coopdyn.view.framesDrawn);
   await page.click('#whole');
-  await page.waitForFunction((count) => window.coopdyn.view.framesDrawn > count, drawn);
   const before = (await thing('BOX_1')).position;
   // Where the x arrow of the handles is: a place whose hover the handles notice.
   const at = await page.evaluate(() => {
     const {view} = window.coopdyn, {camera} = view;
+    view.renderNow();  // the arrows are where they were drawn last
     const box = view.canvas.getBoundingClientRect(), [p] = view.scene.pose(view.selected);
     const onScreen = (point) => {
       const q = point.clone().project(view.camera);
@@ -179,7 +175,7 @@ test('an arrow is dragged with the mouse, and moves what is selected', async () 
 });
 
 test('two browsers see each other\'s edits', async () => {
-  const other = await openPage(browser, daemon.url);
+  const other = await openPage(daemon.url, WEBGL);
   await other.waitForFunction(() => window.coopdyn?.view.scene);
   await page.click('#palette button:has-text("Ball")');
   await other.waitForFunction(() => window.coopdyn.view.scene.find('SPHERE_1'));

@@ -305,7 +305,7 @@ export class View3d extends EventTarget {
     this.#moveCamera();
     this.dispatchEvent(new Event('drawing'));
     this.#placeOutline();
-    this.#dirty = false;
+    this.#dirty = moves;  // the last picture is of where it stands
     this.#render();
     this.#drop?.();
     this.#askSensors();
