@@ -288,8 +288,8 @@ class Daemon:
         self.folder.cleanup()
         if kind is None:
             assert code == self.expect_exit, f"exit code {code}\n{said[-6000:]}"
-        elif said:
-            print(said[-3000:])
+        else:
+            print(f"exit code {code}\n{said[-3000:]}")
 
 
 def set_address(interface, address):

@@ -384,9 +384,9 @@ TEST(Programs, HelloReachesTheTargetInLockstep) {
 /// Runs a program in real time on an open floor. 1 if robot1 has come to the target on its way: where it is a
 /// moment later depends on the machine.
 double ReachedInRealTime(const std::string& program, const std::string& arguments = "") {
-  const auto daemon = ServerProcess::Real(
-      "classroom", {"--mode", "realtime", "--speed", "2", "--set", "SCORE_1.kind=reach", "--set",
-                    "SCORE_1.target=red", "--set", "SCORE_1.within=0.41"});
+  const auto daemon =
+      ServerProcess::Real("classroom", {"--mode", "realtime", "--speed", "2", "--set", "SCORE_1.kind=reach",
+                                        "--set", "SCORE_1.target=red", "--set", "SCORE_1.within=0.41"});
   EXPECT_EQ(RunProgram(program, daemon.server(), arguments), 0);
   return connect(daemon.server(), {.watch = true}).scores().at("reach");
 }

@@ -138,7 +138,8 @@ HeldPort::HeldPort() : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   if (::bind(fd_.get(), reinterpret_cast<const sockaddr*>(&address), size) != 0) return;
-  if (::getsockname(fd_.get(), reinterpret_cast<sockaddr*>(&address), &size) == 0) port_ = ntohs(address.sin_port);
+  if (::getsockname(fd_.get(), reinterpret_cast<sockaddr*>(&address), &size) == 0)
+    port_ = ntohs(address.sin_port);
 }
 
 std::pair<UniqueFd, UniqueFd> SocketPair(int type) {

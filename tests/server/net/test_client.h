@@ -55,7 +55,8 @@ class TestClient {
   bool ended_ = false;
 };
 
-/// A port of the loopback that no other program is given while this lives; whoever shares addresses may listen.
+/// A port of the loopback that no other program is given while this lives; whoever shares addresses may
+/// listen.
 class HeldPort {
  public:
   HeldPort();
