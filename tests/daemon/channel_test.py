@@ -6,7 +6,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from harness import BINARY, LIMIT_S, Daemon, until
+from harness import BINARY, LIMIT_S, Daemon, until, with_own_ports
 from yars_clients import Tcp, Udp, ints
 
 # A vehicle of two wheels with a swinging tail, and a crate that stands elsewhere with each seed.
@@ -370,6 +370,7 @@ class ChannelTest(unittest.TestCase):
         client.say("QUIT")
         self.assertEqual(process.wait(LIMIT_S), 0)
 
+    @with_own_ports
     def test_two_run_side_by_side(self):
         self.file.write_text(STILL)
         for _ in range(2):

@@ -170,6 +170,7 @@ class ReadinessTest(unittest.TestCase):
             with Daemon(scenario(2, robot_extra={1: f"deadline 0.2\non_deadline {what}"})) as daemon:
                 slow, other = daemon.text("/robot1/motors"), daemon.text("/robot2/motors")
                 slow.send("set_velocity 0.3 0")
+                until(lambda: daemon.status()["robots"][0]["owner"])  # it has come, though its deadline may have passed before
                 other.must("ready")
                 slow.receive()
                 other.must("ready 30")  # the deadline fires once, and not in each step anew

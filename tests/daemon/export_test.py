@@ -254,7 +254,7 @@ class ExportTest(RecordingTestCase):
         self.assertEqual(self.files(), ["run.run"])
 
     def test_ctrl_c_leaves_nothing(self):
-        process = subprocess.Popen([BINARY, "export", "run.run", "--to", "png", "--fps", "1000", "--size", "1280x720"],
+        process = subprocess.Popen([BINARY, "export", "run.run", "--to", "png", "--fps", "1000", "--speed", "0.01", "--size", "1280x720"],
                                    cwd=self.folder, stderr=subprocess.PIPE, text=True)
         deadline = time.monotonic() + LIMIT_S
         while not list(self.folder.glob("run-png.part/000002.png")):

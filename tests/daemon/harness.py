@@ -3,6 +3,8 @@
 Nothing waits for a fixed time: every wait is for bytes, for the end of a process, or for a condition asked over and over,
 with a generous limit that only a hang reaches.
 """
+import fcntl
+import functools
 import json
 import os
 import re
@@ -11,6 +13,7 @@ import signal
 import socket
 import struct
 import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -285,8 +288,39 @@ class Daemon:
         self.folder.cleanup()
         if kind is None:
             assert code == self.expect_exit, f"exit code {code}\n{said[-6000:]}"
-        elif said:
-            print(said[-3000:])
+        else:
+            print(f"exit code {code}\n{said[-3000:]}")
+
+
+def set_address(interface, address):
+    """Gives an interface of this network namespace an address and switches it on."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as handle:
+        name = interface.encode().ljust(16, b"\0")
+        packed = struct.pack("=HH4s8x", socket.AF_INET, 0, socket.inet_aton(address))
+        fcntl.ioctl(handle, 0x8916, name + packed)  # SIOCSIFADDR
+        fcntl.ioctl(handle, 0x8914, name + struct.pack("=h", 0x1 | 0x40) + bytes(14))  # SIOCSIFFLAGS: up, running
+
+
+def run_in_new_network(*command, env=None):
+    """Runs a command of Python in a network namespace of its own; returns what it printed. It begins with set_address("lo", …)."""
+    unshare = ["unshare", "--net"] if os.geteuid() == 0 else ["unshare", "--net", "--map-root-user"]
+    done = subprocess.run([*unshare, sys.executable, *map(str, command)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          timeout=10 * LIMIT_S, env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1", **(env or {})})
+    if done.returncode != 0:
+        raise AssertionError(f"{command}: exit code {done.returncode}\n{done.stdout.decode()}")
+    return done.stdout.decode()
+
+
+def with_own_ports(test):
+    """A test that needs certain ports: it runs in a network of its own, where no other program takes them."""
+    @functools.wraps(test)
+    def run(self):
+        if os.environ.get("COOPDYN_TEST_NETWORK") == self.id():
+            set_address("lo", "127.0.0.1")
+            test(self)
+        else:
+            run_in_new_network("-m", "unittest", self.id(), env={"COOPDYN_TEST_NETWORK": self.id()})
+    return run
 
 
 def until(condition, limit_s=LIMIT_S):

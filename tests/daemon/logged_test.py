@@ -4,7 +4,7 @@ import sys
 import unittest
 from pathlib import Path
 
-from harness import Daemon
+from harness import LIMIT_S, Daemon
 from recording import RecordingTestCase, equal_steps, tool
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "clients" / "python"))
@@ -74,7 +74,7 @@ class LoggedTest(RecordingTestCase):
                     sim.step()
                 sim.log("goals", 1)
                 sim.end_run("the ball is in the goal")
-            self.assertEqual(daemon.process.wait(30), 0)
+            self.assertEqual(daemon.process.wait(LIMIT_S), 0)
         told = json.loads(self.summary.read_text())
         self.assertEqual((told["ended"], told["steps"]), ("client", 7))
         self.assertEqual([(one["name"], one["value"], one["step"]) for one in told["logged"]], [("goals", 1, 7)])

@@ -158,20 +158,22 @@ class TimeTest(PlaybackTest):
             playback.must("play 4")
             until(lambda: playback.must("get_playback").data[2] == STEPS * STEP_S)
             until(lambda: playback.must("get_playback").params[0] == 0)
+            until(lambda: daemon.status()["events"])
             self.assertEqual([event["text"] for event in daemon.status()["events"]], ["the recording has ended"])
 
     def test_backwards_it_shows_every_step_in_turn(self):
         with Play(self.file, "--paused", "--at", "1") as daemon:
             playback, simulation = daemon.text("/playback"), daemon.text("/simulation")
-            playback.must("set_speed -2")
+            playback.must("set_speed -0.1")  # so slow that its end is far for a machine that stops it now and then
             simulation.write("ping\n" + "ready\n" * STEPS)  # more than it shows: one that came late would wait for ever
             self.assertEqual(simulation.receive().step, STEPS)
             playback.must("play")
-            shown = []
-            while not shown or shown[-1] > 0:
+            shown = [simulation.receive().step for _ in range(11)]
+            self.assertGreater(shown[-1], 0)
+            playback.must("set_speed -4")
+            while shown[-1] > 0:
                 shown.append(simulation.receive().step)
-            self.assertEqual(shown, sorted(shown, reverse=True))
-            self.assertGreater(len(shown), 10)
+            self.assertEqual(shown, sorted(set(shown), reverse=True))
             until(lambda: playback.must("get_playback").params[0] == 0)
 
     def test_in_a_loop_it_begins_again(self):
@@ -187,7 +189,7 @@ class TimeTest(PlaybackTest):
             until(lambda: playback.must("get_playback").params[0] == 0)
 
     def test_the_simulations_own_commands_drive_it_too(self):
-        with Play(self.file, "--paused", "--at", "0.5", "--speed", "0.1") as daemon:  # so slow that its end is far
+        with Play(self.file, "--paused", "--at", "0.5", "--speed", "0.001") as daemon:  # so slow that its end is far
             simulation, playback = daemon.text("/simulation"), daemon.text("/playback")
             self.assertEqual(simulation.must("step 2").step, 52)
             simulation.must("run")
@@ -300,9 +302,7 @@ class OpenTest(PlaybackTest):
         playback.must("open lesson")
         playback.must("pause")
         playback.must("seek 0.9")
-        playback.must("open lesson")
-        playback.must("pause")
-        self.assertLess(playback.must("get_playback").data[2], 0.9)
+        self.assertLess(playback.must("open lesson").step, 90)
         playback.must("close")
         self.assertEqual(daemon.status()["hash"], self.hashes[40])
 

@@ -117,7 +117,7 @@ class PrintingTest(unittest.TestCase):
 
     def test_the_log_of_names_and_clients(self):
         with Daemon(scenario(1), "--log-level", "debug") as daemon:
-            with socket.create_connection(daemon.names, timeout=30) as names:
+            with socket.create_connection(daemon.names, timeout=60) as names:
                 names.sendall(f"NAME_SERVER register /{NASTY} tcp {NASTY} 5\nOPEN {NASTY}\n{NASTY}\n".encode())
                 names.shutdown(socket.SHUT_WR)
                 while names.recv(4096):
@@ -126,6 +126,7 @@ class PrintingTest(unittest.TestCase):
             client.ask(f'hello "{NASTY}"')
             client.ask(f'load_scenario "{NASTY}"')
             client.close()
+            daemon.end()
             said = daemon.stderr()
         for letter in FORBIDDEN:
             self.assertNotIn(letter, said, ascii(letter))

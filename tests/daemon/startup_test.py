@@ -11,7 +11,7 @@ import threading
 import unittest
 from pathlib import Path
 
-from harness import BINARY, LIMIT_S, Daemon, scenario, until
+from harness import BINARY, LIMIT_S, Daemon, scenario, until, with_own_ports
 
 
 def run(*arguments, **more):
@@ -139,10 +139,9 @@ class MistakeTest(unittest.TestCase):
             self.assertEqual(done.returncode, 3, (command, done))
 
     def test_the_server_flag_overrides_the_variable(self):
-        with socket.socket() as unused:
-            unused.bind(("127.0.0.1", 0))
+        with socket.socket() as unused, Daemon(scenario(1)) as daemon:
+            unused.bind(("127.0.0.1", 0))  # and does not listen
             port = unused.getsockname()[1]
-        with Daemon(scenario(1)) as daemon:
             env = {**os.environ, "COOPDYN_SERVER": f"127.0.0.1:{daemon.names[1]}"}
             self.assertEqual(run("status", env=env).returncode, 0)
             for command in (["status"], ["pause"], ["call", "/robot1/motors", "stop"]):
@@ -347,10 +346,9 @@ class OptionTest(unittest.TestCase):
                 self.assertEqual((done.returncode, done.stdout), (2, b""), log)
                 self.assertRegex(done.stderr.decode(), rf"\Acoopdyn: --log-file {re.escape(log)} .*\n\Z")
 
+    @with_own_ports
     def test_ports_come_in_one_block_in_the_documented_order(self):
-        base = 20000 + 32 * (os.getpid() % 256)  # another for each process
-        with Daemon(name="formation") as daemon:
-            pass  # the binary works; now with a fixed block
+        base = 20000
         process = subprocess.Popen([BINARY, "serve", "formation", "--port", str(base), "--no-render"],
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         try:

@@ -150,9 +150,12 @@ class YarpStreamsTest(YarpPorts, unittest.TestCase):
             datagrams.close()
             reader.listener.close()
             motors = daemon.text("/robot1/motors")
-            for _ in range(2):
-                motors.must("set_velocity 0.2 0")
-            until(lambda: self.links(daemon, "/robot1/pose/state:o") == "")
+
+            def is_forgotten():
+                motors.must("set_velocity 0.2 0")  # what is sent tells that nobody takes it
+                return self.links(daemon, "/robot1/pose/state:o") == ""
+
+            until(is_forgotten)
 
     def test_commands_come_in_as_datagrams(self):
         with Daemon(scenario(1)) as daemon:

@@ -39,11 +39,11 @@ class StartTest(unittest.TestCase):
     def pose(self, url):
         body = json.dumps({"module": "/robot1/pose", "command": "get_pose"}).encode()
         request = urllib.request.Request(url + "api/call", body, {"Content-Type": "application/json"})
-        with urllib.request.urlopen(request, timeout=30) as answer:
+        with urllib.request.urlopen(request, timeout=60) as answer:
             return json.load(answer)["data"][:2]
 
     def check_that_it_drives_and_ends(self, process, url):
-        with urllib.request.urlopen(url, timeout=30) as page:
+        with urllib.request.urlopen(url, timeout=60) as page:
             self.assertIn(b"<html", page.read())
         first = self.pose(url)
         deadline = time.monotonic() + LIMIT_S

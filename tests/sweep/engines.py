@@ -9,10 +9,16 @@ import subprocess
 import time
 
 
-def free_port():
-    with socket.socket() as listener:
-        listener.bind(("127.0.0.1", 0))
-        return listener.getsockname()[1]
+HELD = []  # sockets that keep other programs from ports until these tests end
+
+
+def held_port():
+    """A port on which nobody listens and that only a program takes that asks for it."""
+    holder = socket.socket()
+    holder.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # so the one who asks may listen
+    holder.bind(("127.0.0.1", 0))
+    HELD.append(holder)
+    return holder.getsockname()[1]
 
 
 def until(condition, what, limit_s=60):
@@ -49,7 +55,7 @@ def processes():
                 os.killpg(process.pid, signal.SIGTERM)
         for process in every:
             try:
-                process.wait(10)
+                process.wait(60)
             except subprocess.TimeoutExpired:
                 with contextlib.suppress(ProcessLookupError):
                     os.killpg(process.pid, signal.SIGKILL)
@@ -65,7 +71,7 @@ class Dask:
     """A scheduler on a free port. `workers`: their processes."""
 
     def __init__(self, folder, every):
-        self.address = f"tcp://127.0.0.1:{free_port()}"
+        self.address = f"tcp://127.0.0.1:{held_port()}"
         self.workers = []
         self._folder, self._every = folder, every
         port = self.address.rpartition(":")[2]
@@ -96,8 +102,8 @@ def start_slurm(folder, every):
     with open(path("slurm.conf"), "w", encoding="utf-8") as stream:
         stream.write(f"""ClusterName=coopdyn
 SlurmctldHost={host}(127.0.0.1)
-SlurmctldPort={free_port()}
-SlurmdPort={free_port()}
+SlurmctldPort={held_port()}
+SlurmdPort={held_port()}
 AuthType=auth/munge
 AuthInfo=socket={path("munge.socket")}
 SlurmUser=root

@@ -313,7 +313,7 @@ class SweepTest(unittest.TestCase):
         self.assertEqual(self.lines(), self.lines("here"))
 
     def test_dask_without_a_scheduler_is_told(self):
-        self.assertRegex(self.refused("--duration", "1", "--dask", f"tcp://127.0.0.1:{engines.free_port()}"), "no Dask scheduler answers|python3-distributed")
+        self.assertRegex(self.refused("--duration", "1", "--dask", f"tcp://127.0.0.1:{engines.held_port()}"), "no Dask scheduler answers|python3-distributed")
         self.assertRegex(self.refused("--duration", "1", "--dask", "foo"), "write --dask tcp://HOST:8786 of one, or --dask local|python3-distributed")
 
     @unittest.skipUnless(shutil.which("slurmctld", path="/usr/sbin"), "Slurm is not installed")

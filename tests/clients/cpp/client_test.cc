@@ -84,7 +84,7 @@ TEST(Interrupted, AfterATimeoutTheNextReplyIsTheRightOne) {
   for (int k = 0; k < 3; ++k) {
     robot.set_velocity(0.3, 0);
     other.set_velocity(0.4, 0);
-    sim.step(1, 30);
+    sim.step(1, 60);
   }
   EXPECT_EQ(robot.get_pose().forward, 0.3);
   EXPECT_EQ(other.get_pose().forward, 0.4);
@@ -105,7 +105,7 @@ TEST(Killed, AProgramThatIsKilledStopsItsRobotInRealTime) {
   options.watch = true;
   auto sim = connect(daemon.server(), options);
   auto robot = sim.robot(1);
-  constexpr int kMostSteps = 3000;
+  constexpr int kMostSteps = 6000;
   const auto comes = [&](auto condition) {
     for (int k = 0; k < kMostSteps; ++k) {
       if (condition(std::abs(robot.get_wheels().left_speed))) return true;
@@ -127,7 +127,7 @@ TEST(Interrupted, OneRefusedRobotOfFiveNeverHangsTheLoop) {
   for (const std::string refused : {"robot3", "robot1", "", "robot5", ""}) {
     sim.call("/simulation", "load_scenario", {}, {}, "!refuse=" + refused);
     for (std::size_t i = 0; i < 5; ++i) robots[i].set_velocity(0.125 * static_cast<double>(i), 0);
-    const Error error = ErrorOf([&] { sim.step(1, 30); });
+    const Error error = ErrorOf([&] { sim.step(1, 60); });
     EXPECT_EQ(error.code(), refused.empty() ? 0 : 4) << error.text();
   }
   for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(robots[i].get_pose().forward, 0.125 * static_cast<double>(i));
@@ -199,7 +199,7 @@ TEST(WrongNames, AreError10WithTheHintOfTheDaemon) {
     EXPECT_TRUE(Says(error, hint)) << error.text();
   }
   robot.set_velocity(0.1, 0);  // the sim goes on
-  sim.step(1, 30);
+  sim.step(1, 60);
 }
 
 TEST(Waiting, NextWithNobodySteppingSaysOnceWhomFor) {
@@ -241,7 +241,7 @@ TEST(Stepping, AModeSwitchedBySomebodyElseNeitherHangsNorSpins) {
     std::int64_t last = -1;
     for (int k = 0; k < 4; ++k) {
       robot.set_velocity(0.1, 0);
-      sim.step(1, 30);
+      sim.step(1, 60);
       EXPECT_GT(sim.steps(), last);
       last = sim.steps();
     }
@@ -344,7 +344,7 @@ TEST(Everything, EveryCallWorks) {
   EXPECT_GT(r.get_limits().track, 0.1);
   EXPECT_NEAR(std::hypot(r.get_pose_3d().qw, r.get_pose_3d().qz), 1, 0.01);
   r.subscribe("pose", 2);
-  const Update u = r.next("", 30), v = r.next("pose", 30);
+  const Update u = r.next("", 60), v = r.next("pose", 60);
   EXPECT_EQ(v.step - u.step, 2);
   EXPECT_EQ(v.value.size(), 5u);
   sim.set_speed(2);
@@ -354,7 +354,7 @@ TEST(Everything, EveryCallWorks) {
   sim.set_mode("lockstep");
   sim.set_participants({"robot1"});
   EXPECT_EQ(sim.waiting().at(0).robot, "robot1");
-  sim.step(1, 30);
+  sim.step(1, 60);
   sim.reset();
   EXPECT_EQ(sim.status()["step"].number(), 0);
   EXPECT_EQ(sim.hash().size(), 16u);
@@ -381,10 +381,18 @@ TEST(Programs, HelloReachesTheTargetInLockstep) {
   EXPECT_LT(connect(daemon.server(), {.watch = true}).robot(1).get_target("red").distance, 0.45);
 }
 
+/// Runs a program in real time on an open floor. 1 if robot1 has come to the target on its way: where it is a
+/// moment later depends on the machine.
+double ReachedInRealTime(const std::string& program, const std::string& arguments = "") {
+  const auto daemon =
+      ServerProcess::Real("classroom", {"--mode", "realtime", "--speed", "2", "--set", "SCORE_1.kind=reach",
+                                        "--set", "SCORE_1.target=red", "--set", "SCORE_1.within=0.41"});
+  EXPECT_EQ(RunProgram(program, daemon.server(), arguments), 0);
+  return connect(daemon.server(), {.watch = true}).scores().at("reach");
+}
+
 TEST(Programs, HelloReachesTheTargetInRealTime) {
-  const auto daemon = ServerProcess::Real("classroom", {"--mode", "realtime", "--speed", "5"});
-  EXPECT_EQ(RunProgram(CLIENT_HELLO, daemon.server()), 0);
-  EXPECT_LT(connect(daemon.server(), {.watch = true}).robot(1).get_target("red").distance, 0.6);
+  EXPECT_EQ(ReachedInRealTime(CLIENT_HELLO), 1);
 }
 
 TEST(Programs, AttractorReachesTheTargetInLockstep) {
@@ -405,8 +413,7 @@ TEST(Programs, FormationReachesTheTargetInLockstep) {
 }
 
 TEST(Programs, AttractorReachesTheTargetInRealTime) {
-  const auto daemon = ServerProcess::Real("fig4", {"--mode", "realtime", "--speed", "4"});
-  EXPECT_EQ(RunProgram(CLIENT_ATTRACTOR, daemon.server(), "robot1"), 0);
+  EXPECT_EQ(ReachedInRealTime(CLIENT_ATTRACTOR, "robot1"), 1);
 }
 
 }  // namespace

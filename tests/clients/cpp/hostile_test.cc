@@ -233,7 +233,7 @@ class Page : public testing::Test {
   ~Page() override { fs::remove_all(folder_); }
 
   /// What a download from a page that answers so says. Leaves no half a file.
-  Error DownloadFrom(const Answerer& page, double timeout_s = 30) {
+  Error DownloadFrom(const Answerer& page, double timeout_s = 60) {
     return ErrorOf([&] {
       Download(Address("127.0.0.1", "", "", 3), "http://" + page.server() + "/", "/x", file(), "recording",
                timeout_s);

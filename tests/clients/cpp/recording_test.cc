@@ -204,8 +204,8 @@ TEST(Recording, ATeamReadsARecordingAndDrivesAfterABranch) {
   sim.set_loop(true);
   sim.play();
   const std::int64_t before = team.read().step;
-  EXPECT_NE(team.step({}, 30).step, before);
-  sim.step(1, 30);
+  EXPECT_NE(team.step({}, 60).step, before);
+  sim.step(1, 60);
   sim.pause();
   sim.branch(0.5);
   sim.run();
@@ -237,7 +237,7 @@ TEST(Recording, ABranchGoesOnWithTheSameHashesAndClients) {
   EXPECT_NEAR(playback.end_time, 0.01 * kSteps, 1e-9);
   sim.set_loop(true);
   sim.play(2);
-  sim.step(2, 30);
+  sim.step(2, 60);
   sim.set_play_speed(-1);
   EXPECT_EQ(sim.playback().speed, -1);
   EXPECT_TRUE(sim.playback().loop);

@@ -29,7 +29,7 @@ TEST(TeamRows, AreTheReadingsAfterTheStep) {
   EXPECT_EQ(team.names(), (std::vector<std::string>{"robot1", "robot3"}));
   EXPECT_EQ(team.ids(), (std::vector<std::int32_t>{1, 3}));
   second.set_velocity(0.5, 0);
-  const TeamReading s = team.step(std::array{1.0, 0.0, 2.0, 0.0}, 30);
+  const TeamReading s = team.step(std::array{1.0, 0.0, 2.0, 0.0}, 60);
   EXPECT_EQ(s.step, 1);
   EXPECT_EQ(s.time, 0.01);
   EXPECT_EQ(s.pose.size(), 2u);
@@ -72,7 +72,7 @@ TEST(TeamSpeeds, AreCheckedBeforeAnythingIsWritten) {
   EXPECT_TRUE(
       Says(ErrorOf([&] { team.select({"poses"}); }), "4 there is no reading poses; there are: pose, "));
   EXPECT_TRUE(Says(ErrorOf([&] { sim.team(std::vector<std::string>{}); }), "sim.team()"));
-  EXPECT_EQ(team.step(std::array{1.0, 0.0}, 30).step, 1);
+  EXPECT_EQ(team.step(std::array{1.0, 0.0}, 60).step, 1);
 }
 
 TEST(TeamInterrupted, AfterATimeoutTheNextReplyIsTheRightOne) {
@@ -83,14 +83,14 @@ TEST(TeamInterrupted, AfterATimeoutTheNextReplyIsTheRightOne) {
   EXPECT_TRUE(Says(ErrorOf([&] { team.step(v, 0.1); }), "robot3 (no client)"));
   auto third = sim.robot("robot3");
   for (int k = 0; k < 3; ++k) {
-    const TeamReading s = team.step(v, 30);
+    const TeamReading s = team.step(v, 60);
     EXPECT_EQ(s.step, sim.steps());
   }
   sim.call("/simulation", "load_scenario", {}, {}, "!refuse=robot2");
-  EXPECT_TRUE(Says(ErrorOf([&] { team.step(v, 30); }), "4 team of 2 robots: robot2 is refused"));
+  EXPECT_TRUE(Says(ErrorOf([&] { team.step(v, 60); }), "4 team of 2 robots: robot2 is refused"));
   sim.call("/simulation", "load_scenario", {}, {}, "!refuse=");
   for (int k = 0; k < 3; ++k) {
-    const TeamReading s = team.step(v, 30);
+    const TeamReading s = team.step(v, 60);
     EXPECT_EQ(s.step, sim.steps());
   }
 }
@@ -114,8 +114,8 @@ TEST(TeamRunningTwice, TheSameClientNameTakesOver) {
   old.close();
   auto rest = sim.team();
   EXPECT_EQ(rest.names(), (std::vector<std::string>{"robot1", "robot3"}));
-  EXPECT_EQ(team.step({}, 30).step, 2);
-  EXPECT_EQ(rest.step({}, 30).step, 3);
+  EXPECT_EQ(team.step({}, 60).step, 2);
+  EXPECT_EQ(rest.step({}, 60).step, 3);
   rest.close();
   EXPECT_TRUE(Says(ErrorOf([&] { rest.step(); }), "5 team of 2 robots was given up"));
   auto other = connect(daemon.server(), {.name = "ben"});
@@ -129,10 +129,10 @@ TEST(TeamWithSingleRobots, AStepOfTheSimIsOneOfTheTeam) {
   auto sim = connect(daemon.server());
   auto team = sim.team(std::vector<std::string>{"robot1", "robot2"});
   auto third = sim.robot("robot3");
-  team.step(std::array{0.25, 0.0}, 30);
+  team.step(std::array{0.25, 0.0}, 60);
   third.set_velocity(0.5, 0);
-  sim.step(1, 30);
-  sim.step(3, 30);
+  sim.step(1, 60);
+  sim.step(3, 60);
   EXPECT_EQ(sim.steps(), 5);
   EXPECT_DOUBLE_EQ(team.read().pose[1][0], 5 * 0.0025);
   EXPECT_EQ(third.get_pose().forward, 0.5);

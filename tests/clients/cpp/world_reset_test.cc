@@ -33,7 +33,7 @@ std::string ResetOf(const std::function<void()>& call) {
 void DriveSteps(Simulation& sim, Robot& robot, int steps) {
   for (int k = 0; k < steps; ++k) {
     robot.set_velocity(0.1, 0);
-    sim.step(1, 30);
+    sim.step(1, 60);
   }
 }
 
@@ -59,7 +59,7 @@ TEST(WorldReset, IsToldByEveryReading) {
     other.reset();
     robot.set_velocity(0.5, 0);
     EXPECT_EQ(ResetOf(reading), kReset);
-    sim.step(1, 30);  // without the old command
+    sim.step(1, 60);  // without the old command
     EXPECT_EQ(robot.get_pose().forward, 0);
   }
 }
@@ -83,11 +83,11 @@ TEST(WorldReset, IsToldToATeam) {
   auto team = sim.team();
   const std::vector<double> v = {0.1, 0};
   for (const bool reads : {false, true}) {
-    for (int k = 0; k < 3; ++k) team.step(v, 30);
+    for (int k = 0; k < 3; ++k) team.step(v, 60);
     other.reset();
-    EXPECT_EQ(ResetOf([&] { reads ? team.read() : team.step(v, 30); }), kReset);
+    EXPECT_EQ(ResetOf([&] { reads ? team.read() : team.step(v, 60); }), kReset);
   }
-  EXPECT_EQ(team.step(v, 30).step, 1);
+  EXPECT_EQ(team.step(v, 60).step, 1);
 }
 
 TEST(WorldReset, OfOurOwnIsNoErrorNorIsOneForWhoOnlyWatches) {
@@ -133,7 +133,7 @@ TEST(WorldReset, ALoadWithoutTheRobotSaysWhichIsMissing) {
   auto first = sim.robot("robot1"), second = sim.robot("robot2");
   sim.set_participants({"robot1", "robot2"});
   second.get_pose();
-  sim.step(1, 30);
+  sim.step(1, 60);
   other.load_scenario("classroom");
   EXPECT_EQ(ResetOf([&] { second.get_pose(); }),
             "scenario classroom was loaded, which has no robot2; there are: robot1. Run your program again "
@@ -165,7 +165,7 @@ TEST(Unstepped, ALoopThatStepsIsNot) {
   testing::internal::CaptureStderr();
   for (int k = 0; k < 500; ++k) {
     robot.set_velocity(0.1, 0);
-    if (k % 100 == 99) sim.step(1, 30);
+    if (k % 100 == 99) sim.step(1, 60);
   }
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
@@ -175,12 +175,12 @@ TEST(Arguments, TwoSpeedsMayBeOneRow) {
   auto sim = connect(daemon.server());
   auto robot = sim.robot(1);
   robot.set_velocity({0.2, 0.5});
-  sim.step(1, 30);
+  sim.step(1, 60);
   EXPECT_EQ(robot.get_pose().forward, 0.2);
   EXPECT_EQ(robot.get_pose().turn, 0.5);
   const std::vector<double> wheels = {2, 2};
   robot.set_wheel_speeds(wheels);
-  sim.step(1, 30);
+  sim.step(1, 60);
   EXPECT_NEAR(robot.get_pose().forward, 0.15, 1e-12);
   EXPECT_TRUE(Says(ErrorOf([&] { robot.set_velocity({0.2}); }), "write r.set_velocity(0.2, 0.5)"));
   EXPECT_TRUE(Says(ErrorOf([&] { robot.set_wheel_speeds({1, 2, 3}); }), "write r.set_wheel_speeds(2, 3)"));

@@ -1,4 +1,4 @@
 % SPDX-License-Identifier: MIT
-% needs: daemon fig4 --mode realtime --speed 3
+% needs: daemon classroom --mode realtime --speed 2
 assert(attractor('robot1'));
 disp('passed')

@@ -11,7 +11,7 @@ while isempty(line) || ~ischar(line)
   fclear(out);
 end
 assert(strcmp(coopdyn.internal.probe('127.0.0.1', str2double(line), 0.3), 'silent'));
-assert(strcmp(coopdyn.internal.probe('127.0.0.1', 1, 3), 'refused'));
+assert(strcmp(coopdyn.internal.probe('127.0.0.1', 1, 60), 'refused'));
 fclose(in);
 fclose(out);
 waitpid(pid);

@@ -11,7 +11,7 @@ other = sim.robot(2);
 for k = 1:3
   r.set_velocity(0.3, 0);
   other.set_velocity(0.4, 0);
-  sim.step('timeout', 30);
+  sim.step('timeout', 60);
 end
 p = r.get_pose();
 assert(p.forward == 0.3);

@@ -15,7 +15,7 @@ for k = 1:6000
 end
 assert(w.left_speed > 1);
 kill(program, 9);
-for k = 1:3000
+for k = 1:6000
   w = r.get_wheels();
   if abs(w.left_speed) < 1e-3
     break

@@ -9,7 +9,7 @@ for mode = {'lockstep', 'realtime', 'free', 'lockstep'}
   last = -1;
   for k = 1:4
     r.set_velocity(0.1, 0);
-    sim.step('timeout', 30);
+    sim.step('timeout', 60);
     assert(sim.steps > last);
     last = sim.steps;
   end

@@ -14,7 +14,7 @@ b = r.call('legs', 'get_wheels');
 assert(isequal(a.data, b.data));
 r.subscribe('motors');
 sim.step();
-u = r.next('motors', 'timeout', 10);
+u = r.next('motors', 'timeout', 60);
 assert(u.step == 21);
 expect_error('coopdyn:no_such_name', @() r.get_compass('south'), 'south');
 sim.close();

@@ -6,5 +6,5 @@ sim = coopdyn.connect();
 expect_error('coopdyn:timed_out', @() sim.step(1, 'timeout', 0.2), ' s and 1 more');
 r = sim.robot(1);
 r.subscribe('pose');
-expect_error('coopdyn:timed_out', @() r.next('timeout', 3), 'robot2 (no client)');
+expect_error('coopdyn:timed_out', @() r.next('timeout', 12), 'robot2 (no client)');
 disp('passed')

@@ -23,11 +23,11 @@ expect_error('coopdyn:not_possible', @() team.step_wheels([1 1]), 'playing a rec
 expect_error('coopdyn:not_possible', @() team.stop(), 'playing a recording');
 expect_error('coopdyn:no_such_name', @() sim.team('robot9'), 'robot9');
 sim.set_loop(true);
-sim.play();
+sim.play(0.1);  % so slow that no round is over meanwhile
 before = team.read();
-s = team.step('timeout', 30);
+s = team.step('timeout', 60);
 assert(s.step ~= before.step);
-sim.step(1, 'timeout', 30);
+sim.step(1, 'timeout', 60);
 sim.pause();
 sim.branch(0.3);
 sim.run();

@@ -20,9 +20,9 @@ assert(sim.steps == 40);
 sim.skip(-20);
 assert(sim.steps == 20);
 sim.set_loop(true);
-sim.play(2);
+sim.play(0.1);  % so slow that no round is over meanwhile
 before = sim.steps;
-sim.step(1, 'timeout', 30);
+sim.step(1, 'timeout', 60);
 assert(sim.steps ~= before);
 sim.set_play_speed(-1);
 p = sim.playback();

@@ -12,9 +12,9 @@ for refused = {'robot3', 'robot1', '', 'robot5', ''}
     robots{k}.set_velocity(0.1 * k, 0);
   end
   if isempty(refused{1})
-    sim.step('timeout', 30);
+    sim.step('timeout', 60);
   else
-    expect_error('coopdyn:out_of_range', @() sim.step('timeout', 30), refused{1});
+    expect_error('coopdyn:out_of_range', @() sim.step('timeout', 60), refused{1});
   end
 end
 for k = 1:5

@@ -24,7 +24,7 @@ def octave(script, server):
     env = dict(os.environ, COOPDYN_SERVER=server, COOPDYN_ROOT=str(harness.ROOT))
     env.pop("DISPLAY", None)
     run = subprocess.run(["octave", "--no-gui", "--norc", "--eval", f"{paths}{script.stem}"], env=env, text=True,
-                         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=170)
+                         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=600)
     print(run.stdout)
     once = [l.split(": ", 1)[1] for l in script.read_text(encoding="utf-8").splitlines() if l.startswith("% prints once: ")]
     passed = run.returncode == 0 and "passed" in run.stdout.splitlines()

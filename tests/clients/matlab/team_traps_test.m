@@ -11,12 +11,12 @@ expect_error('coopdyn:owned', @() old.step([0.7 0]), 'not driven by this sim any
 expect_error('coopdyn:owned', @() old.read());
 old.close();
 third = sim.robot('robot3');
-s = team.step([0.1 0], 'timeout', 30);
+s = team.step([0.1 0], 'timeout', 60);
 assert(s.step == 2);
 sim.call('/simulation', 'load_scenario', [], [], '!refuse=robot2');
-expect_error('coopdyn:out_of_range', @() team.step([0.1 0], 'timeout', 30), 'robot2 is refused');
+expect_error('coopdyn:out_of_range', @() team.step([0.1 0], 'timeout', 60), 'robot2 is refused');
 sim.call('/simulation', 'load_scenario', [], [], '!refuse=');
-s = team.step([0.2 0], 'timeout', 30);
+s = team.step([0.2 0], 'timeout', 60);
 w = third.get_wheels();
 % Two steps if robot3's command of the refused one was still there: the team catches up.
 assert(s.step == sim.steps && any(abs(s.pose(1, 1) - [0.008 0.01]) < 1e-12));
@@ -24,10 +24,10 @@ alone_sim = coopdyn.connect('name', 'ana');
 expect_error('coopdyn:owned', @() alone_sim.team('robot1'), 'team robot1 cannot be driven', 'robot1 is owned by');
 sim.close();
 alone = alone_sim.team({'robot1', 'robot2'});
-s = alone.step([0 0], 'timeout', 30);  % robot3 has its stop, which closing wrote
+s = alone.step([0 0], 'timeout', 60);  % robot3 has its stop, which closing wrote
 expect_error('coopdyn:timed_out', @() alone.step([0.1 0], 'timeout', 0.1), 'robot3 (no client)');
 third = alone_sim.robot('robot3');
-s = alone.step([0.3 0], 'timeout', 30);
+s = alone.step([0.3 0], 'timeout', 60);
 assert(s.step == alone_sim.steps && isequal(size(s.pose), [2 3]));
 % A request whose reply nobody took, as Ctrl-C leaves it: the next use opens the connection again.
 a = coopdyn.internal.address('', 'ben', '', 3);

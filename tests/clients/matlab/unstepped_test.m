@@ -8,11 +8,11 @@ for k = 1:3
   for j = 1:100
     r.set_velocity(0.1, 0);
   end
-  good.step('timeout', 30);
+  good.step('timeout', 60);
 end
 good.close();
 sim = coopdyn.connect('name', 'bad');
-for k = 1:500  % close does not wait: the robot is free soon
+for k = 1:6000  % close does not wait: the robot is free soon
   try
     r = sim.robot(1);
     break

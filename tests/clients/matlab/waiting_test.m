@@ -4,5 +4,5 @@
 % prints once: coopdyn: waiting for
 sim = coopdyn.connect();
 sim.robot(1);
-expect_error('coopdyn:timed_out', @() sim.step(1, 'timeout', 3), 'robot2 (no client)');
+expect_error('coopdyn:timed_out', @() sim.step(1, 'timeout', 12), 'robot2 (no client)');
 disp('passed')

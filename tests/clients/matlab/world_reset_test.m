@@ -9,7 +9,7 @@ r = sim.robot('robot1');
 drive_steps(sim, r, 3);
 other.reset();  % between two steps
 r.set_velocity(0.1, 0);
-expect_error('coopdyn:reset', @() sim.step('timeout', 30), 'the world was reset', again);
+expect_error('coopdyn:reset', @() sim.step('timeout', 60), 'the world was reset', again);
 drive_steps(sim, r, 3);
 other.reset();
 expect_error('coopdyn:reset', @() r.get_pose(), 'the world was reset', again);
@@ -17,7 +17,7 @@ drive_steps(sim, r, 3);
 p = r.get_pose();
 assert(sim.steps == 3 && p.x > -3.99);
 r.sense();
-sim.step('timeout', 30);
+sim.step('timeout', 60);
 r.sense();  % what came with the step
 other.reset();
 expect_error('coopdyn:reset', @() r.sense(), 'the world was reset');
@@ -39,19 +39,19 @@ two = sim.robot('robot2');
 sim.set_participants({'robot1', 'robot2'});
 drive_steps(sim, r, 3);
 other.reset();
-expect_error('coopdyn:reset', @() sim.step('timeout', 30), 'the world was reset');
+expect_error('coopdyn:reset', @() sim.step('timeout', 60), 'the world was reset');
 sim.close();
 sim = coopdyn.connect();
 team = sim.team({'robot1', 'robot2'});
 for k = 1:3
-  team.step([0.1 0], 'timeout', 30);
+  team.step([0.1 0], 'timeout', 60);
 end
 other.reset();
-expect_error('coopdyn:reset', @() team.step([0.1 0], 'timeout', 30), 'the world was reset');
-team.step([0.1 0], 'timeout', 30);
+expect_error('coopdyn:reset', @() team.step([0.1 0], 'timeout', 60), 'the world was reset');
+team.step([0.1 0], 'timeout', 60);
 other.reset();
 expect_error('coopdyn:reset', @() team.read(), 'the world was reset');
-s = team.step([0.1 0], 'timeout', 30);
+s = team.step([0.1 0], 'timeout', 60);
 assert(s.step == 1);
 team.close();
 r = sim.robot('robot1');

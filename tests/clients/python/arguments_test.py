@@ -17,7 +17,7 @@ class Arguments(FakeTestCase):
         self.r = self.sim.robot(1)
 
     def driven(self):
-        self.sim.step(timeout=30)
+        self.sim.step(timeout=60)
         p = self.r.get_pose()
         return round(p.forward, 9), round(p.turn, 9)
 
@@ -145,7 +145,7 @@ class Arguments(FakeTestCase):
                 return 1
 
         self.assertEqual(self.sim.robot(Whole()).name, "robot1")
-        self.sim.step(Whole(), timeout=30)
+        self.sim.step(Whole(), timeout=60)
 
     def test_an_error_of_type_inside_a_call_stays_what_it_is(self):
         with mock.patch.object(self.sim._session, "robot_names", side_effect=TypeError("ours")):

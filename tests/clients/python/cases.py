@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What tests of the client share: clients that are closed, the errors they expect, and either daemon to start."""
+import contextlib
+import io
 import signal
 import threading
 import time
@@ -9,7 +11,7 @@ import harness
 import coopdyn
 from fake_daemon import FakeDaemon
 
-LIMIT_S = 30
+LIMIT_S = 60
 RESET = "the world was reset: run your program again, or catch this to start over"
 
 
@@ -32,6 +34,23 @@ class ClientTestCase(unittest.TestCase):
         """A wait prints whom it waits for after this many seconds."""
         self.addCleanup(setattr, coopdyn, "_NOTICE_AFTER_S", coopdyn._NOTICE_AFTER_S)
         coopdyn._NOTICE_AFTER_S = seconds
+
+    def said_until(self, call, words, go_on):
+        """What a call that waits says on stderr: once it has said these words, `go_on` ends its wait."""
+        with contextlib.redirect_stderr(io.StringIO()) as said:
+            def end():
+                limit = time.monotonic() + LIMIT_S
+                while words not in said.getvalue() and time.monotonic() < limit:
+                    time.sleep(0.01)
+                go_on()
+
+            ends = threading.Thread(target=end)
+            ends.start()
+            try:
+                call()
+            finally:
+                ends.join()
+        return said.getvalue()
 
 
 class DaemonTestCase(ClientTestCase):

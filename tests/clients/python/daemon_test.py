@@ -22,7 +22,7 @@ CLIENT = harness.ROOT / "clients" / "python"
 
 class ProgramTestCase(DaemonTestCase):
     def run_program(self, daemon, program, *arguments):
-        run = subprocess.run([sys.executable, str(CLIENT / program), *arguments], timeout=110, text=True, capture_output=True,
+        run = subprocess.run([sys.executable, str(CLIENT / program), *arguments], timeout=300, text=True, capture_output=True,
                              env=dict(os.environ, COOPDYN_SERVER=daemon.server))
         self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
         return run.stdout
@@ -32,6 +32,15 @@ class ProgramTestCase(DaemonTestCase):
         at = [float(w) for w in line.split()[:2]]
         self.assertLess(math.dist(at, (x, y)), within, line)
 
+    def in_real_time(self, program, *arguments):
+        """What a program prints that drives robot1 over an open floor to the target, which it must come to on its way: where it is
+        a moment later depends on the machine."""
+        daemon = self.start("classroom", "--mode", "realtime", "--speed", "2", "--set", "SCORE_1.kind=reach", "--set",
+                            "SCORE_1.target=red", "--set", "SCORE_1.within=0.41")
+        out = self.run_program(daemon, program, *arguments)
+        self.assertEqual(self.connect(daemon, watch=True).scores(), {"reach": 1})
+        return out
+
 
 class Programs(ProgramTestCase):
     def test_hello_reaches_the_target_in_lockstep(self):
@@ -39,8 +48,7 @@ class Programs(ProgramTestCase):
         self.assert_at_target(out, 1.5, 0.5, 0.45)
 
     def test_hello_reaches_the_target_in_real_time(self):
-        out = self.run_program(self.start("classroom", "--mode", "realtime", "--speed", "5"), "hello.py")
-        self.assert_at_target(out, 1.5, 0.5, 0.6)
+        self.assertRegex(self.in_real_time("hello.py"), r"^\S+ \S+ at t = \S+ s\n$")
 
     def test_attractor_reaches_the_target_in_every_scenario_of_one_robot_that_has_one(self):
         tried = 0
@@ -53,8 +61,7 @@ class Programs(ProgramTestCase):
         self.assertGreaterEqual(tried, 6)
 
     def test_attractor_reaches_the_target_in_real_time(self):
-        out = self.run_program(self.start("fig4", "--mode", "realtime", "--speed", "4"), "attractor.py")
-        self.assertIn("robot1 reached the target", out)
+        self.assertIn("robot1 reached the target", self.in_real_time("attractor.py"))
 
     def test_attractor_drives_five_robots(self):
         names = [f"robot{i + 1}" for i in range(5)]
@@ -121,23 +128,26 @@ class Stepping(DaemonTestCase):
 
 class Waiting(DaemonTestCase):
     def test_next_with_nobody_stepping_says_once_whom_for(self):
-        r = self.connect(self.start(harness.scenario_of(2))).robot(1)
+        daemon = self.start(harness.scenario_of(2))
+        sim, other = self.connect(daemon), self.connect(daemon, name="other", watch=True)
+        r = sim.robot(1)
         self.notices_after(0.1)
         r.subscribe("pose")
-        with contextlib.redirect_stderr(io.StringIO()) as said, self.assertRaises(coopdyn.Error) as caught:
-            r.next(timeout=2)
+        with self.assertRaises(coopdyn.Error) as caught:
+            r.next(timeout=0.2)
         self.assertEqual(caught.exception.code, 11)
         self.assertIn("robot2 (no client)", caught.exception.text)
-        self.assertEqual(said.getvalue().count("coopdyn: waiting for robot1"), 1, said.getvalue())
-        self.assertIn("robot2 (no client)", said.getvalue())
+        said = self.said_until(r.next, "robot2 (no client)", lambda: other.set_mode("realtime"))
+        self.assertEqual(said.count("coopdyn: waiting for robot1"), 1, said)
+        self.assertIn("robot2 (no client)", said)
 
     def test_next_of_a_world_that_goes_on_says_nothing(self):
         r = self.connect(self.start(harness.scenario_of(1, "realtime"))).robot(1)
         self.notices_after(0.05)
         r.subscribe("pose", 40)
-        r.next(timeout=30)
+        r.next(timeout=60)
         with contextlib.redirect_stderr(io.StringIO()) as said:
-            r.next(timeout=30)
+            r.next(timeout=60)
         self.assertEqual(said.getvalue(), "")
 
     def test_of_many_robots_four_are_named(self):
@@ -302,12 +312,11 @@ class Everything(DaemonTestCase):
         r.set_wheel_speeds(1, 1)
         sim.pause()
         self.assertEqual(sim.status()["state"], "paused")
+        self.assertEqual(r.get_target(2), r.get_target("green"))
         sim.run()
         r.stop()
         self.assertEqual(len(r.get_geometry().bearing), 11)
         self.assertEqual([t.colour for t in r.get_targets()], ["red", "green"])
-        for one, other in zip(r.get_target(2), r.get_target("green")):
-            self.assertAlmostEqual(one, other, delta=0.05)  # it still rolls
         self.assertEqual([o.name for o in r.get_robots()], ["robot2"])
         self.assertGreater(r.get_limits().track, 0.1)
         self.assertEqual(len(r.get_pose_3d()), 13)

@@ -12,7 +12,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "clients" / "python"))
-READY_TIMEOUT_S = 60
+LIMIT_S = 60
 
 
 class Daemon:
@@ -37,7 +37,7 @@ class Daemon:
         self.process = subprocess.Popen([os.environ["COOPDYN_BINARY"], verb, str(path), "--port", "0", *options],
                                         stdout=subprocess.PIPE, stderr=self.log, text=True)
         assert self.process.stdout is not None
-        readable, _, _ = select.select([self.process.stdout], [], [], READY_TIMEOUT_S)
+        readable, _, _ = select.select([self.process.stdout], [], [], LIMIT_S)
         line = self.process.stdout.readline() if readable else ""
         found = re.search(r"^ready names=(\S+) http=(\S+) robots=(\d+)", line)
         if not found:
@@ -49,7 +49,7 @@ class Daemon:
         if self.process.poll() is None:
             self.process.terminate()
         try:
-            self.process.wait(20)
+            self.process.wait(LIMIT_S)
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.process.wait()

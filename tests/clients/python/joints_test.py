@@ -98,7 +98,7 @@ class Joints(DaemonTestCase):
         robot.subscribe(arm.name)
         sim.step()
         sim.step()
-        self.assertEqual(len(robot.next(arm.name, timeout=10).value.position), 7)
+        self.assertEqual(len(robot.next(arm.name, timeout=60).value.position), 7)
 
     def test_a_program_that_watches_reads_an_arm_and_cannot_drive_it(self):
         daemon = self.start(SCENARIO.format(mode="realtime"))

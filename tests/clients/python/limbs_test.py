@@ -98,7 +98,7 @@ class Limbs(DaemonTestCase):
     def test_a_robot_that_lockstep_does_not_wait_for_steps_beside_one_of_several_actuators(self):
         self.sim.robot("robot2")
         for _ in range(10):
-            self.sim.step(3, timeout=20)
+            self.sim.step(3, timeout=60)
         self.assertGreaterEqual(self.sim.steps, 30)
 
     def test_a_sim_that_is_closed_lets_muscles_and_thrusters_go(self):

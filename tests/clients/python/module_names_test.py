@@ -30,7 +30,7 @@ class ModuleNames(DaemonTestCase):
         self.assertEqual(robot.call("motors", "get_wheels").data, robot.call("legs", "get_wheels").data)
         robot.subscribe("motors")
         sim.step()
-        self.assertEqual(robot.next("motors", timeout=10).step, 21)
+        self.assertEqual(robot.next("motors", timeout=60).step, 21)
         self.assert_error(10, lambda: robot.get_compass("south"), "south")
 
 

@@ -167,16 +167,16 @@ class RecordingTest(DaemonTestCase):
         sim = self.connect(self.start(self.recorded.file, "--paused"))
         sim.robot("robot1")
         sim.set_loop(True)
-        sim.play(2)
+        sim.play(0.25)  # so slow that no round is over while the machine stops the test
         self.assertTrue(sim.playback().playing)
-        self.assertEqual(sim.playback().speed, 2)
+        self.assertEqual(sim.playback().speed, 0.25)
         before = sim.steps
-        sim.step(timeout=30)
+        sim.step(timeout=60)
         self.assertNotEqual(sim.steps, before)
-        sim.set_play_speed(-1)
-        sim.step(3, timeout=30)
+        sim.set_play_speed(-0.25)
+        sim.step(3, timeout=60)
         first = sim.steps
-        sim.step(timeout=30)
+        sim.step(timeout=60)
         self.assertNotEqual(sim.steps, first)
         sim.pause()
         self.assertFalse(sim.playback().playing)
@@ -214,10 +214,10 @@ class RecordingTest(DaemonTestCase):
         for drives in (lambda: team.step((0.1, 0)), lambda: team.step_wheels((1, 1)), team.stop):
             self.assert_error(5, drives, "playing a recording")
         sim.set_loop(True)
-        sim.play()
+        sim.play(0.25)
         before = team.read().step
-        self.assertNotEqual(team.step(timeout=30).step, before)
-        sim.step(timeout=30)
+        self.assertNotEqual(team.step(timeout=60).step, before)
+        sim.step(timeout=60)
         self.assert_error(10, lambda: sim.team("robot9"), "robot9")
         sim.pause()
         sim.branch(0.5)
@@ -290,7 +290,7 @@ class Requests(DaemonTestCase):
         self.assertGreater(len(sim.record("a")), 0)
         self.assert_error(5, lambda: sim.record("b"))
         while not any(f.steps for f in sim.recordings()):  # the file is written by a thread of its own
-            sim.step(timeout=30)
+            sim.step(timeout=60)
         self.assert_error(5, lambda: sim.fetch_run("a"), "being recorded")
         sim.stop_recording()
         self.assert_error(5, lambda: sim.record("a"), "a.run")  # nothing is overwritten
@@ -301,7 +301,7 @@ class Requests(DaemonTestCase):
         with tempfile.TemporaryDirectory() as folder:
             self.assert_error(10, lambda: sim.fetch_run("never", os.path.join(folder, "x.run")))
             sim.record("here")
-            sim.step(timeout=30)
+            sim.step(timeout=60)
             sim.stop_recording()
             self.assert_error(5, lambda: sim.fetch_run("here", os.path.join(folder, "no folder", "x.run")), "cannot write")
             pathlib.Path(folder, "x.run").write_text("old")
@@ -381,7 +381,7 @@ class Requests(DaemonTestCase):
         sim.restore_state("two")
         r = sim.robot("robot2")
         r.set_velocity(0.1, 0)
-        self.assertEqual(team.step((0.1, 0.1), timeout=30).step, 1)
+        self.assertEqual(team.step((0.1, 0.1), timeout=60).step, 1)
         sim.restore_state("one")
         self.assert_error(10, lambda: r.set_velocity(0.1, 0), "no robot2")
         self.assertEqual(sim.robots(), ["robot1"])
@@ -398,12 +398,12 @@ class Requests(DaemonTestCase):
     def test_a_team_goes_on_after_a_restore(self):
         sim = self.connect(self.start(harness.scenario_of(3)))
         team = sim.team()
-        team.step((0.2, 0.1), timeout=30)
+        team.step((0.2, 0.1), timeout=60)
         sim.save_state("here")
-        first = team.step((0.2, -0.5), timeout=30).pose
-        team.step((0.2, 0.5), timeout=30)
+        first = team.step((0.2, -0.5), timeout=60).pose
+        team.step((0.2, 0.5), timeout=60)
         sim.restore_state("here")
-        self.assertEqual(team.step((0.2, -0.5), timeout=30).pose, first)
+        self.assertEqual(team.step((0.2, -0.5), timeout=60).pose, first)
 
 
 if __name__ == "__main__":

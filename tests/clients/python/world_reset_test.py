@@ -18,7 +18,7 @@ class AReset(FakeTestCase):
         self.r = self.sim.robot(1)
         for _ in range(3):
             self.r.set_velocity(0.1, 0)
-            self.sim.step(timeout=30)
+            self.sim.step(timeout=60)
 
     def assert_reset(self, call):
         with self.assertRaises(coopdyn.WorldReset) as caught:
@@ -37,14 +37,14 @@ class AReset(FakeTestCase):
         self.started(mode=1)
         self.other.reset()
         self.r.set_velocity(0.5, 0)
-        self.assert_reset(lambda: self.sim.step(timeout=30))
+        self.assert_reset(lambda: self.sim.step(timeout=60))
 
     def test_is_noticed_by_the_next_reading_before_an_old_command_runs(self):
         self.started(mode=1)
         self.other.reset()
         self.r.set_velocity(0.5, 0)
         self.assert_reset(self.r.get_pose)
-        self.sim.step(timeout=30)
+        self.sim.step(timeout=60)
         self.assertEqual((self.sim.steps, self.r.get_pose().forward), (1, 0.0))
 
     def test_is_noticed_by_a_reading_in_real_time(self):
@@ -71,10 +71,10 @@ class AReset(FakeTestCase):
             with self.subTest(mode=mode):
                 self.started(mode)
                 self.other.reset()
-                self.assert_reset(lambda: [self.sim.step(timeout=30) for _ in range(2)])
+                self.assert_reset(lambda: [self.sim.step(timeout=60) for _ in range(2)])
                 for _ in range(4):
                     self.r.set_velocity(0.1, 0)
-                    self.sim.step(timeout=30)
+                    self.sim.step(timeout=60)
                 self.assertEqual(self.r.get_pose().forward, 0.1)
 
     def test_ends_a_raw_call_that_waits(self):
@@ -91,19 +91,19 @@ class AReset(FakeTestCase):
             again()
             self.assertEqual(self.r.get_pose().x, 0)
             for _ in range(3):
-                self.sim.step(timeout=30)
+                self.sim.step(timeout=60)
         self.assertEqual(self.sim.steps, 3)
 
     def test_is_told_to_a_team(self):
         daemon = self.start(mode=1, robots=2)
         sim, other = self.connect(daemon), self.connect(daemon, name="other")
         team = sim.team()
-        for call in (lambda: team.step((0.1, 0), timeout=30), team.read):
+        for call in (lambda: team.step((0.1, 0), timeout=60), team.read):
             for _ in range(3):
-                team.step((0.1, 0), timeout=30)
+                team.step((0.1, 0), timeout=60)
             other.reset()
             self.assert_reset(call)
-        self.assertEqual(team.step((0.1, 0), timeout=30).step, 1)
+        self.assertEqual(team.step((0.1, 0), timeout=60).step, 1)
 
     def test_does_not_end_a_program_that_only_watches(self):
         self.started(mode=1)
@@ -116,10 +116,10 @@ class AReset(FakeTestCase):
         self.started(mode=1)
         self.r.subscribe("pose")
         for _ in range(3):
-            self.sim.step(timeout=30)
+            self.sim.step(timeout=60)
         self.sim.reset()
-        self.sim.step(timeout=30)
-        self.assertEqual([self.r.next(timeout=30).step for _ in range(4)], [4, 5, 6, 1])
+        self.sim.step(timeout=60)
+        self.assertEqual([self.r.next(timeout=60).step for _ in range(4)], [4, 5, 6, 1])
         self.r.get_pose()
 
 
@@ -202,7 +202,7 @@ class TimeThatGoesBackInAPlayback(DaemonTestCase):
         name = sim.record("lesson")
         for _ in range(20):
             r.set_velocity(0.1, 0)
-            sim.step(timeout=30)
+            sim.step(timeout=60)
         sim.stop_recording()
         player = self.start(str(recorder.recordings / name), "--paused")
         viewer, other = self.connect(player), self.connect(player, name="other")
@@ -254,7 +254,7 @@ class ALoopWithoutSteps(FakeTestCase):
             for _ in range(5):
                 for _ in range(100):
                     r.set_velocity(0.1, 0)
-                sim.step(timeout=30)
+                sim.step(timeout=60)
 
         self.assertEqual(self.said_after(sim, well), "")
 

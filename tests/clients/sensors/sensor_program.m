@@ -83,7 +83,7 @@ r.subscribe('light');
 r.subscribe('rear_lidar');
 sim.step();
 for module = {'light', 'rear_lidar'}
-  pushed = r.next(module{1}, 'timeout', 10);
+  pushed = r.next(module{1}, 'timeout', 60);
   show('pushed', pushed.value);
 end
 sim.close();

@@ -72,5 +72,5 @@ with coopdyn.connect() as sim:
     r.subscribe("light")
     r.subscribe("rear_lidar")
     sim.step()
-    show("pushed", r.next("light", timeout=10).value)
-    show("pushed", r.next("rear_lidar", timeout=10).value)
+    show("pushed", r.next("light", timeout=60).value)
+    show("pushed", r.next("rear_lidar", timeout=60).value)

@@ -15,7 +15,7 @@ import coopdyn  # noqa: E402
 from fake_daemon import FakeDaemon  # noqa: E402
 
 CLIENTS = harness.ROOT / "clients"
-LIMIT_S = 170
+LIMIT_S = 600
 ROOM = """[SIMULATION]
 mode lockstep
 [FLOOR]

@@ -43,9 +43,8 @@ TEST_F(NameClientTest, RegistersAndUnregistersAllAtItsEnd) {
 }
 
 TEST_F(NameClientTest, TriesAgainUntilTheServerIsThere) {
-  ASSERT_EQ(names_->Listen({"127.0.0.1"}, 0), "");
-  const int port = names_->port();
-  thread_.Call([this] { names_ = std::make_unique<NameServer>(thread_.context(), table_, services_); });
+  const HeldPort held;
+  const int port = held.port();
   NameClient client("127.0.0.1", port, NullLogger());
   client.Register("/robot1/motors", "", 10'002);
   EXPECT_EQ(client.pending(), 1U);
@@ -55,8 +54,9 @@ TEST_F(NameClientTest, TriesAgainUntilTheServerIsThere) {
 }
 
 TEST_F(NameClientTest, AServerThatWasStartedAgainGetsAllNamesAgain) {
-  ASSERT_EQ(names_->Listen({"127.0.0.1"}, 0), "");
-  const int port = names_->port();
+  const HeldPort held;
+  const int port = held.port();
+  ASSERT_EQ(names_->Listen({"127.0.0.1"}, port), "");
   NameClient client("127.0.0.1", port, NullLogger(), std::chrono::milliseconds(10));
   client.Register("/robot1/motors", "", 10'002);
   client.Register("/robot1/pose", "", 10'003);

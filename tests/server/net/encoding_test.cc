@@ -161,15 +161,15 @@ TEST_F(EncodingTest, AConnectionOfDatagramsEndsWhenNothingHasComeForItsTime) {
   bool ended = false;
   const IoThread::Poster poster = thread_.poster();
   std::shared_ptr<Session> session;
+  TestClient client(std::move(ours));
+  client.Send("hold 1\n");  // it is there when the silence begins
   thread_.Call([&, fd = theirs.Release()] {
     session = std::make_shared<Session>(
         thread_.context(), Session::Socket(thread_.context(), Session::AnyProtocol(), fd),
-        ConnectionEnd{std::chrono::milliseconds(100)}, endpoint_, services_, poster,
+        ConnectionEnd{std::chrono::milliseconds(500)}, endpoint_, services_, poster,
         PeerInfo{"datagrams", true}, [&ended](ClientId) { ended = true; });
     session->Start({});
   });
-  TestClient client(std::move(ours));
-  client.Send("hold 1\n");
   ASSERT_TRUE(Sees("request 501 1"));
   EXPECT_TRUE(Sees("input ended"));
   EXPECT_EQ(endpoint_.Count("closed"), 0);  // what it has asked for is still answered

@@ -130,6 +130,18 @@ void TestClient::Reset() {
   Close();
 }
 
+HeldPort::HeldPort() : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+  const int yes = 1;
+  ::setsockopt(fd_.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  sockaddr_in address{};
+  socklen_t size = sizeof address;
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (::bind(fd_.get(), reinterpret_cast<const sockaddr*>(&address), size) != 0) return;
+  if (::getsockname(fd_.get(), reinterpret_cast<sockaddr*>(&address), &size) == 0)
+    port_ = ntohs(address.sin_port);
+}
+
 std::pair<UniqueFd, UniqueFd> SocketPair(int type) {
   int fds[2] = {-1, -1};
   if (::socketpair(AF_UNIX, type | SOCK_CLOEXEC, 0, fds) != 0) return {};

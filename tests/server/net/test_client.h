@@ -15,7 +15,7 @@ namespace coopdyn {
 
 class TestClient {
  public:
-  static constexpr int kPatience_ms = 10'000;
+  static constexpr int kPatience_ms = 60'000;
 
   /// Takes over a connected socket.
   explicit TestClient(UniqueFd fd) : fd_(std::move(fd)) {}
@@ -53,6 +53,18 @@ class TestClient {
   UniqueFd fd_;
   std::string buffer_;
   bool ended_ = false;
+};
+
+/// A port of the loopback that no other program is given while this lives; whoever shares addresses may
+/// listen.
+class HeldPort {
+ public:
+  HeldPort();
+  int port() const { return port_; }
+
+ private:
+  UniqueFd fd_;
+  int port_ = 0;
 };
 
 /// A connected pair of unix sockets.

@@ -77,6 +77,10 @@ TEST_F(RecorderTest, AKeyframeHasTheControllersTheScoresAndTheMode) {
   EXPECT_EQ(StateHash(*state->frame), StateHash(*frame));
 }
 
+TEST_F(RecorderTest, ACrashCostsLessThanHalfASecond) {
+  EXPECT_LT(RecorderOptions().commit_every, kNanosecondsPerSecond / 2);
+}
+
 TEST_F(RecorderTest, WhatIsOlderThanTheCommitIntervalIsSafe) {
   RecorderOptions options = Options();
   options.commit_every = 200'000'000;

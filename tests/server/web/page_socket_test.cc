@@ -24,7 +24,7 @@ using testing::StartsWith;
 class Page {
  public:
   explicit Page(int port, std::string origin = {}) : socket_(context_) {
-    const timeval patience{10, 0};
+    const timeval patience{60, 0};
     auto& tcp = beast::get_lowest_layer(socket_);
     tcp.connect({asio::ip::make_address("127.0.0.1"), static_cast<std::uint16_t>(port)});
     ::setsockopt(tcp.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);

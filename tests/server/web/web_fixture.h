@@ -91,7 +91,7 @@ struct WebWorld {
   int port = 0;
 };
 
-/// A blocking TCP connection; reading gives up after ten seconds.
+/// A blocking TCP connection; reading gives up after a minute.
 class RawClient {
  public:
   explicit RawClient(int port);
@@ -123,11 +123,11 @@ struct HttpReply {
 HttpReply Fetch(int port, std::string_view method, std::string_view target, std::string_view body = {},
                 std::string_view headers = {});
 
-/// Waits until `condition` holds; false after ten seconds.
+/// Waits until `condition` holds; false after a minute.
 template <typename Condition>
 bool Eventually(Condition condition) {
   const SteadyClock clock;
-  const Nanoseconds end = clock.Now() + 10 * kNanosecondsPerSecond;
+  const Nanoseconds end = clock.Now() + 60 * kNanosecondsPerSecond;
   while (!condition()) {
     if (clock.Now() > end) return false;
     std::this_thread::yield();
