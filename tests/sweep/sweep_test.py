@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""coopdyn sweep: what it lays out, what it writes, and that it finishes after every loss, on three engines."""
+"""coopdyn sweep: what it lays out, what it writes, and that it finishes after every loss."""
 import contextlib
 import csv
 import json
@@ -8,66 +8,13 @@ import random
 import shutil
 import signal
 import subprocess
-import tempfile
 import unittest
 
 import engines
-
-BINARY = os.environ.get("COOPDYN_BINARY", "build/release/coopdyn")
-
-SCENARIO = """[FLOOR]
-size 8 8
-[SWARM_1]
-type single
-name r
-count 3
-spacing 0.9
-controller diffuse
-fidelity rolling
-[SCORE_1]
-name way
-kind distance
-[SCORE_2]
-name hits
-kind collisions
-"""
-TABLE = ["--set", "SWARM_1.count=2,4", "--controller", "diffuse speed=0.1,0.2", "--duration", "0.5"]
+from sweep_case import BINARY, TABLE, SweepCase
 
 
-class SweepTest(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
-        self.scenario = self.write("lesson.scenario", SCENARIO)
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
-    def write(self, name, text):
-        with open(self.path(name), "w", encoding="utf-8") as stream:
-            stream.write(text)
-        return self.path(name)
-
-    def words(self, *words, out="out"):
-        return [BINARY, "sweep", self.scenario, *words, "--out", self.path(out)]
-
-    def sweep(self, *words, out="out", code=0, **given):
-        done = engines.answers(self.words(*words, out=out), cwd=self.folder, **given)
-        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
-        return done
-
-    def lines(self, out="out"):
-        with open(os.path.join(self.path(out), "results.jsonl"), encoding="utf-8") as stream:
-            return sorted(stream.read().splitlines())
-
-    def results(self, out="out"):
-        return [json.loads(line) for line in self.lines(out)]
-
-    def refused(self, *words, code=1):
-        done = self.sweep(*words, code=code)
-        return done.stderr.strip()
-
+class SweepTest(SweepCase):
     def test_each_combination_has_a_result_with_its_inputs_scores_and_hash(self):
         self.sweep(*TABLE, "--seeds", "1..2,7")
         results = self.results()
@@ -286,46 +233,14 @@ class SweepTest(unittest.TestCase):
         self.assertEqual(self.lines(), self.lines("whole"))
         self.assertEqual(os.listdir(self.path("scratch")), [])
 
-    def finished(self):
-        try:
-            return self.lines()
-        except FileNotFoundError:
-            return []
-
     def test_one_process_and_two_give_equal_hashes(self):
         self.sweep(*TABLE, "--seeds", "1..3", "--jobs", "1", out="one")
         self.sweep(*TABLE, "--seeds", "1..3", "--jobs", "2", out="two")
         self.assertEqual(self.lines("one"), self.lines("two"))
 
-    @unittest.skipUnless(shutil.which("dask-scheduler"), "Dask is not installed")
-    def test_dask_gives_equal_hashes_though_workers_are_killed(self):
-        words = [*TABLE, "--seeds", "1..10"]
-        self.sweep(*words, out="here")
-        with engines.processes() as every:
-            dask = engines.Dask(self.folder, every)
-            sweep = subprocess.Popen(self.words(*words, "--dask", dask.address), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-            self.addCleanup(sweep.stdout.close)
-            engines.until(lambda: len(self.finished()) >= 5, "results come")
-            os.killpg(dask.workers[0].pid, signal.SIGKILL)
-            dask.add_worker()
-            said = sweep.communicate(timeout=120)[0]
-            self.assertEqual(sweep.returncode, 0, said)
-        self.assertEqual(self.lines(), self.lines("here"))
-
     def test_dask_without_a_scheduler_is_told(self):
         self.assertRegex(self.refused("--duration", "1", "--dask", f"tcp://127.0.0.1:{engines.held_port()}"), "no Dask scheduler answers|python3-distributed")
         self.assertRegex(self.refused("--duration", "1", "--dask", "foo"), "write --dask tcp://HOST:8786 of one, or --dask local|python3-distributed")
-
-    @unittest.skipUnless(shutil.which("slurmctld", path="/usr/sbin"), "Slurm is not installed")
-    def test_slurm_gives_equal_hashes(self):
-        words = [*TABLE, "--seeds", "1..3"]
-        self.sweep(*words, out="here")
-        with engines.processes() as every:
-            place = self.path("slurm")
-            os.mkdir(place)
-            environment = engines.start_slurm(place, every)
-            self.sweep(*words, "--slurm", env=environment)
-        self.assertEqual(self.lines(), self.lines("here"))
 
 
 if __name__ == "__main__":
