@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "server/controllers/child_process.h"
+#include "server/base/sanitizers.h"
 
 #include <fcntl.h>
 #include <poll.h>

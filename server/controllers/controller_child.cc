@@ -16,6 +16,7 @@
 #include <exception>
 #include <memory>
 
+#include "server/base/sanitizers.h"
 #include "server/controllers/child_process.h"
 #include "server/controllers/runner.h"
 #include "server/controllers/shared_area.h"

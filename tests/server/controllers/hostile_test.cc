@@ -10,6 +10,7 @@
 #include <sstream>
 #include <thread>
 
+#include "server/base/sanitizers.h"
 #include "tests/server/controllers/plugins/deeds.h"
 #include "tests/server/controllers/swarm.h"
 

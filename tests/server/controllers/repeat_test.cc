@@ -10,6 +10,7 @@
 #include <functional>
 #include <iterator>
 
+#include "server/base/sanitizers.h"
 #include "tests/server/controllers/swarm.h"
 
 namespace coopdyn {

@@ -72,8 +72,8 @@ TEST(SettingsTest, TheTextCarriesItsSettings) {
 }
 
 TEST(SettingsTest, RobotsMeansEachRobotAndSwarm) {
-  const Set read =
-      ReadWith({"ROBOTS.fidelity=rolling"}, std::string(kSettings) + "[SWARM_1]\ntype single\ncount 2\nname s\n");
+  const Set read = ReadWith({"ROBOTS.fidelity=rolling"},
+                            std::string(kSettings) + "[SWARM_1]\ntype single\ncount 2\nname s\n");
   ASSERT_NE(read.scenario, nullptr) << read.said;
   EXPECT_EQ(read.scenario->robots[0].fidelity, Fidelity::kRolling);
   EXPECT_EQ(read.scenario->robots.back().fidelity, Fidelity::kRolling);

@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "server/base/sanitizers.h"
 #include "tests/server/physics/physics_scene.h"
 
 #if defined(__SANITIZE_ADDRESS__)

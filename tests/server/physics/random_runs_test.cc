@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "server/base/sanitizers.h"
 #include "tests/server/physics/stepper_boards.h"
 #include "tests/server/state/wheels.h"
 

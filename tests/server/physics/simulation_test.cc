@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A simulation begun anew, or taken up at any of its states, goes on as one that has just been built.
+#include "server/base/sanitizers.h"
 #include "server/physics/simulation.h"
 
 #include <gtest/gtest.h>
