@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A simulation begun anew, or taken up at any of its states, goes on as one that has just been built.
-#include "server/base/sanitizers.h"
 #include "server/physics/simulation.h"
+#include "server/base/sanitizers.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
