@@ -11,7 +11,7 @@ import subprocess
 import unittest
 
 import engines
-from sweep_case import BINARY, TABLE, SweepCase
+from sweep_case import BINARY, SCENARIO, TABLE, SweepCase
 
 
 class SweepTest(SweepCase):
