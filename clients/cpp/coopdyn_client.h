@@ -401,7 +401,7 @@ class Simulation {
   void log(const std::string& name, double value);
   /// The newest number of each name that was logged.
   std::map<std::string, double> logged();
-  /// Ends the run, which has reached what it was for, and the daemon, whose exit code is 0.
+  /// Ends the run, which has reached what it was for; a daemon that was started for one run ends with it.
   void end_run(const std::string& why = "");
   std::vector<Awaited> waiting();
   /// Writes a PNG picture to `file`; returns its name.

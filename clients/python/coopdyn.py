@@ -4149,7 +4149,7 @@ class Simulation:
         return {one["name"]: float(one["value"]) for one in self.status()["logged"]}
 
     def end_run(self, why: str = "") -> None:
-        """Ends the run, which has reached what it was for, and the daemon, whose exit code is 0."""
+        """Ends the run, which has reached what it was for; a daemon that was started for one run ends with it."""
         self._session.control(_END_RUN, text=str(why))
 
     def waiting(self) -> List[Awaited]:

@@ -300,7 +300,9 @@ void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
   sub->footer(
       "Example: coopdyn serve classroom --mode lockstep --port 10000\n"
       "Exit codes: 0 ok; 1 errors; 2 wrong use; 4 a controller failed, a body was frozen or the recording\n"
-      "failed; 5 a signal or quit came before --duration. SIGTERM, SIGINT and SIGHUP end the run in order;\n"
+      "failed; 5 a signal or quit came before --duration.\n"
+      "A run that ends by its scenario stands until it is reset; with --duration, --steps, --summary or\n"
+      "--no-net the program ends with it. SIGTERM, SIGINT and SIGHUP end the run in order;\n"
       "SIGUSR1 logs how it stands, writes --summary and goes on.");
   sub->add_option(
          "scenario", serve.scenario,
@@ -360,6 +362,8 @@ void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
   TakeVariables(sub, {"help", "scenarios", "force", "from", "set", "with-process"});
   sub->callback([sub, given, &chosen] {
     CheckServe(*sub, *given);
+    RunOptions& run = given->run;
+    run.ends_daemon = run.duration_s || run.steps || !given->summary_file.empty() || given->no_net;
     chosen = [given] { return Serve(*given); };
   });
   AddPlay(app, command_line, chosen);

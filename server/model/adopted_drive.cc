@@ -47,6 +47,8 @@ class DriveAdopter {
       joint->upper = JointModel::kInfinity;
       joint->damping = joint->friction = joint->stiffness = 0;
     }
+    CoupleOthers("other_left_joints", static_cast<int>(left - robot_.joints.data()));
+    CoupleOthers("other_right_joints", static_cast<int>(right - robot_.joints.data()));
     MoveOrigin({(p_left.x() + p_right.x()) / 2, (p_left.y() + p_right.y()) / 2, p_left.z() - radius_m});
     FillMotors(*left, *right, radius_m);
     robot_.actuators.push_back(
@@ -68,8 +70,9 @@ class DriveAdopter {
     diagnostics_.Warning(where_, "the differential drive has no module 'motors', since " + why);
   }
 
-  JointModel* Find(const char* key) {
-    const std::string name = attributes_.Text(key).value_or("");
+  JointModel* Find(const char* key) { return FindJoint(attributes_.Text(key).value_or("")); }
+
+  JointModel* FindJoint(const std::string& name) {
     const auto found = std::ranges::find(robot_.joints, name, &JointModel::name);
     if (found != robot_.joints.end() && found->kind == JointModel::Kind::kHinge &&
         robot_.FindCoupling(static_cast<int>(found - robot_.joints.begin())) == nullptr)
@@ -82,6 +85,23 @@ class DriveAdopter {
   void Reverse(int joint) {
     for (CouplingModel& coupling : robot_.couplings) {
       if (coupling.leader == joint) coupling.multiplier = -coupling.multiplier;
+    }
+  }
+
+  /// The wheels that the plug-in names after the first one turn as that does.
+  void CoupleOthers(const char* key, int leader) {
+    for (const std::string& name : SplitWords(attributes_.Text(key).value_or(""))) {
+      const JointModel* const other = FindJoint(name);
+      if (other == nullptr) continue;
+      const auto follower = static_cast<int>(other - robot_.joints.data());
+      const bool leads = std::ranges::count(robot_.couplings, follower, &CouplingModel::leader) > 0;
+      if (leads || std::abs(other->axis_R.y()) < 1 - 1e-6) {
+        diagnostics_.Warning(
+            where_, "the wheel at '" + name +
+                        "' is not driven: its axis must lie along y, and no other joint may follow it");
+      } else {
+        robot_.couplings.push_back({follower, leader, other->axis_R.y() < 0 ? -1.0 : 1.0, 0});
+      }
     }
   }
 

@@ -37,6 +37,17 @@ std::string FirstOf(const XmlNode& node, std::initializer_list<const char*> name
   return {};
 }
 
+/// Of the elements with these names the texts behind the first one, with blanks between.
+std::string OthersOf(const XmlNode& node, std::initializer_list<std::string_view> names) {
+  std::string others;
+  bool first = true;
+  for (const XmlNode& child : node.children) {
+    const bool named = std::ranges::find(names, child.name) != names.end() && !child.text.empty();
+    if (named && !std::exchange(first, false)) others += " " + child.text;
+  }
+  return others;
+}
+
 class Adopter {
  public:
   Adopter(XmlNode& model, Diagnostics& diagnostics) : model_(model), diagnostics_(diagnostics) {}
@@ -175,6 +186,8 @@ class Adopter {
       drive.where = plugin.where;
       drive.Set("left_joint", left);
       drive.Set("right_joint", right);
+      drive.Set("other_left_joints", OthersOf(plugin, {"left_joint", "leftJoint"}));
+      drive.Set("other_right_joints", OthersOf(plugin, {"right_joint", "rightJoint"}));
       for (const auto& [key, text] :
            {std::pair("torque", FirstOf(plugin, {"max_wheel_torque", "wheelTorque", "torque"})),
             std::pair("diameter", FirstOf(plugin, {"wheel_diameter", "wheelDiameter"})),

@@ -228,6 +228,8 @@ std::optional<ModelMesh> LoadMesh(const std::filesystem::path& file, const Vecto
   importer.SetIOHandler(MakeMeshFiles(file, bytes, resources).release());  // it owns them
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES,
                            true);  // a part goes by its name, not its id
+  // Z is up here, as the numbers of all other formats are taken.
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene = importer.ReadFile(
       file.string(), aiProcess_Triangulate | aiProcess_JoinIdenticalVertices | aiProcess_SortByPType);

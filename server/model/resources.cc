@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "server/model/resources.h"
+#include "server/model/sdf_parts.h"
 
 #include <tinyxml2.h>
 
@@ -123,7 +124,8 @@ std::optional<fs::path> ModelFileIn(const fs::path& folder) {
     Diagnostics ignored;
     const auto text = ReadTextFile(config.string(), {}, ignored);
     tinyxml2::XMLDocument document;
-    if (text && document.Parse(text->c_str(), text->size()) == tinyxml2::XML_SUCCESS &&
+    if (text && IsModelSize(*text, config.string(), ignored) &&
+        document.Parse(text->c_str(), text->size()) == tinyxml2::XML_SUCCESS &&
         document.RootElement() != nullptr) {
       double newest = -1;
       std::string file;

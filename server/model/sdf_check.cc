@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <optional>
 #include <sdf/Param.hh>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -248,7 +250,8 @@ class Checker {
           return;
         }
       }
-      if (words.empty()) {
+      const bool is_pose = std::string_view(element.Name()) == "pose";  // an empty one is the identity
+      if (words.empty() && !is_pose) {
         diagnostics_.Error(where, std::string("<") + element.Name() + "> is empty: write its numbers");
         return;
       }
@@ -266,21 +269,61 @@ class Checker {
   Diagnostics& diagnostics_;
 };
 
+std::string TooMany(int most, const std::string& what) {
+  return "a robot's model has at most " + std::to_string(most) + " " + what + ": make it simpler";
+}
+
+/// Where the first element with more than kMaxElementAttributes is. Before the text is parsed, as tinyxml2
+/// compares each attribute with all before it.
+std::optional<int> LineOfTooManyAttributes(std::string_view text) {
+  int line = 1, values = 0;
+  bool in_tag = false;
+  const auto skip = [&](std::size_t count) {
+    const std::string_view taken = text.substr(0, count);
+    line += static_cast<int>(std::ranges::count(taken, '\n'));
+    text.remove_prefix(taken.size());
+  };
+  const auto skip_past = [&](std::string_view end) {
+    const std::size_t at = text.find(end);
+    skip(at == std::string_view::npos ? text.size() : at + end.size());
+  };
+  while (!text.empty()) {
+    const char c = text.front();
+    if (!in_tag && text.starts_with("<!--")) {
+      skip_past("-->");
+    } else if (!in_tag && text.starts_with("<![CDATA[")) {
+      skip_past("]]>");
+    } else if (in_tag && (c == '"' || c == '\'')) {
+      if (++values > kMaxElementAttributes) return line;
+      skip(1);
+      skip_past(std::string_view(&c, 1));
+    } else {
+      if (c == '<' && !in_tag) values = 0;
+      in_tag = c == '<' || (in_tag && c != '>');
+      skip(1);
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 bool IsModelSize(std::string_view text, const std::string& file, Diagnostics& diagnostics) {
-  if (text.size() <= kMaxModelBytes) return true;
-  diagnostics.Error({file, 0}, "a robot's model has at most " + std::to_string(kMaxModelBytes >> 20) +
-                                   " MiB: make it simpler");
-  return false;
+  if (text.size() > kMaxModelBytes) {
+    diagnostics.Error({file, 0}, "a robot's model has at most " + std::to_string(kMaxModelBytes >> 20) +
+                                     " MiB: make it simpler");
+    return false;
+  }
+  const std::optional<int> line = LineOfTooManyAttributes(text);
+  if (line) diagnostics.Error({file, *line}, TooMany(kMaxElementAttributes, "attributes of one element"));
+  return !line;
 }
 
 bool IsModelCount(const XMLElement& root, const std::string& file, Diagnostics& diagnostics) {
   std::map<std::string_view, int> counts;
   const auto is_below = [&](int count, int most, const std::string& what, const XMLElement& element) {
     if (count <= most) return true;
-    diagnostics.Error({file, element.GetLineNum()}, "a robot's model has at most " + std::to_string(most) +
-                                                        " " + what + ": make it simpler");
+    diagnostics.Error({file, element.GetLineNum()}, TooMany(most, what));
     return false;
   };
   const std::function<bool(const XMLElement&)> count = [&](const XMLElement& element) {
@@ -288,10 +331,6 @@ bool IsModelCount(const XMLElement& root, const std::string& file, Diagnostics& 
     if (!is_below(++counts["elements"], kMaxModelElements, "elements", element)) return false;
     const bool is_part = name == "link" || name == "joint" || name == "frame";
     if (is_part && !is_below(++counts[element.Name()], kMaxModelParts, name + "s", element)) return false;
-    int attributes = 0;
-    for (const XMLAttribute* one = element.FirstAttribute(); one != nullptr; one = one->Next()) {
-      if (!is_below(++attributes, kMaxElementAttributes, "attributes of one element", element)) return false;
-    }
     for (const XMLElement* child = element.FirstChildElement(); child != nullptr;
          child = child->NextSiblingElement()) {
       if (!count(*child)) return false;

@@ -11,11 +11,9 @@ namespace coopdyn {
 
 namespace {
 
-constexpr double kMaxEffort = 1e6, kMaxVelocity = 1e4;
-
 bool HasMotor(const JointModel& joint) {
-  return joint.max_effort > 0 && joint.max_effort <= kMaxEffort && joint.max_velocity > 0 &&
-         joint.max_velocity <= kMaxVelocity;
+  return joint.max_effort > 0 && joint.max_effort <= kMaxMotorEffort && joint.max_velocity > 0 &&
+         joint.max_velocity <= kMaxMotorVelocity;
 }
 
 std::vector<std::string> NamesOf(const auto& parts) {
@@ -45,8 +43,8 @@ void AddJoint(XmlAttributes& attributes, const std::string& name, const RobotMod
   }
   if (!HasMotor(*found)) {
     attributes.Error("the joint '" + name + "' needs <limit><effort> (N m or N, to " +
-                     FormatNumber(kMaxEffort) + ") and <velocity> (rad/s or m/s, to " +
-                     FormatNumber(kMaxVelocity) + "), both above 0: its motor's");
+                     FormatNumber(kMaxMotorEffort) + ") and <velocity> (rad/s or m/s, to " +
+                     FormatNumber(kMaxMotorVelocity) + "), both above 0: its motor's");
   }
   joints.push_back(index);
 }

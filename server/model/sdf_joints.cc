@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Joints of a robot.
+#include <spdlog/fmt/fmt.h>
 #include <tinyxml2.h>
 #include <algorithm>
 #include <cmath>
@@ -7,11 +8,14 @@
 #include <sdf/sdf.hh>
 
 #include "server/model/sdf_body.h"
+#include "server/model/sdf_parts.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
 
 namespace {
+
+constexpr double kNoLimit = 1e15;  // a limit from here on means none
 
 using Kind = JointModel::Kind;
 
@@ -238,11 +242,22 @@ class JointReader {
     }
   }
 
+  void ReadMotorLimit(const char* name, double value, double most, const std::string& what, int line,
+                      double& limit) {
+    if (!std::isfinite(value) || value < 0 || value >= kNoLimit) return;
+    limit = std::min(value, most);
+    if (value > most) {
+      reading_.Warn(line, fmt::format("<{}> of {} is {}: its motor has {} at most", name, what,
+                                      FormatNumber(value), FormatNumber(most)));
+    } else if (value == 0) {
+      reading_.Warn(line, fmt::format("<{}> of {} is 0: it has no motor and moves freely", name, what));
+    }
+  }
+
   void ReadAxis(const sdf::JointAxis& axis, bool endless, int line, JointModel& out) {
     const std::string what = "joint '" + out.name + "'";
-    constexpr double kNone = 1e15;  // a limit from here on means none
-    if (!endless && axis.Lower() > -kNone) out.lower = axis.Lower();
-    if (!endless && axis.Upper() < kNone) out.upper = axis.Upper();
+    if (!endless && axis.Lower() > -kNoLimit) out.lower = axis.Lower();
+    if (!endless && axis.Upper() < kNoLimit) out.upper = axis.Upper();
     if (!(out.lower <= out.upper)) {
       reading_.Complain(line, "<lower> of " + what + " must not lie above <upper>", "it has no stops");
       out.lower = -JointModel::kInfinity;
@@ -252,8 +267,8 @@ class JointReader {
       reading_.Warn(line, what + " starts at " + FormatNumber(out.start) +
                               ", its nearest limit: 0, the pose in which the model is written, lies beyond");
     }
-    if (std::isfinite(axis.Effort()) && axis.Effort() >= 0) out.max_effort = axis.Effort();
-    if (std::isfinite(axis.MaxVelocity()) && axis.MaxVelocity() >= 0) out.max_velocity = axis.MaxVelocity();
+    ReadMotorLimit("effort", axis.Effort(), kMaxMotorEffort, what, line, out.max_effort);
+    ReadMotorLimit("velocity", axis.MaxVelocity(), kMaxMotorVelocity, what, line, out.max_velocity);
     out.damping = axis.Damping();
     out.friction = axis.Friction();
     out.stiffness = axis.SpringStiffness();

@@ -28,8 +28,10 @@ inline constexpr std::size_t kMaxModelBytes = 4u << 20;
 inline constexpr int kMaxModelParts = 300;  // of each kind: links, joints, frames
 inline constexpr int kMaxModelElements = 10'000;
 inline constexpr int kMaxElementAttributes = 64;
+inline constexpr double kMaxMotorEffort = 1e6, kMaxMotorVelocity = 1e4;  // N m or N, rad/s or m/s
 
-/// False, and reported, if the `text` of a model is longer than one can be. Before it is parsed.
+/// False, and reported, if the `text` of a model, or one of its elements, is longer than one can be. Before
+/// it is parsed.
 bool IsModelSize(std::string_view text, const std::string& file, Diagnostics& diagnostics);
 /// False, and reported, if there is more of something below `root` than one robot has.
 bool IsModelCount(const tinyxml2::XMLElement& root, const std::string& file, Diagnostics& diagnostics);

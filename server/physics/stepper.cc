@@ -96,7 +96,7 @@ std::optional<Stepper::PutAside> Stepper::Run(std::stop_token stop) {
   baton_.Take();
   RestControllers();
   stopping_ = true;
-  if (const auto end = boards_.control.end(); end && duration_ && !ended_) {
+  if (const auto end = boards_.control.end(); end && duration_ && !ended_ && options_.ends_daemon) {
     AddEvent("warning", fmt::format("the run ended early {}, at {:.2f} of {:g} s", WhyEarly(*end),
                                     frame().time_s(), ToSeconds(*duration_)));
   }
@@ -224,7 +224,7 @@ void Stepper::StepNow(Nanoseconds now) {
   NoteCosts(now, told, written);
   if (ended_) {
     PublishStatus(now, true);
-    if (on_ended_) on_ended_();
+    TellEnded();
   }
 }
 
@@ -274,8 +274,14 @@ void Stepper::NoteStopped(const std::string& robot, const char* by, const std::s
 void Stepper::EndRun(RunEnd why, std::string text) {
   if (ended_) return;
   ended_ = true;
-  boards_.control.End(why, text);
+  if (options_.ends_daemon || why == RunEnd::kController) boards_.control.End(why, text);
+  status_.ended = text;
   AddEvent("info", std::move(text));
+}
+
+void Stepper::TellEnded() {
+  if (boards_.control.end() && on_ended_) return on_ended_();
+  boards_.commands.Stop(simulation_->frame(), EndedText());  // until Configure()
 }
 
 void Stepper::NoteLostClients() {
@@ -353,7 +359,7 @@ void Stepper::PublishStatus(Nanoseconds now, bool always) {
   status_.undo = history_.undo_count();
   status_.redo = history_.redo_count();
   status_.state = ended_ ? RunState::kEnded : paused_ ? RunState::kPaused : RunState::kRunning;
-  status_.duration_s = duration_ ? ToSeconds(*duration_) : 0;
+  status_.duration_s = duration_ && options_.ends_daemon ? ToSeconds(*duration_) : 0;
   status_.real_time_factor = rate_.Factor(now, simulation_ != nullptr ? frame().time : 0);
   const PhaseTimes times = AllTimes();
   status_.costs.times = {times.sense - times_before_.sense, times.control - times_before_.control,

@@ -56,6 +56,7 @@ struct RunOptions {
   std::optional<std::uint64_t> steps;  // instead of duration_s: the end, in steps of the first length
   bool paused = false;
   bool stop_on_controller_failure = false;
+  bool ends_daemon = false;  // the end of the run. Else the world stands, and a reset starts it again
 };
 
 class Stepper {
@@ -134,8 +135,11 @@ class Stepper {
   /// Takes note of the clients that were lost before the step latched last.
   void NoteLostClients() REQUIRES(baton_);
   void NoteStopped(const std::string& robot, const char* by, const std::string& why) REQUIRES(baton_);
-  /// No step is to follow: on_ended_() is due.
+  void TellEnded() REQUIRES(baton_);
+  /// No step is to follow; TellEnded() is due.
   void EndRun(RunEnd why, std::string text) REQUIRES(baton_);
+  /// Why nothing steps while the run has ended.
+  std::string EndedText() const REQUIRES(baton_);
   /// No step follows at once on this thread.
   void RestControllers() REQUIRES(baton_);
   std::unique_ptr<Simulation> BuildSimulation(std::shared_ptr<const Scene> scene, std::uint64_t seed,

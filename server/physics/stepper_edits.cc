@@ -57,8 +57,12 @@ EditResult Stepper::ApplyAny(const EditAction& action) {
   return {Error::kNotPossible, kNotPlayingText};
 }
 
+std::string Stepper::EndedText() const {
+  return RunEndedText(status_.ended) + ": reset starts it again";
+}
+
 EditResult Stepper::Apply(const edit::Run&) {
-  if (ended_) return {Error::kNotPossible, "the run has reached its duration: reset starts it again"};
+  if (ended_) return {Error::kNotPossible, EndedText()};
   if (paused_) {
     paused_ = false;
     allowed_steps_ = 0;
@@ -76,7 +80,7 @@ EditResult Stepper::Apply(const edit::Pause&) {
 }
 
 EditResult Stepper::Apply(const edit::Step& step) {
-  if (ended_) return {Error::kNotPossible, "the run has reached its duration: reset starts it again"};
+  if (ended_) return {Error::kNotPossible, EndedText()};
   if (!paused_) return {Error::kNotPossible, "step works only while paused: send pause first"};
   if (allowed_steps_ == 0) RestartPace(clock_.Now());
   allowed_steps_ += step.steps;
@@ -277,7 +281,7 @@ EditResult Stepper::Apply(const edit::EndRun& end) {
   if (ended_) return {Error::kNotPossible, "the run has ended already"};
   EndRun(RunEnd::kClient, "a client ends the run" + (end.why.empty() ? "" : ": " + end.why));
   PublishStatus(clock_.Now(), true);
-  if (on_ended_) on_ended_();
+  TellEnded();
   return {};
 }
 
@@ -320,6 +324,7 @@ void Stepper::TakeOptions(const SimulationOptions& said) {
 void Stepper::Install(StepEnd end, const SavedState* state) {
   const Scene& scene = simulation_->scene();
   ended_ = false;
+  status_.ended.clear();
   allowed_steps_ = 0;
   status_.frozen_before.insert(status_.frozen.begin(), status_.frozen.end());
   status_.frozen = FrozenNames(frame());
@@ -346,7 +351,7 @@ void Stepper::Install(StepEnd end, const SavedState* state) {
   rate_.Reset();
   RestartPace(now);
   PublishStatus(now, true);
-  if (ended_ && on_ended_) on_ended_();
+  if (ended_) TellEnded();
 }
 
 void Stepper::TakeDrives(const SavedState& state, Nanoseconds now) {
@@ -393,7 +398,7 @@ std::string Stepper::LoseControllers(const std::string& why, std::vector<Stopped
   }
   const bool ended = ended_;
   NoteStoppedControllers(stopped, frame().step);
-  if (ended_ && !ended && on_ended_) on_ended_();
+  if (ended_ && !ended) TellEnded();
   if (stopped.empty()) return {};
   const std::string more =
       stopped.size() == 1 ? " stands" : fmt::format(" and {} more stand", stopped.size() - 1);

@@ -126,7 +126,13 @@ class Verifier {
       return Differs(Locate(0, false));
     }
     std::vector<Setpoint> recorded(run_.recorded_setpoints().begin(), run_.recorded_setpoints().end());
-    for (const CommandRecord& command : row->commands) recorded[command.channel] = command.setpoint;
+    for (const CommandRecord& command : row->commands) {
+      if (command.channel >= recorded.size()) {
+        return Fail(fmt::format("{}: step {} is damaged: it commands a joint that is not there",
+                                reader_.file(), step));
+      }
+      recorded[command.channel] = command.setpoint;
+    }
     std::optional<Difference> difference = FindSetpoint(recorded, frame);
     if (!difference) return CheckKeyframeRows(step, report_.steps);
     difference->note = "the exact state of this step has the other value, and its hash is equal";

@@ -188,6 +188,11 @@ std::string SpanOf(RunReader& reader) {
   return fmt::format("{} has steps {} to {}", reader.file(), extent.first, extent.last);
 }
 
+/// `line`, of `reader`'s run; empty stays so.
+std::string Of(const RunReader& reader, const std::string& line) {
+  return line.empty() ? line : reader.file() + ": " + line;
+}
+
 bool Load(RunReader& reader, const ReplayServices& services, std::string& error) {
   Diagnostics diagnostics;
   if (reader.LoadScenario(services.path, diagnostics) != nullptr) return true;
@@ -209,8 +214,7 @@ VerifyReport Explain(RunReader& one, RunReader& other, std::uint64_t first, cons
     if (ours != nullptr) theirs = ExactFrame(other, at.step, services, why, report.warning);
   }
   if (theirs != nullptr) {
-    if (ours->bodies.size() != theirs->bodies.size() || ours->channels.size() != theirs->channels.size() ||
-        ours->scene->robots.size() != theirs->scene->robots.size()) {
+    if (!CanCompare(*ours, *theirs)) {
       report.error = fmt::format(
           "{} and {} are different runs from the start on: {} moving bodies and {} robots (scenario {}), {} "
           "and {} (scenario {})",
@@ -231,11 +235,8 @@ VerifyReport Explain(RunReader& one, RunReader& other, std::uint64_t first, cons
     if (!line.empty()) difference.note += (difference.note.empty() ? "" : "\n  ") + line;
   };
   if (at.step > first) note(InputsThatDiffer(one, other, first, at.step - 1));
-  for (const auto* row : {&mine, &yours}) {
-    if (!*row || ours == nullptr) continue;
-    const std::string commands = CommandsOf(**row, *ours->scene);
-    if (!commands.empty()) note((row == &mine ? one : other).file() + ": " + commands);
-  }
+  if (mine && ours != nullptr) note(Of(one, CommandsOf(*mine, *ours->scene)));
+  if (yours && theirs != nullptr) note(Of(other, CommandsOf(*yours, *theirs->scene)));
   difference.recorded_is = one.file();
   difference.repeated_is = other.file();
   report.difference = std::move(difference);

@@ -181,7 +181,8 @@ std::optional<Difference> FindTarget(const std::vector<float>& recorded, const F
     std::string field = place % 2 == 0 ? "_distance_m" : "_bearing_rad";
     std::string error;
     for (const TargetColumn& column : ChooseColumns(std::span(&frame.scene, 1), {}, {}, error).targets) {
-      if (column.id == targets[place % each / 2].id) field.insert(0, column.label);
+      const std::size_t target = place % each / 2;
+      if (target < targets.size() && column.id == targets[target].id) field.insert(0, column.label);
     }
     return std::pair(place / each, std::move(field));
   });
@@ -310,6 +311,16 @@ std::optional<Difference> FindInRow(const RecordedStep& step, const Frame& repea
   return FindTarget(step.targets, repeated);
 }
 
+bool CanCompare(const Frame& one, const Frame& other) {
+  const auto same = [](const SceneActuator& a, const SceneActuator& b) {
+    return a.robot == b.robot && a.first_channel == b.first_channel && a.channel_count == b.channel_count;
+  };
+  return one.bodies.size() == other.bodies.size() && one.channels.size() == other.channels.size() &&
+         one.commanded.size() == other.commanded.size() &&
+         one.scene->robots.size() == other.scene->robots.size() &&
+         std::ranges::equal(one.scene->actuators, other.scene->actuators, same);
+}
+
 std::optional<Difference> FindExact(const Frame& recorded, const Frame& repeated) {
   std::vector<Setpoint> setpoints;
   for (const ChannelState& channel : recorded.channels) setpoints.push_back(channel.setpoint);
@@ -335,6 +346,10 @@ std::string CannotLoadText(const RunReader& reader, const Diagnostics& diagnosti
 }
 
 std::string CommandsOf(const RecordedStep& step, const Scene& scene) {
+  const auto is_of_scene = [&scene](const CommandRecord& command) {
+    return command.channel < scene.channels.size();
+  };
+  if (!std::ranges::all_of(step.commands, is_of_scene)) return {};
   constexpr std::size_t kNamed = 5;
   std::size_t count = 0;
   std::string text;

@@ -28,8 +28,10 @@ std::optional<Difference> FindPose(std::span<const BodyState> recorded, const Fr
 /// The first thing that `step` shows (poses, channels, readings) that is not what a recorder makes of
 /// `repeated`, whose exact state is the recorded one. What was not recorded is not compared.
 std::optional<Difference> FindInRow(const RecordedStep& step, const Frame& repeated);
+/// Both frames have the same numbers of bodies, channels and robots, and the same actuators.
+bool CanCompare(const Frame& one, const Frame& other);
 /// The first exact difference: set-points, bodies in order, solver, time; then what the hash does not cover,
-/// motion of channels and broadcasts. Both frames have as many bodies and channels.
+/// motion of channels and broadcasts. @pre CanCompare()
 std::optional<Difference> FindExact(const Frame& recorded, const Frame& repeated);
 
 /// Appends `line`, if it is not empty, to lines of text.
@@ -37,8 +39,7 @@ void AddLine(const std::string& line, std::string& text);
 /// Why the run of `reader` cannot be repeated.
 std::string CannotLoadText(const RunReader& reader, const Diagnostics& diagnostics);
 
-/// The step's channels are those of `scene`.
-/// "with this step came in force: robot1 (0.5, 0.5 rad/s) …"; empty: none.
+/// "with this step came in force: robot1 (0.5, 0.5 rad/s) …"; empty: none, or they are not of `scene`.
 std::string CommandsOf(const RecordedStep& step, const Scene& scene);
 
 }  // namespace coopdyn

@@ -251,7 +251,8 @@ class CommandBoard {
   std::vector<FiredDeadline> FireDeadlines(Nanoseconds now);
   /// When the next deadline of an awaited robot fires; INT64_MAX: never.
   Nanoseconds NextDeadline() const;
-  /// Ends all waits with kStopping; later ones end at once. `why`: what those who wait are told.
+  /// Ends all waits with kStopping; later ones end at once, and commands are refused, until Configure().
+  /// `why`: what those who wait are told.
   void Stop(FramePtr frame, std::string why = "the daemon is stopping");
 
  private:

@@ -119,6 +119,8 @@ void CommandBoard::Configure(const Scene& scene, StepEnd end, FramePtr frame, Na
   Completions completions;
   {
     const MutexLock lock(mutex_);
+    stopping_ = false;
+    why_stopping_.clear();
     last_frame_ = std::move(frame);
     completions = MakeCompletions();
     EndAllWaits(end, completions);

@@ -26,6 +26,11 @@ const char* ToString(RunEnd end) {
   return kNames[static_cast<std::size_t>(end)];
 }
 
+std::string RunEndedText(const std::string& why) {
+  constexpr std::string_view kRun = "the run ";
+  return "the run has ended: " + (why.starts_with(kRun) ? "it " + why.substr(kRun.size()) : why);
+}
+
 const char* WhyEarly(RunEnd end) {
   constexpr std::array kTexts{"for an unknown reason",
                               "because a controller failed",

@@ -25,6 +25,8 @@ const char* ToString(RunState state);
 /// Why a run has ended.
 enum class RunEnd { kDuration, kController, kRecording, kQuit, kSignal, kScore, kClient, kSupervisor };
 const char* ToString(RunEnd end);
+/// "the run has ended: it has reached its duration", from "the run has reached its duration".
+std::string RunEndedText(const std::string& why);
 /// "by a signal", "because the recording failed": why a run ended before its duration.
 const char* WhyEarly(RunEnd end);
 
@@ -58,6 +60,7 @@ struct StepCosts {
 struct RunStatus {
   Mode mode = Mode::kRealtime;
   RunState state = RunState::kRunning;
+  std::string ended;  // why, in kEnded
   Nanoseconds step_length = kDefaultStep;
   double speed = 1;                // ≤ 0: no limit
   double real_time_factor = 0;     // over the last second of wall time
@@ -191,10 +194,7 @@ class RunControl {
   /// Why nobody is served any more.
   std::string stopping_text() const EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);
-    constexpr std::string_view kRun = "the run ";
-    if (end_text_.empty()) return "the daemon is stopping";
-    const bool of_run = end_text_.starts_with(kRun);
-    return "the run has ended: " + (of_run ? "it " + end_text_.substr(kRun.size()) : end_text_);
+    return end_text_.empty() ? "the daemon is stopping" : RunEndedText(end_text_);
   }
   std::optional<RunEnd> end() const EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);

@@ -130,8 +130,7 @@ bool HttpSession::TakesBody() {
   if (peer_.trusted) return true;
   const bool large = parser_->content_length().value_or(0) > kMaxStrangersBodyBytes;
   if (!large && !parser_->chunked()) return true;
-  const std::string_view bearer = BearerToken(std::string_view(parser_->get()[http::field::authorization]));
-  if (context_.TakesToken(bearer, peer_.text)) return true;
+  if (context_.TakesToken(TokenOr({}), peer_.text)) return true;
   parser_->body_limit(kMaxStrangersBodyBytes);
   return !large;
 }
@@ -182,6 +181,8 @@ void HttpSession::OnRequest() {
     case HttpRouteKind::kRun:
       return AnswerRun(route_.run);
     case HttpRouteKind::kRunView: {
+      // It repeats two runs: no work for a stranger to order.
+      if (route_.view.what == "parting" && !HasToken({})) return Answer(ErrorAnswer(403, WhyNoToken({})));
       const std::uint64_t ticket = Await("the recording");
       return context_.files.Run(route_.view, LaterAnswer(ticket));
     }
@@ -250,17 +251,27 @@ std::function<void(const HttpAnswer&)> HttpSession::LaterAnswer(std::uint64_t ti
   return [self = shared_from_this(), ticket](const HttpAnswer& answer) { self->AnswerLater(ticket, answer); };
 }
 
+std::string_view HttpSession::TokenOr(std::string_view token_of_body) const {
+  const std::string_view bearer = BearerToken(std::string_view(parser_->get()[http::field::authorization]));
+  return bearer.empty() ? token_of_body : bearer;
+}
+
+bool HttpSession::HasToken(std::string_view token_of_body) const {
+  return peer_.trusted || context_.TakesToken(TokenOr(token_of_body), peer_.text);
+}
+
+std::string HttpSession::WhyNoToken(std::string_view token_of_body) const {
+  const std::string wait =
+      TokenOr(token_of_body).empty() ? std::string() : context_.TokenWaitText(peer_.text);
+  return wait.empty() ? kTokenText : wait;
+}
+
 void HttpSession::AnswerFile(const std::string& body) {
   const bool upload = route_.kind == HttpRouteKind::kUpload;
   if (upload && context_.services.read_only()) return Answer(ErrorAnswer(403, kReadOnlyText));
   PageFileRead read = ReadPageFile(body);
   if (!read.error.empty()) return Answer(ErrorAnswer(400, read.error));
-  const std::string_view bearer = BearerToken(std::string_view(parser_->get()[http::field::authorization]));
-  const std::string_view token = bearer.empty() ? std::string_view(read.token) : bearer;
-  if (!peer_.trusted && !context_.TakesToken(token, peer_.text)) {
-    const std::string wait = token.empty() ? std::string() : context_.TokenWaitText(peer_.text);
-    return Answer(ErrorAnswer(403, wait.empty() ? kTokenText : wait));
-  }
+  if (!HasToken(read.token)) return Answer(ErrorAnswer(403, WhyNoToken(read.token)));
   if (!upload && read.file.text.size() > kMaxCheckedBytes) {
     return Answer(
         ErrorAnswer(413, "a text of more than 2 MiB is not checked as one types: coopdyn check FILE"));
@@ -277,9 +288,8 @@ void HttpSession::AnswerCall(const std::string& body) {
     return Answer(ErrorAnswer(400, read.error.empty() ? "send a call, without type" : read.error));
   }
   PeerInfo peer = peer_;
-  const std::string_view bearer = BearerToken(std::string_view(parser_->get()[http::field::authorization]));
-  const std::string_view token = bearer.empty() ? std::string_view(call->token) : bearer;
-  peer.trusted = peer.trusted || context_.TakesToken(token, peer.text);
+  const std::string_view token = TokenOr(call->token);
+  peer.trusted = HasToken(call->token);
   const std::string wait = peer.trusted || token.empty() ? std::string() : context_.TokenWaitText(peer.text);
   peer.text = "page " + peer.text;
   const std::uint64_t ticket = Await(call->module);

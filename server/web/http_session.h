@@ -60,6 +60,10 @@ class HttpSession : public WebConnection, public std::enable_shared_from_this<Ht
   void AnswerSnapshot(const ImageRequest& image, bool body_wanted);
   void AnswerCall(const std::string& body);
   /// Checks or keeps the file in `body`.
+  /// The token in the header, else the one in the body.
+  std::string_view TokenOr(std::string_view token_of_body) const;
+  bool HasToken(std::string_view token_of_body) const;
+  std::string WhyNoToken(std::string_view token_of_body) const;
   void AnswerFile(const std::string& body);
   void AnswerRuns();
   void AnswerRun(const std::string& name);

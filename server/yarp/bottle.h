@@ -73,9 +73,18 @@ void EncodeBottle(const Bottle& bottle, YarpDialect dialect, std::string& out);
 /// Reads text as YARP does: what is no number, vocab, list or blob is a string. Nothing: a list, blob or
 /// quoted string does not end, or lists are nested too deeply.
 std::optional<Bottle> ParseBottle(std::string_view text);
-/// Lists, blobs or quotes of `text` are still open, or it ends with a backslash: a text message goes on with
-/// the next line.
-bool IsOpenBottle(std::string_view text);
+/// Follows a text message, each character once: it continues on the next line while it is open.
+class OpenBottle {
+ public:
+  void Take(char c);
+  /// A list, a blob or a quote is open, or the last character is a backslash.
+  bool open() const { return quoted_ || lists_ > 0 || last_ == '\\'; }
+
+ private:
+  int lists_ = 0;  // and blobs
+  bool quoted_ = false, escaped_ = false;
+  char last_ = '\0';
+};
 /// The text of YARP: `[ok] 1 2.5 "two words" (3 4)`.
 std::string BottleText(const Bottle& bottle);
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include "protocol/ascii.h"
 #include "protocol/codec.h"
@@ -153,20 +154,16 @@ std::optional<Bottle> ParseBottle(std::string_view text) {
   return TextReader(text).Items('\0', 0);
 }
 
-bool IsOpenBottle(std::string_view text) {
-  int open = 0;
-  bool quoted = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (quoted && c == '\\') {
-      ++i;
-    } else if (c == '"') {
-      quoted = !quoted;
-    } else if (!quoted) {
-      open += c == '(' || c == '{' ? 1 : c == ')' || c == '}' ? -1 : 0;
-    }
+void OpenBottle::Take(char c) {
+  last_ = c;
+  if (std::exchange(escaped_, false)) return;
+  if (quoted_ && c == '\\') {
+    escaped_ = true;
+  } else if (c == '"') {
+    quoted_ = !quoted_;
+  } else if (!quoted_) {
+    lists_ += c == '(' || c == '{' ? 1 : c == ')' || c == '}' ? -1 : 0;
   }
-  return quoted || open > 0 || text.ends_with('\\');
 }
 
 std::string BottleText(const Bottle& bottle) {

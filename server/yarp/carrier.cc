@@ -177,29 +177,33 @@ YarpInput YarpReader::Frame(std::string_view bytes) {
 }
 
 YarpInput YarpReader::Line(std::string_view bytes) {
-  YarpInput input{YarpInput::Kind::kCommand};
-  // What was looked at before is not searched again, however slowly a message comes.
-  std::size_t end = bytes.find('\n', scanned_);
-  while (end != std::string_view::npos) {
-    std::string lines;
-    std::copy_if(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(end), std::back_inserter(lines),
-                 [](char c) { return c != '\r' && c != '\0'; });
-    const std::size_t first_end = std::min(lines.find('\n'), lines.size());
-    input.text = lines.substr(0, first_end);
-    SplitEnvelope(input);
-    const bool whole = first_end < lines.size() && !IsOpenBottle(std::string_view(lines).substr(first_end));
-    if (!TakesBottle(input.text) || whole) {
-      if (first_end < lines.size()) input.payload = lines.substr(first_end + 1);
-      std::replace(input.payload.begin(), input.payload.end(), '\n', ' ');
-      input.consumed = end + 1;
-      scanned_ = 0;
-      return input;
+  // Each byte is looked at once, however slowly a message comes.
+  while (scanned_ < bytes.size()) {
+    const char c = bytes[scanned_++];
+    if (c == '\r' || c == '\0') continue;
+    if (c == '\n' && !in_bottle_) {
+      SplitEnvelope(line_);
+      in_bottle_ = TakesBottle(line_.text);
+      if (!in_bottle_) return TakeLine();
+    } else if (c == '\n' && !bottle_.open()) {
+      return TakeLine();
+    } else if (in_bottle_) {
+      bottle_.Take(c);
+      line_.payload += c == '\n' ? ' ' : c;
+    } else {
+      line_.text += c;
     }
-    scanned_ = end + 1;
-    end = bytes.find('\n', scanned_);
   }
   if (bytes.size() > kMaxRequestBytes) return Broken("a message is larger than 1 MiB");
   return NeedMore();
+}
+
+YarpInput YarpReader::TakeLine() {
+  line_.kind = YarpInput::Kind::kCommand;
+  line_.consumed = std::exchange(scanned_, 0);
+  in_bottle_ = false;
+  bottle_ = {};
+  return std::exchange(line_, {});
 }
 
 std::string YarpWelcome(YarpCarrier carrier, std::string_view name, int port) {

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "server/net/encoding.h"
+#include "server/yarp/bottle.h"
 
 namespace coopdyn {
 
@@ -61,10 +62,15 @@ class YarpReader {
   YarpInput Hello(std::string_view bytes);
   YarpInput Frame(std::string_view bytes);
   YarpInput Line(std::string_view bytes);
+  YarpInput TakeLine();
 
   YarpCarrier carrier_ = YarpCarrier::kOther;
   bool greeted_ = false;
-  std::size_t scanned_ = 0;  // bytes known to hold no whole text message
+  // Of a text message that has begun:
+  std::size_t scanned_ = 0;  // bytes
+  YarpInput line_;           // what they hold so far
+  OpenBottle bottle_;
+  bool in_bottle_ = false;  // the command has been read
 };
 
 /// What the accepting side answers to a hello of `name`; `port`: its own.

@@ -42,6 +42,7 @@ class YarpEncoding final : public Encoding {
   }
 
   Incoming Decode(std::string_view bytes) override {
+    awaited_ = Awaited::kNothing;
     YarpInput input = reader_.Next(bytes);
     using Kind = YarpInput::Kind;
     switch (input.kind) {
@@ -60,30 +61,33 @@ class YarpEncoding final : public Encoding {
   }
 
   std::optional<Message> Next(const Message& reply, std::string& /*out*/) override {
-    return translator_ == nullptr || links_ ? std::nullopt : translator_->Next(reply);
+    return awaited_ == Awaited::kTranslated ? translator_->Next(reply) : std::nullopt;
   }
 
   std::string_view party() const override { return party_; }
 
   void Reply(const Message& reply, std::string& out) override {
-    if (reader_.carrier() == YarpCarrier::kUdp) {
-      if (!reply.params.empty()) out += YarpWelcome(YarpCarrier::kUdp, peer_, reply.params[0]);
-      return;
+    switch (awaited_) {
+      case Awaited::kUdpPort:
+        if (!reply.params.empty()) out += YarpWelcome(YarpCarrier::kUdp, peer_, reply.params[0]);
+        return;
+      case Awaited::kVersion: {
+        const bool is4 = !reply.params.empty() && reply.params[0] == 4;
+        return TakeDialect(is4 ? YarpDialect::k4 : YarpDialect::k3);
+      }
+      case Awaited::kLink:
+        out += LinkAnswer(reply.error == 0, reply.text);
+        return;
+      case Awaited::kNothing:  // the connection ends
+      case Awaited::kModule:
+      case Awaited::kTranslated:
+        break;
     }
-    if (std::exchange(learns_, false)) {
-      const bool is4 = !reply.params.empty() && reply.params[0] == 4;
-      return TakeDialect(is4 ? YarpDialect::k4 : YarpDialect::k3);
-    }
-    if (std::exchange(links_, false)) {
-      out += LinkAnswer(reply.error == 0, reply.text);
-      return;
-    }
-    if (wants_reply_ && translator_ != nullptr) {
-      AppendAnswer(translator_->Reply(reply), out);
-    } else if (wants_reply_) {
-      AppendBottle(as_message_ ? MessageBottle(reply) : WordsBottle(reply), out);
-    } else if (std::exchange(asked_, false) && !reversed_ && !warned_) {
+    if (wants_reply_) {
+      AppendAnswer(AnswerTo(reply), out);
+    } else if (awaited_ != Awaited::kNothing && !reversed_ && !warned_) {
       const std::string why = Refusal(reply);
+      awaited_ = Awaited::kNothing;
       warned_ = !why.empty();
       if (warned_) network_.NoteRefused(endpoint_.path(), peer_, why);
     }
@@ -102,9 +106,15 @@ class YarpEncoding final : public Encoding {
     dialect_ = dialect;
     if (translator_ != nullptr) translator_->set_dialect(dialect);
   }
+  /// A translator answers only what it has decoded.
+  YarpAnswer AnswerTo(const Message& reply) const {
+    if (awaited_ == Awaited::kTranslated) return translator_->Reply(reply);
+    if (translator_ != nullptr) return {BottleOf(YarpVocab{"fail"}, reply.text), {}};
+    return {as_message_ ? MessageBottle(reply) : WordsBottle(reply), {}};
+  }
   /// Why the request was not done; empty: it was.
   std::string Refusal(const Message& reply) const {
-    if (translator_ == nullptr) return reply.error != 0 ? reply.text : "";
+    if (awaited_ != Awaited::kTranslated) return reply.error != 0 ? reply.text : "";
     const Bottle answer = translator_->Reply(reply).bottle;
     if (WordAt(answer, 0) != "fail") return {};
     return std::string(WordAt(answer, 1));
@@ -149,6 +159,7 @@ class YarpEncoding final : public Encoding {
     peer_ = std::move(input.text);
     party_ = PartyOf(peer_);
     if (reader_.carrier() == YarpCarrier::kUdp) {
+      awaited_ = Awaited::kUdpPort;
       // The other side closes this connection when it has the port.
       return {.status = DecodeStatus::kNothing,
               .consumed = input.consumed,
@@ -161,7 +172,7 @@ class YarpEncoding final : public Encoding {
                       .answer = YarpWelcome(reader_.carrier(), peer_, kAnyPort)};
     // Its requests may have no numbers that show it.
     if (!network_.dialect() && !reader_.is_text() && peer_.starts_with('/')) {
-      learns_ = true;
+      awaited_ = Awaited::kVersion;
       incoming.ask = [this](const Connection&, ReplyFunction reply) {
         network_.AskVersion(peer_, std::move(reply));
       };
@@ -207,7 +218,7 @@ class YarpEncoding final : public Encoding {
     }
     const std::optional<YarpStream> stream = StreamOf(path, endpoint_.table());
     if (!stream) return Done(LinkAnswer(false, path + " has no reading to send\r\n"));
-    links_ = true;
+    awaited_ = Awaited::kLink;
     return {.status = DecodeStatus::kNothing,
             .ask = [this, to = change.to, stream](const Connection&, ReplyFunction reply) {
               network_.Connect(endpoint_.path(), to, *stream, std::move(reply));
@@ -219,7 +230,7 @@ class YarpEncoding final : public Encoding {
   }
 
   Incoming Request(const YarpInput& input, bool wants_reply) {
-    asked_ = true;
+    awaited_ = Awaited::kModule;
     wants_reply_ = wants_reply;
     as_message_ = false;
     const std::optional<Bottle> request = Read(input.payload);
@@ -228,6 +239,7 @@ class YarpEncoding final : public Encoding {
               .message = ErrorReply(command::kUnreadable, Error::kMalformed, "this is no Bottle of YARP")};
     }
     if (translator_ != nullptr) {
+      awaited_ = Awaited::kTranslated;
       Decoded decoded = translator_->Decode(*request);
       return {.status = decoded.status, .message = std::move(decoded.message)};
     }
@@ -263,6 +275,7 @@ class YarpEncoding final : public Encoding {
     if (stream->sample == YarpSample::kLaserScan) stream->sample = YarpSample::kReading;
     wants_reply_ = false;
     reversed_ = true;
+    awaited_ = Awaited::kModule;
     Message subscribe;
     subscribe.command = command::kSubscribe;
     subscribe.params = {stream->every, stream->reading};
@@ -274,18 +287,20 @@ class YarpEncoding final : public Encoding {
     return reader_.is_text() ? ParseBottle(payload) : DecodeBottle(payload, dialect_);
   }
 
+  /// What the next reply is to. Of a request, kTranslated: the translator has decoded it.
+  enum class Awaited { kNothing, kUdpPort, kVersion, kLink, kModule, kTranslated };
+
   const Endpoint& endpoint_;
   YarpNetwork& network_;
   const std::unique_ptr<YarpTranslator> translator_;  // null: the words are the module's
   YarpReader reader_;
   YarpDialect dialect_ = YarpDialect::k3;  // until the peer's numbers show it
   std::string peer_, party_;
+  Awaited awaited_ = Awaited::kNothing;
   bool wants_reply_ = false, as_message_ = false;  // the request decoded last
-  bool asked_ = false;     // the next reply is to a request, not to the end of the connection
-  bool reversed_ = false;  // readings go out
-  bool warned_ = false;    // that streamed commands are refused
-  bool learns_ = false;    // the reply to come tells the peer's version
-  bool links_ = false, as_bottle_ = false;  // the reply to come is about a connection to another port
+  bool reversed_ = false;                          // readings go out
+  bool warned_ = false;                            // that streamed commands are refused
+  bool as_bottle_ = false;                         // of the answer about a connection to another port
   YarpSampleWriter writer_;
 };
 

@@ -154,6 +154,29 @@ class ScoresTest(SwarmTestCase):
                     sim.step()
 
 
+    def test_a_run_that_ends_by_its_scenario_stands_until_a_reset(self):
+        ends = {"[SIMULATION]\nduration 0.2\n": "it has reached its duration", "[SCORE_1]\nkind time\nuntil >= 0.2\n": "the score time is 0.2 s"}
+        for text, why in ends.items():
+            self.scenario.write_text(text + "[ROBOT_1]\ntype coopbot\nname eva\nposition 0 3\n")
+            with Daemon(None, "--no-render", "--mode", "lockstep", name=str(self.scenario)) as daemon, \
+                    coopdyn.connect(daemon.names[1]) as sim:
+                for _ in range(2):
+                    eva = sim.robot("eva")
+                    with self.assertRaisesRegex(coopdyn.Error, f"the run has ended: {why}.*: reset starts it again"):
+                        while True:
+                            eva.set_velocity(0.1, 0)
+                            sim.step()
+                    status = daemon.status()
+                    self.assertEqual((status["state"], status["step"]), ("ended", 20))
+                    self.assertIn(why.removeprefix("it "), status["ended"])
+                    for line in ("run", "step 1"):
+                        self.assertIn("reset starts it again", daemon.text("/simulation").ask(line).text)
+                    sim.reset()
+                    self.assertEqual((daemon.status()["state"], daemon.status()["ended"]), ("waiting", None))
+                sim.end_run("that is enough")
+                self.assertEqual(daemon.status()["ended"], "a client ends the run: that is enough")
+
+
 class SetTest(SwarmTestCase):
     def test_settings_hold_after_a_reload(self):
         with Daemon(None, "--no-render", "--paused", "--set", "SWARM_1.count=3", name=str(self.scenario)) as daemon:

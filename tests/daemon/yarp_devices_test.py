@@ -56,6 +56,15 @@ class Program:
 
 
 class YarpDevicesTest(YarpPorts, unittest.TestCase):
+    def test_a_program_with_a_name_is_served_on_each_port_that_takes_requests(self):
+        """Its version of YARP is asked before its first request."""
+        with Daemon(arm(), "--read-only", env=ENV) as daemon:
+            for port in ("/world_input_port", "/clock/rpc", "/r/joints/rpc:i", "/r/joints/nws/rpc:i", "/r/motors", "/world"):
+                text = daemon.keep(Connection(registration(daemon, port)))
+                text.write(b"CONNECT /me\nr\n")
+                Program(daemon, port, "/me").send(b"d")
+            self.assertIn("robots", daemon.text("/simulation").must("status").text)
+
     def words(self, daemon, port):
         """Asks a port by text."""
         connection = daemon.keep(Connection(registration(daemon, port)))

@@ -4,18 +4,24 @@
 
 // link: coopdyn_yarp
 
+#include <spdlog/spdlog.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "protocol/module_tables.h"
 #include "server/yarp/admin.h"
 #include "server/yarp/bottle.h"
 #include "server/yarp/carrier.h"
 #include "server/yarp/datagram.h"
+#include "server/yarp/encoding.h"
 #include "server/yarp/port_name.h"
 #include "server/yarp/translator.h"
 
@@ -57,6 +63,54 @@ void AskPorts(const Bottle& bottle) {
     AskBoard(*TranslatorOf(port, joints), bottle);
 }
 
+class Port final : public Endpoint {
+ public:
+  Port(std::string path, CommandTable table) : path_(std::move(path)), table_(std::move(table)) {}
+  const std::string& path() const override { return path_; }
+  const CommandTable& table() const override { return table_; }
+  void OnRequest(Connection& /*connection*/, Message /*request*/, ReplyFunction /*reply*/) override {}
+
+ private:
+  const std::string path_;
+  const CommandTable table_;
+};
+
+/// A whole connection to each kind of port: what it asks the module is answered with little or with an error.
+void Talk(const std::string& bytes, std::uint8_t choice) {
+  static const Port ports[] = {
+      {"/robot1/motors", MotorsTable()},        {"/world_input_port", WorldTable()},
+      {"/clock/rpc", SimulationTable()},        {"/robot1/arm/rpc:i", JointsTable()},
+      {"/robot1/arm/nws/rpc:i", JointsTable()}, {"/robot1/arm/command:i", JointsTable()},
+      {"/robot1/lidar/rpc:i", LidarTable()},    {"/robot1/camera/rpc", CameraTable()},
+      {"/robot1/imu/rpc:o", ImuTable()}};
+  static NameTable names;
+  static YarpNetwork network(names, spdlog::default_logger(), {});
+  static const Encodings encodings = EncodingsWithYarp(network);
+  const EncodingKind* const kind = Choose(encodings, bytes);
+  if (kind == nullptr) return;
+  const std::unique_ptr<Encoding> encoding = kind->make(ports[choice % std::size(ports)]);
+  std::string_view rest = bytes;
+  std::string out;
+  while (!rest.empty()) {
+    const Incoming incoming = encoding->Decode(rest);
+    if (incoming.consumed > rest.size()) std::abort();
+    rest.remove_prefix(incoming.consumed);
+    const bool bad = incoming.status == DecodeStatus::kBad || incoming.status == DecodeStatus::kFatal;
+    if (incoming.ask || bad || incoming.status == DecodeStatus::kMessage) {
+      Message reply = bad ? incoming.message : ReplyTo(incoming.message.command);
+      if (choice >= 128) reply = ErrorReply(reply.command, Error::kNotPossible, "no");
+      int left = 100;
+      while (const std::optional<Message> next = encoding->Next(reply, out)) {
+        if (--left == 0) std::abort();
+        reply = ReplyTo(next->command);
+      }
+      encoding->Reply(reply, out);
+    }
+    const bool ends = incoming.status == DecodeStatus::kFatal || incoming.status == DecodeStatus::kLeave;
+    if (ends || incoming.consumed == 0) return;
+  }
+}
+
 /// Datagrams of any bytes give no more than these.
 void CheckDatagrams(std::string_view bytes) {
   DatagramJoiner joiner;
@@ -75,8 +129,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                           "CONNACK /x\r\n"};
   if (size == 0) return 0;
   YarpReader reader;
-  reader.Next(kHellos[data[0] % 4]);
+  const std::string_view hello = kHellos[data[0] % 4];
+  reader.Next(hello);
   std::string_view rest(reinterpret_cast<const char*>(data) + 1, size - 1);
+  Talk(std::string(hello).append(rest), data[0] / 4 * 4 + rest.size() % 4);
   BeginsYarp(rest);
   while (true) {
     const YarpInput input = reader.Next(rest);

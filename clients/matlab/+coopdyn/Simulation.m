@@ -272,7 +272,7 @@ classdef Simulation < coopdyn.internal.RunCalls
     end
 
     function end_run(sim, why)
-    %END_RUN Ends the run, which has reached what it was for, and the daemon, whose exit code is 0.
+    %END_RUN Ends the run, which has reached what it was for; a daemon that was started for one run ends with it.
       if nargin < 2; why = ''; end
       sim.session.tell('/simulation', 198, [], [], char(why));
     end

@@ -2,6 +2,7 @@
 // Recordings: the button that makes them, and the list of those that the daemon keeps, to copy from it.
 import {byId, make, say, setOff, setText, showNumber} from './dom.js';
 import {tab} from './layout.js';
+import {rememberedToken} from './token.js';
 
 /** The button that begins and ends a recording, and the mark in the strip while one is made. */
 export class Record {
@@ -122,7 +123,8 @@ export class Runs {
   }
 
   async #findParting(one, other) {
-    const answer = await fetch(`api/playback/parting?with=${encodeURIComponent(other)}`);
+    const answer = await fetch(`api/playback/parting?with=${encodeURIComponent(other)}`,
+      {headers: {Authorization: `Bearer ${rememberedToken()}`}});
     if (this.#ghost.name !== other) return;
     this.#parting.hidden = false;
     if (!answer.ok) return setText(this.#parting, (await answer.text()).trim());

@@ -46,7 +46,7 @@ export class Strip {
   /** Without a status the last one stays, pale, under "no answer". */
   update(status) {
     const state = status ? stateText(status) : 'no answer';
-    setText(byId('state'), state);
+    setText(byId('state'), state === 'ended' && status.ended ? `ended: ${status.ended}` : state);
     byId('state').dataset.state = state;
     byId('strip').classList.toggle('stale', !status);
     if (!status) return this.#showWaiting('', '');

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "server/geometry/mesh.h"
+#include "tests/cpu.h"
 #include "tests/server/model/read_text.h"
 
 namespace coopdyn {
@@ -205,6 +206,66 @@ TEST(ForeignModelTest, ADriveOfGazeboHasAModuleAndItsOriginUnderTheAxle) {
   EXPECT_EQ(robot->drive()->max_torque_nm, 3);
   EXPECT_NEAR(robot->links[0].X_RL.p.x(), -0.1, 1e-9);
   EXPECT_EQ(robot->modules()[0].type, "motors");
+}
+
+TEST(ForeignModelTest, AllWheelsOfADriveOfGazeboTurn) {
+  const auto wheel = [](const std::string& name, double x, double y) {
+    return SdfLink(name, std::to_string(x) + " " + std::to_string(y) + " 0.05 -1.570796326794897 0 0",
+                   "<cylinder><radius>0.05</radius><length>0.02</length></cylinder>") +
+           "<joint name=\"" + name + "_j\" type=\"revolute\"><parent>base</parent><child>" + name +
+           "</child><axis><xyz>0 0 1</xyz></axis></joint>\n";
+  };
+  const auto [robot, messages] =
+      ReadSdf(SdfLink("base", "0 0 0.15 0 0 0", kSdfBox) + wheel("a", 0.1, 0.2) + wheel("b", 0.1, -0.2) +
+              wheel("c", -0.1, 0.2) + wheel("d", -0.1, -0.2) +
+              "<plugin filename=\"gz-sim-diff-drive-system\" name=\"gz::sim::systems::DiffDrive\">"
+              "<left_joint>a_j</left_joint><left_joint>c_j</left_joint><right_joint>b_j</right_joint>"
+              "<right_joint>d_j</right_joint></plugin>\n");
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_NE(robot->drive(), nullptr) << messages;
+  ASSERT_EQ(robot->couplings.size(), 2u) << messages;
+  EXPECT_EQ(robot->joints[static_cast<std::size_t>(robot->couplings[0].follower)].name, "c_j");
+  EXPECT_EQ(robot->joints[static_cast<std::size_t>(robot->couplings[0].leader)].name, "a_j");
+  EXPECT_EQ(robot->couplings[0].multiplier, 1);
+}
+
+TEST(ForeignModelTest, AMotorOfManyRoundsHasTheMostAndIsSaid) {
+  const auto with = [](const std::string& limit) {
+    return ReadSdf(SdfLink("base", "0 0 0.1 0 0 0", kSdfBox) + SdfLink("arm", "0 0 0.4 0 0 0", kSdfBox) +
+                   "<joint name=\"j\" type=\"revolute\"><parent>base</parent><child>arm</child><axis>"
+                   "<xyz>0 0 1</xyz><limit>" +
+                   limit + "</limit></axis></joint>");
+  };
+  const auto [fast, said] = with("<effort>50000</effort><velocity>50000</velocity>");
+  ASSERT_NE(fast, nullptr) << said;
+  EXPECT_EQ(fast->actuators.size(), 1u) << said;
+  EXPECT_EQ(fast->joints[0].max_velocity, 1e4);
+  EXPECT_THAT(said, HasSubstr("<velocity> of joint 'j' is 50000: its motor has 10000 at most"));
+  EXPECT_THAT(with("<effort>0</effort><velocity>1</velocity>").messages,
+              HasSubstr("<effort> of joint 'j' is 0: it has no motor and moves freely"));
+}
+
+TEST(ForeignModelTest, AnEmptyPoseIsTheFrameItself) {
+  std::string hand = SdfLink("hand", "", kSdfBox);
+  hand.replace(hand.find("<pose></pose>"), 13, "<pose relative_to=\"base\"/>");
+  const auto [robot, messages] =
+      ReadSdf(SdfLink("base", "0 0 0.1 0 0 0", kSdfBox) + hand +
+                  "<joint name=\"j\" type=\"revolute\"><pose/><parent>base</parent><child>hand</child><axis>"
+                  "<xyz>0 0 1</xyz></axis></joint>",
+              "1.9");
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_EQ(robot->links.size(), 2u);
+  EXPECT_NEAR((robot->links[1].X_RL.p - robot->links[0].X_RL.p).norm(), 0, 1e-9);
+}
+
+TEST(ForeignModelTest, AttributesWithoutNumberAreRefusedBeforeTheyAreCompared) {
+  const auto read = [](std::size_t count) {
+    std::string attributes;
+    for (std::size_t i = 0; i < count; ++i) attributes += " a" + std::to_string(i) + "=\"1\"";
+    EXPECT_THAT(ReadSdf("<link" + attributes + "/>").messages,
+                HasSubstr("model.sdf:2: error: a robot's model has at most 64 attributes of one element"));
+  };
+  ExpectLinear(read, 3000);
 }
 
 TEST(ForeignModelTest, AControllerPlugInGivesAllItsJointsMotors) {

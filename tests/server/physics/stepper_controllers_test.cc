@@ -85,6 +85,7 @@ class StepperControllersTest : public StepperBoards {
   void RunFive(RunOptions options) {
     options.mode = Mode::kFree;
     options.duration_s = 0.05;
+    options.ends_daemon = true;
     Start(TwoRobots("good"), &driver_, options);
     std::stop_source stop;
     stepper_->set_on_ended([&stop] { stop.request_stop(); });
@@ -169,6 +170,7 @@ TEST_F(StepperControllersTest, IfAskedToTheRunEndsWithTheStepInWhichOneFailed) {
   RunOptions options;
   options.mode = Mode::kFree;
   options.duration_s = 0.05;
+  options.ends_daemon = true;
   options.stop_on_controller_failure = true;
   Start(TwoRobots("good"), &driver_, options);
   std::stop_source stop;

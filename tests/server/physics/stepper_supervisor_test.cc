@@ -41,6 +41,7 @@ class StepperSupervisorTest : public StepperBoards {
               "[ROBOT_2]\ntype coopbot\nname robot2\nposition 0 2\nsync no\n"));
     scenario->simulation.supervisor = {"boss", "boss.so", {}, {"test.scenario", 2}};
     RunOptions options;
+    options.ends_daemon = true;
     options.mode = Mode::kLockstep;
     stepper_ = MakeStepper(clock_, options, {nullptr, &driver_});
     Diagnostics diagnostics;

@@ -218,6 +218,7 @@ TEST_F(StepperTest, ALoadThatCannotBeBuiltChangesNothing) {
 TEST_F(StepperTest, TheRunEndsAtItsDuration) {
   RunOptions options;
   options.duration_s = 0.25;
+  options.ends_daemon = true;
   Begin(kTwoRobots, Mode::kFree, options);
   std::promise<void> ended;
   stepper_->set_on_ended([&] { ended.set_value(); });
@@ -228,9 +229,29 @@ TEST_F(StepperTest, TheRunEndsAtItsDuration) {
   EXPECT_EQ(Do(edit::Run{}).error, Error::kNotPossible);
 }
 
+TEST_F(StepperTest, AWorldWhoseRunHasEndedRefusesCommandsUntilAReset) {
+  RunOptions options;
+  options.duration_s = 0.02;
+  Begin(kTwoRobots, Mode::kLockstep, options);
+  StartThread();
+  board_.Ready(board_.FindSlot("robot1"), ana_, 5, [](const StepResult&) {});
+  StepDone done;
+  auto ran = Expect(done);
+  board_.Ready(board_.FindSlot("robot2"), bob_, 5, done);
+  EXPECT_EQ(ran.get().end, StepEnd::kStopping);
+  EXPECT_EQ(frames_.Latest()->step, 2u);
+  EXPECT_FALSE(control_.end());
+  EXPECT_EQ(control_.status().ended, "the run has reached its duration");
+  EXPECT_EQ(Do(edit::Run{}).text, "the run has ended: it has reached its duration: reset starts it again");
+  Do(edit::Reset{});
+  EXPECT_EQ(control_.status().state, RunState::kRunning);
+  EXPECT_EQ(control_.status().ended, "");
+}
+
 TEST_F(StepperTest, TheRunEndsWithItsLastStep) {
   RunOptions options;
   options.steps = 25;
+  options.ends_daemon = true;
   Begin(std::string(kTwoRobots) + "[SIMULATION]\nstep 4ms\nduration 0.01\n", Mode::kFree, options);
   std::promise<void> ended;
   stepper_->set_on_ended([&] { ended.set_value(); });

@@ -32,6 +32,22 @@ TEST_F(CompareTest, RunsWithTheSameInputsAreEqual) {
   EXPECT_EQ(ToString(Against(File("a.run"), File("b.run"))), "equal, 120 steps\n");
 }
 
+TEST_F(CompareTest, ARunOfAnotherSceneWithoutExactStatesIsReadInItsOwnScene) {
+  MakeLesson(File("a.run"));
+  {
+    LiveRun run(File("b.run"), std::string(kLesson) + "[ROBOT_3]\ntype coopbot\nname robot3\nposition 3 0\n");
+    run.Step(10);
+    run.Command("robot3", 1.5, 2.25);
+    run.Step(10);
+  }
+  Tamper(File("b.run")).Run("DELETE FROM keyframe");
+  for (const auto& [one, other] : {std::pair("a.run", "b.run"), std::pair("b.run", "a.run")}) {
+    const VerifyReport report = Against(File(one), File(other));
+    EXPECT_TRUE(report.difference || !report.error.empty());
+    EXPECT_THAT(ToString(report), HasSubstr("b.run"));
+  }
+}
+
 TEST_F(CompareTest, ALongerRunIsSaid) {
   MakeLesson(File("a.run"));
   {

@@ -106,12 +106,18 @@ TEST(Bottle, TextIsReadAsYarpDoes) {
   EXPECT_EQ(bottle[6], BottleValue{std::string("a")});
 }
 
+bool IsOpen(std::string_view text) {
+  OpenBottle bottle;
+  for (const char c : text) bottle.Take(c);
+  return bottle.open();
+}
+
 TEST(Bottle, UnfinishedTextIsRefused) {
   for (const char* text : {"(1 2", "\"abc", "{1", "1 (2 (3)"}) {
     EXPECT_FALSE(ParseBottle(text)) << text;
-    EXPECT_TRUE(IsOpenBottle(text)) << text;
+    EXPECT_TRUE(IsOpen(text)) << text;
   }
-  EXPECT_FALSE(IsOpenBottle("1 (2) \")\""));
+  EXPECT_FALSE(IsOpen("1 (2) \")\""));
 }
 
 TEST(Bottle, StringsThatLookLikeOtherThingsAreQuoted) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "protocol/codec.h"
+#include "tests/cpu.h"
 #include "tests/server/yarp/hex.h"
 
 namespace coopdyn {
@@ -112,6 +113,17 @@ TEST(YarpCarrier, TextMessagesEndWhenTheirListsDo) {
   EXPECT_EQ(data.payload, "set (1 2)");
   EXPECT_EQ(reader.Next("q\r\n").text, "q");
   EXPECT_EQ(reader.Next("D 3 1.5\r\nx\r\n").envelope, "3 1.5");
+}
+
+TEST(YarpCarrier, ALongTextMessageTakesTimeInProportionToItsLength) {
+  const auto read = [](std::size_t lines) {
+    YarpReader reader;
+    reader.Next("CONNECT /me\r\n");
+    const std::string text = "d\r\n(" + std::string(lines, '\n');
+    for (std::size_t size = 1000; size < text.size(); size += 1000) reader.Next(text.substr(0, size));
+    EXPECT_EQ(reader.Next(text + ")\r\n").kind, Kind::kCommand);
+  };
+  ExpectLinear(read, 20'000);
 }
 
 TEST(YarpCarrier, AnEndlessTextMessageIsRefused) {

@@ -7,7 +7,9 @@
 #include <spdlog/spdlog.h>
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "protocol/command_ids.h"
@@ -21,20 +23,23 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-class Motors final : public Endpoint {
+class Port final : public Endpoint {
  public:
+  Port(std::string path, CommandTable table) : path_(std::move(path)), table_(std::move(table)) {}
   const std::string& path() const override { return path_; }
   const CommandTable& table() const override { return table_; }
   void OnRequest(Connection& /*connection*/, Message /*request*/, ReplyFunction /*reply*/) override {}
 
  private:
-  const std::string path_ = "/robot1/motors";
-  const CommandTable table_ = MotorsTable();
+  const std::string path_;
+  const CommandTable table_;
 };
 
 /// A session without sockets: answers each request with mode 1, time 0.5 and step 50.
 class Talk {
  public:
+  explicit Talk(std::string path = "/robot1/motors", CommandTable table = MotorsTable())
+      : port_(std::move(path), std::move(table)) {}
   /// What is sent back for `bytes`.
   std::string operator()(std::string_view bytes) {
     std::string out;
@@ -42,7 +47,7 @@ class Talk {
     if (encoding_ == nullptr) {
       const EncodingKind* const kind = Choose(encodings_, in_);
       if (kind == nullptr) return out;
-      encoding_ = kind->make(motors_);
+      encoding_ = kind->make(port_);
     }
     while (!in_.empty() && !ended) {
       Incoming incoming = encoding_->Decode(in_);
@@ -52,16 +57,16 @@ class Talk {
         ++asked;
         Message reply;
         reply.params = {4711};
-        encoding_->Reply(reply, out);
+        Answer(reply, out);
       }
       if (incoming.status == DecodeStatus::kMessage) {
         requests.push_back(incoming.message);
         Message reply = ReplyTo(incoming.message.command);
         reply.params = {1};
         reply.data = {0.5, 50};
-        encoding_->Reply(reply, out);
+        Answer(reply, out);
       } else if (incoming.status == DecodeStatus::kBad || incoming.status == DecodeStatus::kFatal) {
-        encoding_->Reply(incoming.message, out);
+        Answer(incoming.message, out);
       }
       ended = incoming.status == DecodeStatus::kFatal || incoming.status == DecodeStatus::kLeave;
       if (incoming.status == DecodeStatus::kNeedMore || incoming.consumed == 0) break;
@@ -80,7 +85,15 @@ class Talk {
   int asked = 0;
 
  private:
-  Motors motors_;
+  void Answer(Message reply, std::string& out) {
+    while (const std::optional<Message> next = encoding_->Next(reply, out)) {
+      requests.push_back(*next);
+      reply = ReplyTo(next->command);
+    }
+    encoding_->Reply(reply, out);
+  }
+
+  Port port_;
   NameTable names_;
   YarpNetwork network_{names_, spdlog::default_logger(), {}};
   const Encodings encodings_ = EncodingsWithYarp(network_);
@@ -220,6 +233,39 @@ TEST(YarpEncoding, WhoWantsToSendDatagramsGetsAPortAndNothingMore) {
   EXPECT_TRUE(talk.ended);
   EXPECT_TRUE(talk.requests.empty());
 }
+
+struct KindOfPort {
+  const char* path;
+  CommandTable (*table)();
+};
+class EveryPort : public testing::TestWithParam<KindOfPort> {};
+
+TEST_P(EveryPort, AnswersOnlyWhatItHasDecoded) {
+  const auto& [path, table] = GetParam();
+  Talk program(path, table());
+  EXPECT_THAT(program(Hex("'YA' e41e0000 'RP' 03000000 '/x' 00")), StartsWith("YA"));  // its version is asked
+  EXPECT_EQ(program.asked, 1);
+  EXPECT_TRUE(program(Frame('d', {}).substr(0, 50) + std::string(20, '\xff')).empty() || program.ended);
+
+  Talk reader(path, table());
+  reader("CONNECT /me\r\nr\r\n");
+  Talk words(path, table());
+  words("CONNECT /me\r\n");
+  EXPECT_THAT(words("d\r\n)(\r\n"), HasSubstr("fail"));
+  EXPECT_NE(words("a\r\n[add] \"tcp://x\"\r\n"), "");
+  EXPECT_NE(words("d\r\nhelp\r\n"), "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Ports, EveryPort,
+                         testing::Values(KindOfPort{"/robot1/motors", MotorsTable},
+                                         KindOfPort{"/world_input_port", WorldTable},
+                                         KindOfPort{"/clock/rpc", SimulationTable},
+                                         KindOfPort{"/robot1/arm/rpc:i", JointsTable},
+                                         KindOfPort{"/robot1/arm/nws/rpc:i", JointsTable},
+                                         KindOfPort{"/robot1/arm/command:i", JointsTable},
+                                         KindOfPort{"/robot1/lidar/rpc:i", LidarTable},
+                                         KindOfPort{"/robot1/camera/rpc", CameraTable},
+                                         KindOfPort{"/robot1/imu/rpc:o", ImuTable}));
 
 TEST(YarpEncoding, ConnectionsAreAddedByBottlesAndByLines) {
   Talk talk;

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// How the cost of something grows with its size, in processor time of this thread: not in time that others
+// take.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <ctime>
+
+namespace coopdyn {
+
+template <typename Function>
+double Cpu_s(const Function& run) {
+  const auto now_s = [] {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+  };
+  const double begin_s = now_s();
+  run();
+  return now_s() - begin_s;
+}
+
+/// Fails if `run(size)` takes time with the square of its size: eight times the size would take 64 times as
+/// long.
+template <typename Run>
+void ExpectLinear(const Run& run, std::size_t size) {
+  double small_s = Cpu_s([&] { run(size); });
+  small_s = std::min(small_s, Cpu_s([&] { run(size); }));
+  constexpr double kNoise_s = 0.02;
+  EXPECT_LT(Cpu_s([&] { run(8 * size); }), 24 * (small_s + kNoise_s));
+}
+
+}  // namespace coopdyn
