@@ -107,8 +107,10 @@ CommandTable SimulationTable() {
            .example = "log energy 3.5"},
           {.id = command::kEndRun,
            .name = "end_run",
-           .help = "Ends the run, which has reached what it was for. The world stands until a reset; a daemon that was "
-                   "started for one run (--duration, --steps, --summary, --no-net) ends: exit code 0. The text says why.",
+           .help = "Ends the run, which has reached what it was for. The world stands until a reset; a "
+                   "daemon that was "
+                   "started for one run (--duration, --steps, --summary, --no-net) ends: exit code 0. The "
+                   "text says why.",
            .text = TextUse::kRest,
            .text_name = "WHY",
            .example = "end_run the ball is in the goal",

@@ -123,6 +123,7 @@ std::string Daemon::Start() {
   } else {
     images_.Close("the daemon was started with --no-render: it makes no pictures");
   }
+  stepper_.WaitForRun();
   if (std::string error = OpenNames(); !error.empty()) return error;
   if (std::string error = OpenRobots(); !error.empty()) return error;
   if (std::string error = OpenPage(); !error.empty()) return error;

@@ -11,6 +11,7 @@
 #include "protocol/ascii.h"
 #include "protocol/module_tables.h"
 #include "server/base/printable.h"
+#include "server/base/words.h"
 #include "server/model/settings.h"
 #include "server/model/text_file.h"
 #include "server/state/run_input.h"
@@ -81,8 +82,8 @@ ScenarioRead ReadRequestedScenario(const std::string& text, RobotLibrary& robots
                             KnownNames(robots));
     }
     if (!robots.path().FindScenario(text)) {
-      return NoScenario(Error::kNoSuchName,
-                        "there is no scenario " + Printable(text) + ": " + KnownNames(robots));
+      return NoScenario(Error::kNoSuchName, "there is no scenario " + Printable(text) +
+                                                DidYouMean(text, robots.path().ScenarioNames()));
     }
     return Finish(LoadScenario(text, robots, diagnostics, false, seed), diagnostics);
   });

@@ -61,8 +61,9 @@ std::optional<Message> ModuleCore::Refuse(const Message& request) const {
 Message ModuleCore::NotAllowed(const Message& request) {
   return ErrorReply(
       request.command, Error::kNotAllowed,
-      "not allowed from another machine without the token: send hello NAME TOKEN first; the token is "
-      "what the daemon printed at its start, or its --token");
+      "not allowed from another machine without the token, which the daemon printed at its start: write "
+      "connect(..., token=\"TOKEN\") in Python, connect(..., 'token', 'TOKEN') in MATLAB, or send hello NAME "
+      "TOKEN first");
 }
 
 bool ModuleCore::OnlyReads(const CommandSpec& spec) {

@@ -77,6 +77,38 @@ std::optional<Shell> ShellOf(const Actor& actor) {
   return shell;
 }
 
+Vector3 Column(const PlacedPart& part, int i) {
+  return {part.R[i], part.R[4 + i], part.R[8 + i]};
+}
+
+/// An edge of A and one of B are parallel but for rounding. ODE takes their cross product for a direction
+/// along which boxes may be apart, and they are, by rounding alone.
+bool HasAlmostParallelEdges(const PlacedPart& a, const PlacedPart& b) {
+  constexpr double kRounding = 1e-11;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      double square = 0;  // of the cross product, as ODE computes it
+      for (int k = 0; k < 3; ++k) {
+        const double c = k == i ? 0 : Column(a, k).dot(Column(b, j));
+        square += c * c;
+      }
+      if (square > 0 && square < kRounding * kRounding) return true;
+    }
+  }
+  return false;
+}
+
+/// B, turned so little that no contact moves by more than rounding, about no axis of A.
+PlacedPart Turned(PlacedPart b, const PlacedPart& a) {
+  constexpr double kTurn_rad = 1e-9;
+  const Vector3 axis = (Column(a, 0) + 2 * Column(a, 1) + 3 * Column(a, 2)).normalized();
+  for (int i = 0; i < 3; ++i) {
+    const Vector3 turned = Column(b, i) + kTurn_rad * axis.cross(Column(b, i));
+    for (int row = 0; row < 3; ++row) b.R[4 * row + i] = turned[row];
+  }
+  return b;
+}
+
 struct PartRange {
   std::size_t first = 0, end = 0;
 };
@@ -198,7 +230,14 @@ ContactList Collide(Collider& collider, const PlacedPart& a, const PlacedPart& b
   if (TryClosedForm(b, a, margin_m, list)) return Reversed(list);
   // Four corners carry a box; the cylinder's colliders do not choose well among theirs, so they give all.
   const bool boxes = std::holds_alternative<Box>(a.part->shape) && std::holds_alternative<Box>(b.part->shape);
-  return collider.Collide(a, b, boxes ? 4 : ContactList::kMax);
+  list = collider.Collide(a, b, boxes ? 4 : ContactList::kMax);
+  if (!boxes || list.count > 0 || !HasAlmostParallelEdges(a, b)) return list;
+  // Boxes that only touch are left alone.
+  constexpr double kOverlap_m = 1e-7;
+  const ContactList turned = collider.Collide(a, Turned(b, a), 4);
+  const bool overlap =
+      std::ranges::any_of(turned.all(), [](const ContactPoint& one) { return one.depth_m > kOverlap_m; });
+  return overlap ? turned : list;
 }
 
 ContactList CollideFloor(Collider& collider, const PlacedPart& a, double margin_m) {

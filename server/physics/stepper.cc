@@ -72,6 +72,12 @@ bool Stepper::StartFrom(const SavedStatePtr& state, Diagnostics& diagnostics) {
   return built;
 }
 
+void Stepper::WaitForRun() {
+  baton_.Take();
+  waits_for_run_ = true;
+  baton_.Pass();
+}
+
 bool Stepper::TakeOver(Edit edit) {
   baton_.Take();
   ApplyEdit(edit);
@@ -85,6 +91,7 @@ std::optional<Stepper::PutAside> Stepper::Run(std::stop_token stop) {
   // An edit from before the start (a recording) takes effect even if the run ends at once.
   baton_.Take();
   ApplyEdits();
+  waits_for_run_ = false;
   baton_.Pass();
   while (!stop.stop_requested()) {
     const std::uint64_t seen = boards_.bell.count();
@@ -134,7 +141,7 @@ void Stepper::StepHere() {
   Nanoseconds now = clock_.Now();
   const Nanoseconds end = now + kTurnHere;
   int ran = 0;
-  while (mode_ == Mode::kLockstep && may_step() && speed() <= 0 && boards_.edits.empty() &&
+  while (!waits_for_run_ && mode_ == Mode::kLockstep && may_step() && speed() <= 0 && boards_.edits.empty() &&
          boards_.commands.AllReady()) {
     if (ran == kStepsHere || (ran > 0 && now >= end)) break;  // one step always runs
     StepNow(now);

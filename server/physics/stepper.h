@@ -76,6 +76,9 @@ class Stepper {
   bool Start(std::shared_ptr<const Scenario> scenario, Diagnostics& diagnostics) EXCLUDES(baton_);
   /// Builds the world of `state`, goes on from there and publishes its frame. As Start() otherwise.
   bool StartFrom(const SavedStatePtr& state, Diagnostics& diagnostics) EXCLUDES(baton_);
+  /// Clients that are served before Run() make no step: what is to be recorded does not begin before its
+  /// recording.
+  void WaitForRun() EXCLUDES(baton_);
   /// A live run that has given way to a recording.
   struct PutAside {
     Edit edit;            // the Play that did it, to be answered
@@ -209,6 +212,7 @@ class Stepper {
   std::array<std::optional<double>, 3> speeds_ GUARDED_BY(baton_);  // explicit, by mode
   bool paused_ GUARDED_BY(baton_) = false;
   std::int64_t allowed_steps_ GUARDED_BY(baton_) = 0;  // while paused
+  bool waits_for_run_ GUARDED_BY(baton_) = false;
   bool ended_ GUARDED_BY(baton_) = false;
   bool stopping_ GUARDED_BY(baton_) = false;
   std::optional<PutAside> put_aside_ GUARDED_BY(baton_);  // until Run() returns it

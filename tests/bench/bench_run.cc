@@ -57,6 +57,7 @@ std::optional<BenchRun> RunOnce(const std::shared_ptr<const Scenario>& scenario,
   RunOptions run;
   run.mode = Mode::kFree;
   run.duration_s = options.seconds;
+  run.ends_daemon = true;
   ControllerOptions controller_options;
   controller_options.in_process = options.controllers_in_process;
   controller_options.threads = options.threads;

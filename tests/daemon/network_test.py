@@ -115,6 +115,11 @@ class StrangerScenes(unittest.TestCase):
                     return e.code, e.read().decode()
 
             self.assertIn("this needs the token", pause("guess")[1])
+            parting = url.replace("/api/call", "/runs/one.run/parting?with=two.run")  # it repeats two runs
+            for header, code in (({}, 403), ({"Authorization": "Bearer chalk-and-board"}, 404)):
+                with self.assertRaises(urllib.error.HTTPError) as refused:
+                    urllib.request.urlopen(urllib.request.Request(parting, headers=header), timeout=LIMIT_S)
+                self.assertEqual(refused.exception.code, code)
 
             def locked_out():
                 for _ in range(3):

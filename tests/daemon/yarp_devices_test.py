@@ -58,12 +58,12 @@ class Program:
 class YarpDevicesTest(YarpPorts, unittest.TestCase):
     def test_a_program_with_a_name_is_served_on_each_port_that_takes_requests(self):
         """Its version of YARP is asked before its first request."""
-        with Daemon(arm(), "--read-only", env=ENV) as daemon:
-            for port in ("/world_input_port", "/clock/rpc", "/r/joints/rpc:i", "/r/joints/nws/rpc:i", "/r/motors", "/world"):
+        with Daemon(arm("realtime"), "--read-only", env=ENV) as daemon:
+            for port in ("/world_input_port", "/clock/rpc", "/r/arm/rpc:i", "/r/arm/nws/rpc:i", "/r/arm", "/world"):
                 text = daemon.keep(Connection(registration(daemon, port)))
                 text.write(b"CONNECT /me\nr\n")
                 Program(daemon, port, "/me").send(b"d")
-            self.assertIn("robots", daemon.text("/simulation").must("status").text)
+            self.assertIn("robots", daemon.text("/simulation").must("get_status").text)
 
     def words(self, daemon, port):
         """Asks a port by text."""

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "tests/server/physics/physics_scene.h"
@@ -34,6 +35,21 @@ TEST(Contact, RobotPushesADynamicBoxAhead) {
   EXPECT_NEAR(gap, 0, 0.005);
   EXPECT_GT(scene.object(0).p.x(), 1.2);
   EXPECT_NEAR(scene.object(0).p.z(), 0.15, 0.002);
+}
+
+TEST(Contact, ACrateThatLiesParallelOnATiltedBoxStaysOnIt) {
+  for (int i = 0; i < 60; ++i) {
+    const double tilt_rad = (5 + i % 11) * std::numbers::pi / 180, turn_rad = i * std::numbers::pi / 180;
+    const Quaternion q = FromRollPitchYaw(0, tilt_rad, turn_rad);
+    const Vector3 up = q * Vector3::UnitZ(), middle(0, 0, 2);
+    PhysicsScene scene;
+    scene.Add(Box{Vector3(1, 0.8, 0.5)}, Pose{middle, q});
+    scene.Add(Box{Vector3(0.3, 0.2, 0.2)}, Pose{middle + 0.35 * up + 0.01 * (q * Vector3::UnitX()), q}, 1,
+              0.8);
+    scene.RunFor(0.6);
+    EXPECT_NEAR(up.dot(scene.object(1).p - middle), 0.35, 0.001)
+        << "tilted by " << tilt_rad << ", turned by " << turn_rad;
+  }
 }
 
 TEST(Contact, RobotPushesACylinderAndASphere) {

@@ -229,6 +229,18 @@ TEST_F(StepperTest, TheRunEndsAtItsDuration) {
   EXPECT_EQ(Do(edit::Run{}).error, Error::kNotPossible);
 }
 
+TEST_F(StepperTest, NothingStepsBeforeThePhysicsThreadRunsIfItIsToWait) {
+  Begin(kTwoRobots, Mode::kLockstep);
+  stepper_->WaitForRun();
+  board_.Ready(board_.FindSlot("robot1"), ana_, 1, [](const StepResult&) {});
+  StepDone done;
+  auto ran = Expect(done);
+  board_.Ready(board_.FindSlot("robot2"), bob_, 1, done);
+  EXPECT_EQ(frames_.Latest()->step, 0u) << "a recording may still have to begin";
+  StartThread();
+  EXPECT_EQ(ran.get().frame->step, 1u);
+}
+
 TEST_F(StepperTest, AWorldWhoseRunHasEndedRefusesCommandsUntilAReset) {
   RunOptions options;
   options.duration_s = 0.02;
