@@ -177,7 +177,7 @@ YarpInput YarpReader::Frame(std::string_view bytes) {
 }
 
 YarpInput YarpReader::Line(std::string_view bytes) {
-  // Each byte is looked at once, however slowly a message comes.
+  // No byte is read twice: a message that comes in small pieces costs no more.
   while (scanned_ < bytes.size()) {
     const char c = bytes[scanned_++];
     if (c == '\r' || c == '\0') continue;

@@ -62,7 +62,9 @@ class YarpDevicesTest(YarpPorts, unittest.TestCase):
             for port in ("/world_input_port", "/clock/rpc", "/r/arm/rpc:i", "/r/arm/nws/rpc:i", "/r/arm", "/world"):
                 text = daemon.keep(Connection(registration(daemon, port)))
                 text.write(b"CONNECT /me\nr\n")
-                Program(daemon, port, "/me").send(b"d")
+                program = Program(daemon, port, "/me")
+                program.send(b"d")
+                program.connection.read_exactly(8)  # the beginning of the answer
             self.assertIn("robots", daemon.text("/simulation").must("get_status").text)
 
     def words(self, daemon, port):

@@ -24,6 +24,7 @@
 #include "server/yarp/encoding.h"
 #include "server/yarp/port_name.h"
 #include "server/yarp/translator.h"
+#include "tests/server/yarp/port.h"
 
 namespace {
 
@@ -62,18 +63,6 @@ void AskPorts(const Bottle& bottle) {
   for (const char* const port : {"/r/arm/rpc:i", "/r/arm/nws/rpc:i", "/r/arm/command:i"})
     AskBoard(*TranslatorOf(port, joints), bottle);
 }
-
-class Port final : public Endpoint {
- public:
-  Port(std::string path, CommandTable table) : path_(std::move(path)), table_(std::move(table)) {}
-  const std::string& path() const override { return path_; }
-  const CommandTable& table() const override { return table_; }
-  void OnRequest(Connection& /*connection*/, Message /*request*/, ReplyFunction /*reply*/) override {}
-
- private:
-  const std::string path_;
-  const CommandTable table_;
-};
 
 /// A whole connection to each kind of port: what it asks the module is answered with little or with an error.
 void Talk(const std::string& bytes, std::uint8_t choice) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -243,6 +244,38 @@ TEST(ForeignModelTest, AMotorOfManyRoundsHasTheMostAndIsSaid) {
   EXPECT_THAT(said, HasSubstr("<velocity> of joint 'j' is 50000: its motor has 10000 at most"));
   EXPECT_THAT(with("<effort>0</effort><velocity>1</velocity>").messages,
               HasSubstr("<effort> of joint 'j' is 0: it has no motor and moves freely"));
+}
+
+TEST(ForeignModelTest, AColladaFileStandsWhateverAxisItCallsUp) {
+  for (const std::string up : {"Y_UP", "Z_UP"}) {
+    const TempFolder folder;
+    folder.Write(
+        "part.dae",
+        "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset><up_axis>" +
+            up +
+            "</up_axis></asset><library_geometries><geometry id=\"g\"><mesh><source id=\"p\"><float_array "
+            "id=\"a\" count=\"12\">0 0 0 0.2 0 0 0 0.4 0 0 0 0.6</float_array><technique_common><accessor "
+            "source=\"#a\" count=\"4\" stride=\"3\"><param name=\"X\" type=\"float\"/><param name=\"Y\" "
+            "type=\"float\"/><param name=\"Z\" "
+            "type=\"float\"/></accessor></technique_common></source><vertices "
+            "id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices><triangles count=\"4\"><input "
+            "semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>0 2 1 0 1 3 0 3 2 1 2 "
+            "3</p></triangles></mesh>"
+            "</geometry></library_geometries><library_visual_scenes><visual_scene id=\"s\"><node id=\"n\">"
+            "<instance_geometry url=\"#g\"/></node></visual_scene></library_visual_scenes><scene>"
+            "<instance_visual_scene url=\"#s\"/></scene></COLLADA>");
+    folder.Write("model.sdf", "<sdf version=\"1.6\"><model name=\"rig\">" +
+                                  SdfLink("l", "0 0 0 0 0 0", "<mesh><uri>part.dae</uri></mesh>") +
+                                  "</model></sdf>");
+    const auto [robot, messages] = ReadFile(folder, "model.sdf");
+    ASSERT_NE(robot, nullptr) << messages;
+    double low_m = 1, high_m = -1;
+    for (const Vector3& v : std::get<Mesh>(robot->links[0].collisions[0].shape).data->vertices) {
+      low_m = std::min(low_m, v.z());
+      high_m = std::max(high_m, v.z());
+    }
+    EXPECT_NEAR(high_m - low_m, 0.6, 1e-6) << up;
+  }
 }
 
 TEST(ForeignModelTest, AnEmptyPoseIsTheFrameItself) {

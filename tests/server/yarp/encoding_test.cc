@@ -16,24 +16,13 @@
 #include "protocol/module_tables.h"
 #include "server/yarp/bottle.h"
 #include "tests/server/yarp/hex.h"
+#include "tests/server/yarp/port.h"
 
 namespace coopdyn {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
-
-class Port final : public Endpoint {
- public:
-  Port(std::string path, CommandTable table) : path_(std::move(path)), table_(std::move(table)) {}
-  const std::string& path() const override { return path_; }
-  const CommandTable& table() const override { return table_; }
-  void OnRequest(Connection& /*connection*/, Message /*request*/, ReplyFunction /*reply*/) override {}
-
- private:
-  const std::string path_;
-  const CommandTable table_;
-};
 
 /// A session without sockets: answers each request with mode 1, time 0.5 and step 50.
 class Talk {
