@@ -1,145 +1,56 @@
 // SPDX-License-Identifier: MIT
 #include "server/model/mesh_file.h"
 
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
-
-#include <algorithm>
-#include <assimp/IOSystem.hpp>
-#include <assimp/Importer.hpp>
-#include <cmath>
-#include <cstring>
 #include <fstream>
+#include <span>
 #include <utility>
-#include <vector>
 
-#include "server/base/printable.h"
-#include "server/model/mesh_skin.h"
+#include "server/model/image_file.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
 
 namespace {
 
-constexpr double kMaxVertex_m = 1e4;
-constexpr std::uint32_t kSkinMark = 0x4e494b53, kTextureMark = 0x54584554;
-
-std::string TooMany(std::size_t triangles) {
-  return "the mesh has " + std::to_string(triangles) + " triangles, at most " +
-         std::to_string(kMaxMeshTriangles) + " are taken: simplify it (in Blender: Modifier, Decimate)";
+std::optional<std::string> ReadWhole(const std::filesystem::path& file, std::string& why) {
+  std::error_code code;
+  const auto size = std::filesystem::file_size(file, code);
+  if (!code && size > kMaxMeshFileBytes) {
+    why = "the file has " + std::to_string(size >> 20) + " MiB, at most " +
+          std::to_string(kMaxMeshFileBytes >> 20) +
+          " are taken: simplify it (in Blender: Modifier, Decimate)";
+    return std::nullopt;
+  }
+  std::ifstream stream(file, std::ios::binary);
+  std::string bytes(code ? 0 : size, '\0');
+  if (!code && stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) return bytes;
+  why = "it cannot be read";
+  return std::nullopt;
 }
 
-/// What is wrong with a file before a library reads it; empty: nothing.
-std::string CheckBytes(const std::string& bytes, const std::string& extension) {
-  constexpr std::size_t kHeader = 84, kTriangle = 50;
-  if (extension != "stl" || bytes.size() < kHeader || bytes.starts_with("solid")) return {};
-  std::uint32_t count = 0;
-  std::memcpy(&count, bytes.data() + 80, sizeof(count));
-  if (count > kMaxMeshTriangles) return TooMany(count);
-  if (bytes.size() < kHeader + std::size_t{count} * kTriangle)
-    return "the mesh is cut off: it says " + std::to_string(count) + " triangles and holds fewer";
-  return {};
+/// What the mesh `file` calls `name`.
+std::optional<std::string> Supply(bool is_texture, const std::string& name, const std::filesystem::path& file,
+                                  const Resources& resources, std::string& why) {
+  if (is_texture) {
+    // Gazebo's models keep them apart from the meshes.
+    auto found = resources.Find(name, file, why);
+    std::string ignored;
+    const std::string bare = std::filesystem::path(name).filename().string();
+    if (!found && !bare.empty()) found = resources.Find("../materials/textures/" + bare, file, ignored);
+    return found ? ReadImageFile(*found, why) : std::nullopt;
+  }
+  if (name.empty()) return std::nullopt;
+  const auto found =
+      resources.Find(std::filesystem::path(name).lexically_proximate(file.parent_path()), file, why);
+  return found ? ReadWhole(*found, why) : std::nullopt;
 }
 
-class Collector {
- public:
-  Collector(const aiScene& scene, const Vector3& scale, const std::string& submesh, SkinBuilder& skin)
-      : scene_(scene), scale_(scale), submesh_(submesh), skin_(skin) {}
-
-  void Visit(const aiNode& node, const aiMatrix4x4& above, bool wanted) {
-    const aiMatrix4x4 here = above * node.mTransformation;
-    wanted = wanted || submesh_.empty() || submesh_ == node.mName.C_Str();
-    for (unsigned i = 0; i < node.mNumMeshes; ++i) {
-      const aiMesh& mesh = *scene_.mMeshes[node.mMeshes[i]];
-      if (wanted || submesh_ == mesh.mName.C_Str()) Add(mesh, here);
-    }
-    for (unsigned i = 0; i < node.mNumChildren; ++i) Visit(*node.mChildren[i], here, wanted);
-  }
-
-  std::vector<Vector3> vertices;
-  std::vector<MeshData::Triangle> triangles;
-  bool finite = true;
-
- private:
-  void Add(const aiMesh& mesh, const aiMatrix4x4& place) {
-    if (triangles.size() > kMaxMeshTriangles || mesh.mNumFaces == 0) return;
-    const auto base = static_cast<std::uint32_t>(vertices.size());
-    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
-      const aiVector3D p = place * mesh.mVertices[i];
-      const Vector3 v = Vector3(p.x, p.y, p.z).cwiseProduct(scale_);
-      finite = finite && v.allFinite() && v.cwiseAbs().maxCoeff() < kMaxVertex_m;
-      vertices.push_back(v);
-    }
-    const bool mirrored = scale_.prod() < 0;
-    for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
-      const aiFace& face = mesh.mFaces[i];
-      if (face.mNumIndices != 3) continue;
-      MeshData::Triangle triangle{};
-      for (std::size_t k = 0; k < 3; ++k) triangle[k] = base + face.mIndices[k];
-      if (mirrored) std::swap(triangle[1], triangle[2]);
-      triangles.push_back(triangle);
-    }
-    skin_.Add(scene_, mesh);
-  }
-
-  const aiScene& scene_;
-  const Vector3 scale_;
-  const std::string& submesh_;
-  SkinBuilder& skin_;
-};
+std::uint64_t Mix(std::uint64_t hash, std::span<const std::uint8_t> bytes) {
+  for (const std::uint8_t byte : bytes) hash = (hash ^ byte) * 0x100000001b3;
+  return hash;
+}
 
 constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-
-template <typename T>
-void PutBytes(std::string& bytes, const T& value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
-}
-template <typename T>
-bool TakeBytes(std::string_view& bytes, T& value) {
-  if (bytes.size() < sizeof(value)) return false;
-  std::memcpy(&value, bytes.data(), sizeof(value));
-  bytes.remove_prefix(sizeof(value));
-  return true;
-}
-
-bool SameImage(const Image& a, const Image& b) {
-  return a.width == b.width && a.height == b.height && a.rgb == b.rgb;
-}
-
-/// Of a skin with pictures: for each material its picture's place in `textures` + 1 and its tint, for each
-/// vertex its place on the picture.
-void PutTextures(const MeshSkin& skin, MeshTextures& textures, std::string& bytes) {
-  const auto has_none = [](const MeshSkin::Material& one) { return one.texture == nullptr; };
-  if (std::ranges::all_of(skin.materials, has_none)) return;
-  PutBytes(bytes, kTextureMark);
-  for (const MeshSkin::Material& material : skin.materials) {
-    std::size_t number = 0;
-    if (material.texture != nullptr) {
-      const auto known =
-          std::ranges::find_if(textures, [&](const auto& one) { return SameImage(*one, *material.texture); });
-      number = static_cast<std::size_t>(known - textures.begin()) + 1;
-      if (known == textures.end()) textures.push_back(material.texture);
-    }
-    PutBytes(bytes, static_cast<std::uint32_t>(number));
-    PutBytes(bytes, material.tint);
-  }
-  for (const MeshSkin::Corner& corner : skin.corners) PutBytes(bytes, corner.uv);
-}
-
-/// What PutTextures() wrote, if it wrote something.
-bool TakeTextures(std::string_view& bytes, const MeshTextures& textures, MeshSkin& skin) {
-  if (bytes.size() < sizeof(kTextureMark)) return true;  // zeros that fill up the word
-  std::uint32_t mark = 0, number = 0;
-  bool good = TakeBytes(bytes, mark) && mark == kTextureMark;
-  for (MeshSkin::Material& material : skin.materials) {
-    good = good && TakeBytes(bytes, number) && number <= textures.size() && TakeBytes(bytes, material.tint);
-    for (const double part : material.tint) good = good && part >= 0 && part <= 1;
-    if (good && number > 0) material.texture = textures[number - 1];
-  }
-  for (MeshSkin::Corner& corner : skin.corners)
-    good = good && TakeBytes(bytes, corner.uv) && std::isfinite(corner.uv[0]) && std::isfinite(corner.uv[1]);
-  return good;
-}
 
 }  // namespace
 
@@ -173,142 +84,66 @@ std::optional<std::string> FromBase64(std::string_view text) {
   return bytes;
 }
 
-namespace {
-
-/// To a nanometre, and to a float: such numbers less the middle of some, and plus it again, are what they
-/// were. Not inline: g++ 12 at -O2 leaves out casts to float and back where it can do two at once.
-[[gnu::noinline]] double Rounded(double length_m) {
-  constexpr double kGrid_m = 0x1p-30;
-  return static_cast<double>(static_cast<float>(std::nearbyint(length_m / kGrid_m) * kGrid_m));
-}
-
-}  // namespace
-
-ModelMesh MakeModelMesh(std::vector<Vector3> vertices, std::vector<MeshData::Triangle> triangles,
-                        const std::optional<std::array<double, 3>>& color,
-                        std::shared_ptr<const MeshSkin> skin) {
-  // A recording, whose triangles have another order, gives the same mesh.
-  std::ranges::sort(triangles);
-  for (Vector3& v : vertices) v = v.unaryExpr(&Rounded);
+ModelMesh MakeModelMesh(MeshParts parts) {
+  parts = Settled(std::move(parts));
   ModelMesh mesh;
-  MeshData data = MakeMesh(std::move(vertices), std::move(triangles), mesh.middle);
-  data.color = color;
-  SetSkin(std::move(skin), data);
+  MeshData data = MakeMesh(std::move(parts.vertices), std::move(parts.triangles), mesh.middle);
+  data.color = parts.color;
+  SetSkin(std::move(parts.skin), data);
   mesh.data = std::make_shared<const MeshData>(std::move(data));
   return mesh;
 }
 
 std::optional<ModelMesh> LoadMesh(const std::filesystem::path& file, const Vector3& scale,
-                                  const std::string& submesh, const Resources& resources,
+                                  const std::string& submesh, const Resources& resources, FileReader& reader,
                                   const SourceLine& where, Diagnostics& diagnostics) {
-  const std::string name = file.filename().string();
-  const auto fail = [&](const std::string& text) {
-    diagnostics.Error(where, "mesh '" + name + "': " + text);
-    return std::nullopt;
-  };
-  std::string extension = ToLower(file.extension().string());
-  if (!extension.empty()) extension.erase(0, 1);
-  if (extension != "stl" && extension != "obj" && extension != "dae" && extension != "glb" &&
-      extension != "gltf" && extension != "ply")
-    return fail(
-        "meshes are read from .stl, .obj, .dae, .glb, .gltf and .ply: convert it, for example with Blender");
-  std::error_code code;
-  const auto size = std::filesystem::file_size(file, code);
-  if (code) return fail("it cannot be read");
-  if (size > kMaxMeshFileBytes) {
-    return fail("the file has " + std::to_string(size >> 20) + " MiB, at most " +
-                std::to_string(kMaxMeshFileBytes >> 20) +
-                " are taken: simplify it (in Blender: Modifier, Decimate)");
+  const std::string name = "mesh '" + file.filename().string() + "': ";
+  const std::string extension = ToLower(file.extension().string());
+  std::string why;
+  std::optional<MeshAnswer> read;
+  if (extension != ".stl" && extension != ".obj" && extension != ".dae" && extension != ".glb" &&
+      extension != ".gltf" && extension != ".ply") {
+    why = "meshes are read from .stl, .obj, .dae, .glb, .gltf and .ply: convert it, for example with Blender";
+  } else if (auto bytes = ReadWhole(file, why)) {
+    const MeshRequest request{file.string(), std::move(*bytes), {scale.x(), scale.y(), scale.z()}, submesh};
+    const auto supply = [&](bool is_texture, const std::string& wanted, std::string& why_not) {
+      return Supply(is_texture, wanted, file, resources, why_not);
+    };
+    read = reader.ReadMesh(request, supply, why);
   }
-  std::ifstream stream(file, std::ios::binary);
-  std::string bytes(size, '\0');
-  if (!stream.read(bytes.data(), static_cast<std::streamsize>(size))) return fail("it cannot be read");
-  if (const std::string wrong = CheckBytes(bytes, extension); !wrong.empty()) return fail(wrong);
-  Assimp::Importer importer;
-  importer.SetIOHandler(MakeMeshFiles(file, bytes, resources).release());  // it owns them
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES,
-                           true);  // a part goes by its name, not its id
-  // Z is up here, as the numbers of all other formats are taken.
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  const aiScene* scene = importer.ReadFile(
-      file.string(), aiProcess_Triangulate | aiProcess_JoinIdenticalVertices | aiProcess_SortByPType);
-  if (scene == nullptr || scene->mRootNode == nullptr)
-    return fail("it cannot be read: " + Printable(std::string(importer.GetErrorString()).substr(0, 200)));
-  SkinBuilder skin(file, resources);
-  Collector all(*scene, scale, submesh, skin);
-  all.Visit(*scene->mRootNode, aiMatrix4x4(), false);
-  if (all.triangles.size() > kMaxMeshTriangles) return fail(TooMany(all.triangles.size()));
-  if (all.triangles.empty())
-    return fail(submesh.empty() ? "it has no triangles" : "it has no part called '" + submesh + "'");
-  if (!all.finite) return fail("it has vertices that are not finite or more than 10 km away");
-  for (const std::string& missing : skin.missing())
-    diagnostics.Warning(where, "mesh '" + name + "': " + missing);
-  return MakeModelMesh(std::move(all.vertices), std::move(all.triangles), skin.color(), skin.Take());
+  if (!read) {
+    diagnostics.Error(where, name + why);
+    return std::nullopt;
+  }
+  for (const std::string& warning : read->warnings) diagnostics.Warning(where, name + warning);
+  return MakeModelMesh(std::move(read->parts));
 }
 
 std::string MeshToText(const ModelMesh& mesh, MeshTextures& textures) {
-  std::string bytes;
   const MeshData& data = *mesh.data;
-  PutBytes(bytes, static_cast<std::uint32_t>(data.vertices.size()));
-  PutBytes(bytes, static_cast<std::uint32_t>(data.triangles.size()));
-  PutBytes(bytes, static_cast<std::uint32_t>(data.color.has_value()));
-  for (const double part : data.color.value_or(std::array<double, 3>{})) PutBytes(bytes, part);
-  for (const Vector3& v : data.vertices) {
-    for (int i = 0; i < 3; ++i) PutBytes(bytes, static_cast<float>(v[i] + mesh.middle[i]));
-  }
-  for (const auto& triangle : data.triangles) PutBytes(bytes, triangle);
-  if (data.skin != nullptr) {
-    PutBytes(bytes, kSkinMark);
-    PutBytes(bytes, static_cast<std::uint32_t>(data.skin->materials.size()));
-    for (const MeshSkin::Material& material : data.skin->materials) PutBytes(bytes, material.color);
-    for (const MeshSkin::Corner& corner : data.skin->corners) PutBytes(bytes, corner.material);
-    PutTextures(*data.skin, textures, bytes);
-  }
-  return ToBase64(bytes);
+  MeshParts parts{data.vertices, data.triangles, data.color, data.skin};
+  for (Vector3& v : parts.vertices) v += mesh.middle;
+  return ToBase64(MeshToBytes(parts, textures));
 }
 
 std::optional<ModelMesh> MeshFromText(std::string_view text, const MeshTextures& textures) {
   const auto bytes = FromBase64(text);
-  if (!bytes) return std::nullopt;
-  std::string_view rest = *bytes;
-  std::uint32_t vertex_count = 0, triangle_count = 0, has_color = 0;
-  std::array<double, 3> color{};
-  bool good = TakeBytes(rest, vertex_count) && TakeBytes(rest, triangle_count) &&
-              TakeBytes(rest, has_color) && TakeBytes(rest, color) && triangle_count > 0 &&
-              triangle_count <= kMaxMeshTriangles &&
-              rest.size() >= std::size_t{vertex_count} * 12 + std::size_t{triangle_count} * 12;
-  std::vector<Vector3> vertices(good ? vertex_count : 0);
-  std::vector<MeshData::Triangle> triangles(good ? triangle_count : 0);
-  for (Vector3& v : vertices) {
-    std::array<float, 3> p{};
-    good = good && TakeBytes(rest, p);
-    v = Vector3(p[0], p[1], p[2]);
-    good = good && v.allFinite() && v.cwiseAbs().maxCoeff() < kMaxVertex_m;
+  auto parts = bytes ? MeshFromBytes(*bytes, textures) : std::nullopt;
+  if (!parts) return std::nullopt;
+  return MakeModelMesh(std::move(*parts));
+}
+
+void SetSkin(std::shared_ptr<const MeshSkin> skin, MeshData& mesh) {
+  mesh.skin = std::move(skin);
+  if (mesh.skin == nullptr) return;
+  const auto bytes_of = [](const auto& all) {
+    return std::span(reinterpret_cast<const std::uint8_t*>(all.data()), all.size() * sizeof(all[0]));
+  };
+  mesh.id = Mix(mesh.id, bytes_of(mesh.skin->corners));
+  for (const MeshSkin::Material& material : mesh.skin->materials) {
+    mesh.id = Mix(mesh.id, bytes_of(material.color));
+    if (material.texture != nullptr) mesh.id = Mix(mesh.id, material.texture->rgb);
   }
-  for (auto& triangle : triangles) {
-    good = good && TakeBytes(rest, triangle);
-    for (const std::uint32_t v : triangle) good = good && v < vertex_count;
-  }
-  for (const double part : color) good = good && part >= 0 && part <= 1;
-  std::uint32_t mark = 0, material_count = 0;
-  std::shared_ptr<MeshSkin> skin;
-  if (good && TakeBytes(rest, mark) && mark == kSkinMark) {
-    skin = std::make_shared<MeshSkin>();
-    good = TakeBytes(rest, material_count) && material_count <= rest.size();
-    skin->materials.resize(good ? material_count : 0);
-    for (MeshSkin::Material& material : skin->materials) {
-      good = good && TakeBytes(rest, material.color);
-      for (const double part : material.color) good = good && part >= 0 && part <= 1;
-    }
-    skin->corners.resize(vertices.size());
-    for (MeshSkin::Corner& corner : skin->corners)
-      good = good && TakeBytes(rest, corner.material) && corner.material < material_count;
-    good = good && TakeTextures(rest, textures, *skin);
-  }
-  if (!good) return std::nullopt;
-  return MakeModelMesh(std::move(vertices), std::move(triangles),
-                       has_color != 0 ? std::optional(color) : std::nullopt, std::move(skin));
 }
 
 }  // namespace coopdyn

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Meshes from files, through libassimp, and as text inside a model that a recording carries. Any thread.
+// Meshes from files, and as text inside a model that a recording carries. Any thread.
 #pragma once
 
 #include <filesystem>
@@ -10,11 +10,12 @@
 #include <vector>
 
 #include "server/base/diagnostics.h"
+#include "server/files/file_reader.h"
+#include "server/files/mesh_parts.h"
 #include "server/geometry/mesh.h"
 
 namespace coopdyn {
 
-inline constexpr std::size_t kMaxMeshTriangles = 200'000;   // of one mesh
 inline constexpr std::size_t kMaxModelTriangles = 500'000;  // of all of one model
 inline constexpr std::size_t kMaxMeshFileBytes = 64u << 20;
 
@@ -30,20 +31,17 @@ class Resources;
 /// `submesh` alone if that is not empty. What else the file names is looked up in `resources`. Nothing with
 /// an error at `where`.
 std::optional<ModelMesh> LoadMesh(const std::filesystem::path& file, const Vector3& scale,
-                                  const std::string& submesh, const Resources& resources,
+                                  const std::string& submesh, const Resources& resources, FileReader& reader,
                                   const SourceLine& where, Diagnostics& diagnostics);
 
-/// A mesh of these triangles, `middle` included, in numbers that a recording keeps.
-ModelMesh MakeModelMesh(std::vector<Vector3> vertices, std::vector<MeshData::Triangle> triangles,
-                        const std::optional<std::array<double, 3>>& color,
-                        std::shared_ptr<const MeshSkin> skin);
+/// The mesh of these parts, in numbers that a recording keeps.
+ModelMesh MakeModelMesh(MeshParts parts);
+/// Gives `mesh` its looks; its id is then another.
+void SetSkin(std::shared_ptr<const MeshSkin> skin, MeshData& mesh);
 
 /// Bytes as one word, and back; nothing for a bad word.
 std::string ToBase64(const std::string& bytes);
 std::optional<std::string> FromBase64(std::string_view text);
-
-/// The pictures on the meshes of a model, each once.
-using MeshTextures = std::vector<std::shared_ptr<const Image>>;
 
 /// A mesh as one word, and back; nothing for a bad word. The word names its pictures by their places in
 /// `textures`, where MeshToText() puts those that are not there yet.

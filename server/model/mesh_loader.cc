@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "server/model/image_file.h"
-#include "server/model/mesh_skin.h"
 #include "server/model/model_source.h"
 #include "server/model/values.h"
 
@@ -102,11 +101,11 @@ class MeshLoader {
     const std::string what = file->string() + "|" + FormatNumber(scale.x()) + " " + FormatNumber(scale.y()) +
                              " " + FormatNumber(scale.z()) + "|" + part + (centred ? "|c" : "");
     if (const auto known = keys_.find(what); known != keys_.end()) return known->second;
-    auto loaded = LoadMesh(*file, scale, part, *resources_, uri.where, found);
+    auto loaded = LoadMesh(*file, scale, part, *resources_, reader_, uri.where, found);
     if (!loaded) return {};
     if (centred) {
       const MeshData& data = *loaded->data;  // around its middle
-      loaded = MakeModelMesh(data.vertices, data.triangles, data.color, data.skin);
+      loaded = MakeModelMesh({data.vertices, data.triangles, data.color, data.skin});
     }
     return Keep(what, std::move(*loaded), uri, found);
   }
@@ -159,7 +158,7 @@ class MeshLoader {
     const std::string what = file->string() + "|" + text(*size) + text(*pos) + FormatNumber(*sampling);
     if (const auto known = keys_.find(what); known != keys_.end()) return known->second;
     const auto bytes = ReadImageFile(*file, why);
-    const auto heights = bytes ? DecodeHeights(*bytes, why) : std::nullopt;
+    const auto heights = bytes ? reader_.ReadHeights(*bytes, why) : std::nullopt;
     if (!heights) return fail("'" + uri.text + "': " + why);
     const int wanted[] = {static_cast<int>((heights->width - 1) * *sampling) + 1,
                           static_cast<int>((heights->height - 1) * *sampling) + 1};
@@ -177,7 +176,7 @@ class MeshLoader {
   /// Black lies at 0, the brightest point at the size's height; the upper edge of the picture is +y.
   static ModelMesh MakeHeights(const Heights& heights, int columns, int rows, const Vector3& size,
                                const Vector3& pos) {
-    const double most = *std::ranges::max_element(heights.values);
+    const auto most = static_cast<float>(*std::ranges::max_element(heights.values)) / 65535;
     const double per_value = most > 0 ? size.z() / most : 0;
     std::vector<Vector3> vertices;
     std::vector<MeshData::Triangle> triangles;
@@ -194,7 +193,7 @@ class MeshLoader {
         triangles.push_back({above - 1, here, above});
       }
     }
-    ModelMesh mesh = MakeModelMesh(std::move(vertices), std::move(triangles), std::nullopt, nullptr);
+    ModelMesh mesh = MakeModelMesh({std::move(vertices), std::move(triangles), std::nullopt, nullptr});
     mesh.is_heights = true;
     return mesh;
   }
@@ -244,7 +243,7 @@ class MeshLoader {
       if (const auto known = textures_.find(*file); known != textures_.end()) return known->second;
     }
     const auto bytes = file ? ReadImageFile(*file, why) : std::nullopt;
-    auto texture = bytes ? DecodeTexture(*bytes, why) : nullptr;
+    auto texture = bytes ? reader_.ReadTexture(*bytes, why) : nullptr;
     if (texture == nullptr)
       diagnostics_.Warning(map.where, "the texture '" + map.text + "' is not drawn: " + why);
     if (file) textures_[*file] = texture;
@@ -272,7 +271,7 @@ class MeshLoader {
       }
     }
     skin->materials.resize(1);
-    return MakeModelMesh(std::move(vertices), std::move(triangles), std::nullopt, std::move(skin));
+    return MakeModelMesh({std::move(vertices), std::move(triangles), std::nullopt, std::move(skin)});
   }
 
   /// The mesh `key` in the texture at hand.
@@ -307,6 +306,7 @@ class MeshLoader {
   const Resources* resources_;
   MeshTable& table_;
   Diagnostics& diagnostics_;
+  FileReader reader_;
   std::map<std::string, std::string> keys_;
   std::size_t triangles_ = 0;
   std::map<std::filesystem::path, std::shared_ptr<const Image>> textures_;

@@ -157,6 +157,7 @@ bool TakeMeshes(std::string& text, MeshTable& table) {
   if (start == std::string::npos) return true;
   std::string_view rest = std::string_view(text).substr(start + 1);
   std::size_t triangles = 0;
+  FileReader reader;
   MeshTextures textures;
   while (rest.starts_with(kMeshMark)) {
     rest.remove_prefix(kMeshMark.size());
@@ -167,8 +168,7 @@ bool TakeMeshes(std::string& text, MeshTable& table) {
       const auto bytes = FromBase64(word);
       std::string why;
       if (!bytes) return false;
-      const std::span png(reinterpret_cast<const unsigned char*>(bytes->data()), bytes->size());
-      textures.push_back(DecodeTexture(png, why));
+      textures.push_back(reader.ReadTexture(*bytes, why));
       if (textures.back() == nullptr) return false;
     } else {
       auto mesh = MeshFromText(word, textures);

@@ -46,7 +46,7 @@ std::shared_ptr<const Image> EmbeddedTexture(const SourceText& source) {
   const auto bytes = FromBase64(source.text);
   std::string why;
   if (!bytes) return nullptr;
-  return DecodeTexture(std::span(reinterpret_cast<const unsigned char*>(bytes->data()), bytes->size()), why);
+  return FileReader().ReadTexture(*bytes, why);
 }
 
 Textures::Textures(const RobotLibrary& library, const std::string& file, const std::string& world,
@@ -81,16 +81,15 @@ Textures::Loaded Textures::Load(const std::string& name, std::string& why) {
     if (!path) path = files_->Find("textures/" + name, file_, ignored);
     if (!path) return {};
     found = path->string();
-    const auto content = ReadImageFile(*path, why);
+    auto content = ReadImageFile(*path, why);
     if (!content) return {};
-    bytes.assign(content->begin(), content->end());
+    bytes = std::move(*content);
   }
   if (bytes.size() > kMaxTextureBytes) {
     why = "a texture has at most " + std::to_string(kMaxTextureBytes >> 20) + " MiB: make it smaller";
     return {};
   }
-  auto image =
-      DecodeTexture(std::span(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()), why);
+  auto image = reader_.ReadTexture(bytes, why);
   if (image == nullptr) return {};
   sources_.push_back({kTexture, key, found, ToBase64(bytes)});
   return {std::move(image), std::make_shared<const SourceText>(sources_.back())};

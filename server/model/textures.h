@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "server/files/file_reader.h"
 #include "server/model/readers.h"
 #include "server/model/resources.h"
 #include "server/model/section_reader.h"
@@ -41,6 +42,7 @@ class Textures {
   std::optional<Resources> files_;
   std::string file_, world_;
   bool beside_ = false;
+  FileReader reader_;
   std::map<std::string, Loaded> known_;
   std::vector<SourceText> sources_;
 };

@@ -2,7 +2,6 @@
 #include "server/replay/ffmpeg.h"
 
 #include <fcntl.h>
-#include <spawn.h>
 #include <spdlog/fmt/fmt.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
@@ -15,46 +14,16 @@
 #include <cstring>
 #include <string_view>
 
+#include "server/base/spawn.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
 
 namespace {
 
+constexpr const char* kProgram = "ffmpeg";
 constexpr const char* kNotInstalled =
     "ffmpeg is not installed: install it (Debian: apt install ffmpeg), or make pictures with --to png";
-
-/// Starts ffmpeg with these standard streams, and signals as a program expects them; an error code.
-int Spawn(const std::vector<std::string>& arguments, int in, int out, int errors, pid_t& process) {
-  std::vector<std::string> words = arguments;
-  words.insert(words.begin(), "ffmpeg");
-  std::vector<char*> argv;
-  argv.reserve(words.size() + 1);
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-
-  posix_spawn_file_actions_t streams;
-  posix_spawnattr_t attributes;
-  posix_spawn_file_actions_init(&streams);
-  posix_spawnattr_init(&attributes);
-  posix_spawn_file_actions_adddup2(&streams, in, STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&streams, out, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&streams, errors, STDERR_FILENO);
-  sigset_t none, pipe;
-  sigemptyset(&none);
-  sigemptyset(&pipe);
-  sigaddset(&pipe, SIGPIPE);
-  posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setsigdefault(&attributes, &pipe);
-  // A group of its own: Ctrl-C in the terminal is for us, and we end it.
-  posix_spawnattr_setpgroup(&attributes, 0);
-  posix_spawnattr_setflags(&attributes,
-                           POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-  const int code = ::posix_spawnp(&process, "ffmpeg", &streams, &attributes, argv.data(), environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&streams);
-  return code;
-}
 
 /// All that was written to `file`.
 std::string ReadAll(int file) {
@@ -74,21 +43,13 @@ std::string LastLine(const std::string& text) {
   return text.substr(begin, end + 1 - begin);
 }
 
-/// Waits for the end of `process`; its wait status.
-int WaitFor(pid_t process) {
-  int status = 0;
-  while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
-  }
-  return status;
-}
-
 /// Whether this ffmpeg has the encoder libx264; `error` if it cannot be started.
 bool HasX264(std::string& error) {
   const int said = ::memfd_create("encoders", MFD_CLOEXEC);
   const int nothing = ::open("/dev/null", O_RDWR | O_CLOEXEC);
   pid_t process = -1;
   const int code =
-      Spawn({"-hide_banner", "-loglevel", "error", "-encoders"}, nothing, said, nothing, process);
+      Spawn(kProgram, {"-hide_banner", "-loglevel", "error", "-encoders"}, {nothing, said, nothing}, process);
   std::string text;
   if (code == ENOENT) {
     error = kNotInstalled;
@@ -141,7 +102,8 @@ std::string Ffmpeg::Start(const VideoFormat& format, const std::string& out) {
   if (::pipe2(ends.data(), O_CLOEXEC) != 0 || messages_ < 0 || nothing < 0)
     return fmt::format("ffmpeg cannot be started: {}", std::strerror(errno));
   pictures_ = ends[1];
-  const int code = Spawn(FfmpegArguments(format, x264, out), ends[0], nothing, messages_, process_);
+  const int code =
+      Spawn(kProgram, FfmpegArguments(format, x264, out), {ends[0], nothing, messages_}, process_);
   ::close(ends[0]);
   ::close(nothing);
   if (code == 0) return {};

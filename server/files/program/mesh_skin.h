@@ -3,15 +3,14 @@
 #pragma once
 
 #include <array>
-#include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "server/geometry/mesh.h"
-#include "server/model/resources.h"
+#include "server/files/wire.h"
 
 struct aiMesh;
 struct aiScene;
@@ -21,16 +20,18 @@ class IOSystem;
 
 namespace coopdyn {
 
-/// The files that libassimp may open: `file`, whose content is `bytes`, and what is on the search path.
-/// The arguments outlive it.
-std::unique_ptr<Assimp::IOSystem> MakeMeshFiles(const std::filesystem::path& file, const std::string& bytes,
-                                                const Resources& resources);
+/// The content of a file that a mesh calls `name` (kNeedFile), or of a texture (kNeedPicture). Nothing, and
+/// `why`, if there is none.
+using AskForFile =
+    std::function<std::optional<std::string>(FileTalk kind, const std::string& name, std::string& why)>;
 
-/// Gathers the materials of the parts of one mesh. The arguments outlive it.
+/// The files that libassimp may open: that of the request, and what `ask` knows. The arguments outlive it.
+std::unique_ptr<Assimp::IOSystem> MakeMeshFiles(const MeshRequest& request, const AskForFile& ask);
+
+/// Gathers the materials of the parts of one mesh. `ask` outlives it.
 class SkinBuilder {
  public:
-  SkinBuilder(const std::filesystem::path& file, const Resources& resources)
-      : file_(file), resources_(resources) {}
+  explicit SkinBuilder(const AskForFile& ask) : ask_(ask) {}
 
   /// The next part: `mesh` of `scene`.
   void Add(const aiScene& scene, const aiMesh& mesh);
@@ -45,18 +46,12 @@ class SkinBuilder {
   std::uint32_t MaterialOf(const aiScene& scene, unsigned index);
   std::shared_ptr<const Image> TextureOf(const aiScene& scene, const std::string& name);
 
-  const std::filesystem::path& file_;
-  const Resources& resources_;
+  const AskForFile& ask_;
   std::shared_ptr<MeshSkin> skin_ = std::make_shared<MeshSkin>();
   std::map<unsigned, std::uint32_t> numbers_;  // of materials, by that of the scene
   std::map<std::string, std::shared_ptr<const Image>> textures_;
   std::vector<std::string> missing_;
   std::optional<std::array<double, 3>> color_;
 };
-
-/// The material that a texture makes: multiplied by `tint`.
-MeshSkin::Material TexturedMaterial(std::shared_ptr<const Image> texture, const std::array<double, 3>& tint);
-/// Gives `mesh` its looks; its id is then another.
-void SetSkin(std::shared_ptr<const MeshSkin> skin, MeshData& mesh);
 
 }  // namespace coopdyn

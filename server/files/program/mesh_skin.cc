@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/model/mesh_skin.h"
+#include "server/files/program/mesh_skin.h"
 
 #include <assimp/material.h>
 #include <assimp/scene.h>
@@ -9,13 +9,11 @@
 #include <assimp/IOSystem.hpp>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <span>
 #include <utility>
 
 #include "server/base/printable.h"
-#include "server/model/image_file.h"
-#include "server/model/mesh_file.h"
+#include "server/files/program/read_picture.h"
 
 namespace coopdyn {
 
@@ -24,7 +22,6 @@ namespace {
 /// A file that is in memory.
 class HeldFile : public Assimp::IOStream {
  public:
-  explicit HeldFile(std::string own) : own_(std::move(own)), bytes_(own_) {}
   explicit HeldFile(std::string_view bytes) : bytes_(bytes) {}
 
   std::size_t Read(void* to, std::size_t size, std::size_t count) override {
@@ -46,57 +43,41 @@ class HeldFile : public Assimp::IOStream {
   void Flush() override {}
 
  private:
-  const std::string own_;
   const std::string_view bytes_;
   std::size_t at_ = 0;
 };
 
 class MeshFiles : public Assimp::IOSystem {
  public:
-  MeshFiles(const std::filesystem::path& file, const std::string& bytes, const Resources& resources)
-      : file_(file), bytes_(bytes), resources_(resources) {}
+  MeshFiles(const MeshRequest& request, const AskForFile& ask) : request_(request), ask_(ask) {}
 
-  bool Exists(const char* name) const override { return name == file_.string() || Find(name).has_value(); }
+  bool Exists(const char* name) const override { return ContentOf(name) != nullptr; }
   char getOsSeparator() const override { return '/'; }
   Assimp::IOStream* Open(const char* name, const char* mode) override {
-    if (std::strchr(mode, 'w') != nullptr) return nullptr;
-    if (name == file_.string()) return new HeldFile(std::string_view(bytes_));  // the library closes it
-    const auto file = Find(name);
-    std::error_code code;
-    if (!file || !std::filesystem::is_regular_file(*file, code)) return nullptr;
-    const auto size = std::filesystem::file_size(*file, code);
-    if (code || size > kMaxMeshFileBytes) return nullptr;
-    std::string bytes(size, '\0');
-    std::ifstream stream(*file, std::ios::binary);
-    if (!stream.read(bytes.data(), static_cast<std::streamsize>(size))) return nullptr;
-    return new HeldFile(std::move(bytes));
+    const std::string* content = std::strchr(mode, 'w') != nullptr ? nullptr : ContentOf(name);
+    return content == nullptr ? nullptr : new HeldFile(*content);  // the library closes it
   }
   void Close(Assimp::IOStream* file) override { delete file; }
 
  private:
-  std::optional<std::filesystem::path> Find(const std::string& name) const {
-    std::string why;
-    return name.empty()
-               ? std::nullopt
-               : resources_.Find(std::filesystem::path(name).lexically_proximate(file_.parent_path()), file_,
-                                 why);
+  /// Null: there is none.
+  const std::string* ContentOf(const std::string& name) const {
+    if (name == request_.name) return &request_.bytes;
+    const auto [known, is_new] = known_.emplace(name, std::nullopt);
+    std::string ignored;
+    if (is_new) known->second = ask_(FileTalk::kNeedFile, name, ignored);
+    return known->second ? &*known->second : nullptr;
   }
 
-  const std::filesystem::path& file_;
-  const std::string& bytes_;
-  const Resources& resources_;
+  const MeshRequest& request_;
+  const AskForFile& ask_;
+  mutable std::map<std::string, std::optional<std::string>> known_;  // asked for
 };
-
-std::uint64_t Mix(std::uint64_t hash, std::span<const std::uint8_t> bytes) {
-  for (const std::uint8_t byte : bytes) hash = (hash ^ byte) * 0x100000001b3;
-  return hash;
-}
 
 }  // namespace
 
-std::unique_ptr<Assimp::IOSystem> MakeMeshFiles(const std::filesystem::path& file, const std::string& bytes,
-                                                const Resources& resources) {
-  return std::make_unique<MeshFiles>(file, bytes, resources);
+std::unique_ptr<Assimp::IOSystem> MakeMeshFiles(const MeshRequest& request, const AskForFile& ask) {
+  return std::make_unique<MeshFiles>(request, ask);
 }
 
 void SkinBuilder::Add(const aiScene& scene, const aiMesh& mesh) {
@@ -146,13 +127,9 @@ std::shared_ptr<const Image> SkinBuilder::TextureOf(const aiScene& scene, const 
       texture = DecodeTexture({reinterpret_cast<const unsigned char*>(inside->pcData), inside->mWidth}, why);
     }
   } else {
-    // Gazebo's models keep them apart from the meshes.
-    auto file = resources_.Find(name, file_, why);
-    std::string ignored;
-    const std::string bare = std::filesystem::path(name).filename().string();
-    if (!file && !bare.empty()) file = resources_.Find("../materials/textures/" + bare, file_, ignored);
-    const auto bytes = file ? ReadImageFile(*file, why) : std::nullopt;
-    if (bytes) texture = DecodeTexture(*bytes, why);
+    const auto bytes = ask_(FileTalk::kNeedPicture, name, why);
+    if (bytes)
+      texture = DecodeTexture({reinterpret_cast<const unsigned char*>(bytes->data()), bytes->size()}, why);
   }
   if (texture == nullptr) missing_.push_back("the texture '" + Printable(name) + "' is not drawn: " + why);
   return texture;
@@ -164,31 +141,6 @@ std::shared_ptr<const MeshSkin> SkinBuilder::Take() {
     return one.texture == nullptr && one.color == materials.front().color;
   });
   return plain ? nullptr : std::move(skin_);
-}
-
-MeshSkin::Material TexturedMaterial(std::shared_ptr<const Image> texture, const std::array<double, 3>& tint) {
-  MeshSkin::Material made;
-  std::array<double, 3> sum{};
-  for (std::size_t i = 0; i < texture->rgb.size(); ++i) sum[i % 3] += texture->rgb[i];
-  const std::size_t pixels = texture->rgb.size() / 3;
-  for (std::size_t c = 0; c < 3; ++c)
-    made.color[c] = std::clamp(sum[c] / (255.0 * static_cast<double>(pixels)), 0.0, 1.0) * tint[c];
-  made.tint = tint;
-  made.texture = std::move(texture);
-  return made;
-}
-
-void SetSkin(std::shared_ptr<const MeshSkin> skin, MeshData& mesh) {
-  mesh.skin = std::move(skin);
-  if (mesh.skin == nullptr) return;
-  const auto bytes_of = [](const auto& all) {
-    return std::span(reinterpret_cast<const std::uint8_t*>(all.data()), all.size() * sizeof(all[0]));
-  };
-  mesh.id = Mix(mesh.id, bytes_of(mesh.skin->corners));
-  for (const MeshSkin::Material& material : mesh.skin->materials) {
-    mesh.id = Mix(mesh.id, bytes_of(material.color));
-    if (material.texture != nullptr) mesh.id = Mix(mesh.id, material.texture->rgb);
-  }
 }
 
 }  // namespace coopdyn

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// Starts other programs and waits for their end. Any thread.
+#pragma once
+
+#include <sys/types.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace coopdyn {
+
+/// Starts `program`, a path or a name that is looked up in PATH, with these files as its stdin, stdout and
+/// stderr and no others, with signals as a program expects them, and in a process group of its own: Ctrl-C in
+/// the terminal is for us, and we end it. Returns 0, or an errno code.
+int Spawn(const std::string& program, const std::vector<std::string>& arguments,
+          const std::array<int, 3>& streams, pid_t& process);
+
+/// Waits for the end of `process`. Returns its wait status.
+int WaitFor(pid_t process);
+
+}  // namespace coopdyn
