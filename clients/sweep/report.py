@@ -123,7 +123,8 @@ def write_csv(folder, results, rows):
                               *(numbers.get(name, "") for name in scores), *(one[what].get(name, "") for name in goals for what in ("met", "met_s")),
                               one["error"] or "", one["command"]])
     put(os.path.join(folder, "runs.csv"), table(table_of_runs))
-    put(os.path.join(folder, "cells.csv"), table([[*names, *kColumns], *([*(row["cell"].get(name, "") for name in names), *(row[name] for name in kColumns)] for row in rows)]))
+    table_of_cells = [[*(row["cell"].get(name, "") for name in names), *(row[name] for name in kColumns)] for row in rows]
+    put(os.path.join(folder, "cells.csv"), table([[*names, *kColumns], *table_of_cells]))
 
 
 def with_unit(row):
@@ -199,7 +200,8 @@ def write(folder, results, older):
     failed = [one for one in results if one["error"]]
     if failed:
         labels = labels_of(sorted(cells))
-        page += ["<h2>Errors</h2>", html_table(["run", "seed", "key", "error"], ([labels[cell_of(one)], one["seed"], one["key"], one["error"]] for one in failed))]
+        page += ["<h2>Errors</h2>", html_table(["run", "seed", "key", "error"],
+                                                ([labels[cell_of(one)], one["seed"], one["key"], one["error"]] for one in failed))]
     page += ["<h2>The same in all runs</h2>", html_table(["input", ""], sorted(common)), "<p>n: runs with a value. A success is a run whose score was "
              "met; failed runs are in no other figure than <i>failed</i>. A time counts only if the run did not end at its limit.</p>"]
     put(os.path.join(folder, "report.html"), "".join(page))

@@ -249,6 +249,7 @@ def run_file(file, number, folder):
             print(f"{job['key']}: {lost}", file=sys.stderr)
             continue
         part = f"{target}.{os.getpid()}.part"
+        _remove(part)  # of a task that was killed
         with open(part, "x", encoding="utf-8") as stream:
             stream.write(json.dumps(result))
             stream.flush()
