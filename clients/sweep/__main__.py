@@ -4,6 +4,7 @@ import argparse
 import concurrent.futures
 import contextlib
 import io
+import json
 import os
 import signal
 import subprocess
@@ -15,6 +16,7 @@ import engines
 import evolve
 import plan
 import report
+import rerun
 from plan import Wrong
 from results import Results
 
@@ -41,7 +43,7 @@ def read_options(words):
         description="Run a scenario many times. Each run has a key; one that has a result in OUT is not run again.",
         epilog='Example: coopdyn sweep arena20 --set SWARM_1.count=10,20,50 --controller "diffuse speed=0.1,0.2" --seeds 1..30 '
                "--duration 60 --out results    then: coopdyn sweep report results. "
-               "coopdyn sweep evolve looks for values that make a score large: coopdyn sweep evolve --help")
+               "coopdyn sweep evolve looks for values that make a score large: coopdyn sweep evolve --help; coopdyn sweep rerun --key KEY repeats one run")
     add = options.add_argument
     add("scenario", help="a file or a name, as for coopdyn serve")
     add("--set", action="append", default=[], metavar="SECTION.key=a,b", help="values of a key of the scenario; may stand several times")
@@ -107,27 +109,21 @@ class Bar:
             print(text, file=sys.stderr, flush=True)
 
 
-def check_first(job):
-    """A mistake in scenario, settings or controller is told before anything runs. Returns the warnings."""
-    words = [job["words"][0], "check", job["words"][2]]
-    for word, value in zip(job["words"], job["words"][1:]):
-        if word == "--set":
-            words += ["--set", value]
+def check_one(words):
+    """Does a `coopdyn check --digests`: the digests, and the lines of its warnings. A mistake is told before anything runs."""
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     if done.returncode == 0:
-        return done.stderr.splitlines()
+        return json.loads(done.stdout), done.stderr.splitlines()
     raise Wrong(done.stderr.strip() or done.stdout.strip() or f"coopdyn check ended with exit code {done.returncode}")
 
 
-def check_all(jobs, processes):
-    """Each combination of settings and controller once."""
-    cells = {}
-    for job in jobs:
-        cells.setdefault((tuple(job["inputs"]["set"].items()), job["inputs"]["controller"]), job)
+def look(commands, processes=1):
+    """The digests of each; shows the warnings, each once."""
     with concurrent.futures.ThreadPoolExecutor(processes) as pool:
-        warnings = [line for lines in pool.map(check_first, cells.values()) for line in lines]
-    for line in dict.fromkeys(warnings):
+        found = list(pool.map(check_one, commands))
+    for line in dict.fromkeys(line for _, lines in found for line in lines):
         print(line, file=sys.stderr)
+    return [digests for digests, _ in found]
 
 
 def show_conflicts(results):
@@ -135,18 +131,27 @@ def show_conflicts(results):
         print(f"{key}: two results of this run have different hashes: the machines, builds or clients differ", file=sys.stderr)
 
 
-def sweep(words, program, folders):
-    given = read_options(words)
+def show_older(results):
+    if results.older:
+        keys = ", ".join(one["key"] for one in results.older[:3]) + (", …" if len(results.older) > 3 else "")
+        print(f"{results.folder}: {len(results.older)} lines of an older coopdyn do not say all that their runs were made of, and do not count: "
+              f"{keys}", file=sys.stderr)
+
+
+def jobs_of(given, program, folders):
     version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout.strip()
-    jobs = plan.lay_out(given, version, program, folders)
+    return plan.lay_out(given, version, program, folders, lambda commands: look(commands, given.jobs))
+
+
+def sweep(given, jobs):
+    """Does `jobs`. Returns the exit code."""
     if given.dry_run and not os.path.exists(given.out):
-        check_all(jobs, given.jobs)
         show_plan(jobs, {})
         return 0
     results = Results(given.out)
+    show_older(results)
     if given.again_failed:
         results.forget_failed()
-    check_all([job for job in jobs if job["key"] not in results.done], given.jobs)
     missing = show_plan(jobs, results.done)
     if given.dry_run:
         return 0
@@ -193,9 +198,10 @@ def make_report(words):
         raise Wrong(f"{folder} has no results.jsonl: name the --out of a sweep")
     results = Results(folder)
     try:
+        show_older(results)
         if not results.done:
-            raise Wrong(f"{folder}/results.jsonl has no results yet")
-        print(report.write(folder, list(results.done.values())))
+            raise Wrong(f"{folder}/results.jsonl has no results yet" + (" but those of an older coopdyn" if results.older else ""))
+        print(report.write(folder, list(results.done.values()), results.older))
         show_conflicts(results)
     finally:
         results.close()
@@ -204,14 +210,14 @@ def make_report(words):
 
 def results_of(words, program, folders):
     """Does a sweep without many words. Returns the results of its runs, in order."""
+    given = read_options(words)
     said = io.StringIO()
     with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-        sweep(words, program, folders)
-    version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout.strip()
-    given = read_options(words)
+        jobs = jobs_of(given, program, folders)
+        sweep(given, jobs)
     results = Results(given.out)
     results.close()
-    return [results.done[job["key"]] for job in plan.lay_out(given, version, program, folders)]
+    return [results.done[job["key"]] for job in jobs]
 
 
 def main():
@@ -222,7 +228,10 @@ def main():
             return make_report(words[1:])
         if words[:1] == ["evolve"]:
             return evolve.evolve(words[1:], Parser, lambda own: results_of(own, program, folders))
-        return sweep(words, program, folders)
+        if words[:1] == ["rerun"]:
+            return rerun.rerun(words[1:], Parser, program, look)
+        given = read_options(words)
+        return sweep(given, jobs_of(given, program, folders))
     except Wrong as wrong:
         print(f"coopdyn sweep: {wrong}", file=sys.stderr)
         return 1

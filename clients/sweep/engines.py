@@ -13,6 +13,7 @@ import time
 
 import run
 from plan import Wrong
+from results import put
 
 kTries = 5
 kSlurmTasks = 1000  # Slurm's own limit of an array is 1,001 by default
@@ -20,8 +21,7 @@ kPoll_s = 1.0
 
 
 def lost_too_often(job, why):
-    return dict(job["inputs"], key=job["key"], ended="lost", exit=None, steps=None, time_s=None, hash=None, scores={}, logged={},
-                error=f"lost {kTries} times: {why}")
+    return dict(run.empty_result(job), ended="lost", error=f"lost {kTries} times: {why}")
 
 
 def local(jobs, processes):
@@ -139,13 +139,12 @@ def _submit(jobs, options, place, answers):
     size = -(-len(jobs) // kSlurmTasks)
     chunks = [jobs[i:i + size] for i in range(0, len(jobs), size)]
     todo = os.path.join(place, f"todo-{time.time_ns()}.jsonl")
-    with open(todo, "w", encoding="utf-8") as stream:
+    with open(todo, "x", encoding="utf-8") as stream:
         stream.writelines(json.dumps(chunk) + "\n" for chunk in chunks)
     task = " ".join(shlex.quote(word) for word in [sys.executable, run.__file__, todo]) + f' "$SLURM_ARRAY_TASK_ID" {shlex.quote(answers)}'
     array = _command(["sbatch", "--parsable", "--requeue", "--job-name", "coopdyn-sweep", f"--array=0-{len(chunks) - 1}",
                       "--output", os.path.join(place, "task-%A_%a.log"), *shlex.split(options), "--wrap", task])
-    with open(os.path.join(place, "array"), "w", encoding="utf-8") as stream:
-        stream.write(array.partition(";")[0])
+    put(os.path.join(place, "array"), array.partition(";")[0])
     return array.partition(";")[0]
 
 

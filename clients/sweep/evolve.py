@@ -2,7 +2,6 @@
 """coopdyn sweep evolve: looks for values that make a score large. Each generation is a sweep, so a run that has a result in
 OUT is not run again, and the same command goes on after Ctrl-C. The same command gives the same values, too."""
 import argparse
-import csv
 import math
 import os
 import random
@@ -11,6 +10,7 @@ import statistics
 
 import plan
 from plan import Wrong
+from results import put, table
 
 
 def range_of(word):
@@ -114,10 +114,7 @@ def controller_of(values, given):
 
 
 def write_rows(path, rows):
-    with open(path, "w", newline="", encoding="utf-8") as stream:
-        out = csv.DictWriter(stream, rows[0])
-        out.writeheader()
-        out.writerows(rows)
+    put(path, table([rows[0], *(row.values() for row in rows)]))
 
 
 def evolve(words, parser, run_sweep):
@@ -130,7 +127,7 @@ def evolve(words, parser, run_sweep):
     except OSError as error:
         raise Wrong(f"--out {given.out} cannot be made: {error.strerror}") from None
     seeds = len(plan.seeds_of(given.seeds))
-    table = os.path.join(given.out, "children.csv")
+    own_table = os.path.join(given.out, "children.csv")
     for generation in range(1, given.generations + 1):
         children = list({tuple(evolution.values_of(child).items()): child for child in evolution.children()}.values())
         rows = []
@@ -138,8 +135,8 @@ def evolve(words, parser, run_sweep):
             values = evolution.values_of(child)
             row = {name: value for name, value in values.items() if "." in name}
             rows.append({**row, "controller": controller_of(values, given)} if given.controller or not row else row)
-        write_rows(table, rows)
-        sweep = [given.scenario, "--table", table, "--seeds", given.seeds, "--jobs", given.jobs, "--out", given.out]
+        write_rows(own_table, rows)
+        sweep = [given.scenario, "--table", own_table, "--seeds", given.seeds, "--jobs", given.jobs, "--out", given.out]
         sweep += [word for value in given.set for word in ("--set", value)]
         results = run_sweep(sweep + (["--duration", given.duration] if given.duration else []))
         for number, child in enumerate(children):

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: MIT
 """What a sweep runs: scenario x settings x controllers x seeds, each with a key. Reads files, starts nothing."""
+import ast
 import csv
 import hashlib
 import itertools
 import json
 import os
 import re
+import shlex
+import shutil
 
 
 class Wrong(Exception):
@@ -101,46 +104,45 @@ def read(path):
         return stream.read()
 
 
-class Files:
-    """What a run reads besides its inputs: the scenario, and the worlds, robots and controllers that it or a setting names."""
+def digest(content):
+    return hashlib.sha256(content).hexdigest()[:16]
 
-    def __init__(self, scenario, folders):
-        self._folders = [os.path.dirname(scenario), *os.environ.get("COOPDYN_PATH", "").split(":"), *folders]
-        self._seen = {}
-        self.scenario = read(scenario)
-        lines = re.findall(r"^\s*(file|type|controller|supervisor)\s*[=: ]\s*(\S+)", self.scenario.decode(errors="replace"),
-                           re.MULTILINE | re.IGNORECASE)
-        if is_experiment(self.scenario):
-            lines = [("controller", name) for name in re.findall(r"""\blibrary\s*=\s*["'](\w+)["']""", self.scenario.decode(errors="replace"))]
-        self._named = [(key.lower(), name) for key, name in lines]
 
-    def digest(self, chosen, controller):
-        """Of the files of a run with these settings."""
-        named = [*self._named, *((name.lower().rpartition(".")[2], value.split()[0]) for name, value in chosen.items() if value.split())]
-        if controller:
-            named.append(("controller", controller.split()[0]))
-        parts = [hashlib.sha256(self.scenario).hexdigest(), *(self._digest_of(*one) for one in dict.fromkeys(named))]
-        return hashlib.sha256("".join(parts).encode()).hexdigest()[:32]
-
-    def _digest_of(self, key, name):
-        if (key, name) not in self._seen:
-            content = hashlib.sha256()
-            for path in self._paths(key, name):
-                content.update(f"{os.path.basename(path)}\0".encode() + hashlib.sha256(read(path)).digest())
-            self._seen[key, name] = content.hexdigest()
-        return self._seen[key, name]
-
-    def _paths(self, key, name):
-        places = {"file": (name, os.path.join("worlds", name)), "type": (os.path.join("robots", name), name)}
-        places["controller"] = places["supervisor"] = (os.path.join("controllers", name + ".so"), name + ".so")
-        for folder in filter(None, self._folders):
-            for place in places.get(key, ()):
-                path = os.path.join(folder, place)
-                if os.path.isfile(path):
-                    return [path]
-                if key == "type" and os.path.isdir(path):
-                    return sorted(os.path.join(top, file) for top, _, files in os.walk(path) for file in files)
+def modules_of(content):
+    """The modules that a Python program imports, as paths without their endings."""
+    try:
+        nodes = list(ast.walk(ast.parse(content)))
+    except (SyntaxError, ValueError):
         return []
+    names = [alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names]
+    for node in nodes:
+        if isinstance(node, ast.ImportFrom):
+            names += [node.module] * bool(node.module) + [f"{node.module or ''}.{alias.name}".strip(".") for alias in node.names]
+    return [name.replace(".", os.sep) for name in names]
+
+
+def files_of(client):
+    """{name: path} of the files of a client's command: its program, the files that it names, and what Python programs among
+    them import from their own folder, a folder that it names, or PYTHONPATH."""
+    try:
+        words = [part for word in shlex.split(client or "") for part in (word, word.partition("=")[2])]
+    except ValueError as error:
+        raise Wrong(f"--client {client} cannot be read: {error}") from None
+    folders = [word for word in words if os.path.isdir(word)] + list(filter(None, os.environ.get("PYTHONPATH", "").split(":")))
+    program = shutil.which(words[0]) if words else None
+    waiting = [(word, word) for word in words if os.path.isfile(word)] + ([(words[0], program)] if program else [])
+    files = {}
+    while waiting:
+        name, path = waiting.pop()
+        if name in files:
+            continue
+        files[name] = path
+        if not path.endswith(".py"):
+            continue
+        for module in modules_of(read(path)):
+            places = [os.path.join(folder, module + end) for folder in (os.path.dirname(path), *folders) for end in (".py", os.sep + "__init__.py")]
+            waiting += [(place, place) for place in places if os.path.isfile(place)][:1]
+    return files
 
 
 def is_experiment(content):
@@ -192,20 +194,20 @@ def refuse_unknown_words(client):
             raise Wrong(f"--client has {{{word}}}: a sweep fills in {{server}} and {{seed}}")
 
 
-def lay_out(given, version, program, folders):
-    """All jobs of a sweep, in order: dictionaries that run.py carries out. `given`: the options."""
+def lay_out(given, version, program, folders, look):
+    """All jobs of a sweep, in order: dictionaries that run.py carries out. `given`: the options. `look(commands)`: the digests
+    that each of some `coopdyn check` tells."""
     scenario = find_scenario(given.scenario, folders)
     settings = settings_of(given.set)
     controllers = controllers_of(given.controller) or [None]
     seeds = seeds_of(given.seeds)
     rows = table_of(given.table) if given.table else [{}]
-    files = Files(scenario, folders)
-    ends = ends_of(files.scenario)
+    ends = ends_of(read(scenario))
     refuse_unknown_words(given.client)
     clashes = {name.lower() for name, _ in settings} & {name.lower() for name in rows[0]}
     if clashes:
         raise Wrong(f"{clashes.pop()} is set by --set and by --table: leave one out")
-    jobs = []
+    chosen_inputs = []
     for row in rows:
         row_seeds = [whole_seed(row["seed"], given.table)] if "seed" in row else seeds
         row_controllers = [row["controller"]] if row.get("controller") else controllers
@@ -213,11 +215,19 @@ def lay_out(given, version, program, folders):
         for values in itertools.product(*(values for _, values in settings)):
             chosen = {**fixed, **{name: value for (name, _), value in zip(settings, values)}}
             refuse_endless(given, ends, chosen)
-            for controller in row_controllers:
-                for seed in row_seeds:
-                    jobs.append(job_of(given, version, program, scenario, files, chosen, controller, seed))
-    keys = [job["key"] for job in jobs]
-    if len(set(keys)) < len(keys):
+            for controller, seed in itertools.product(row_controllers, row_seeds):
+                chosen_inputs.append({
+                    "scenario": os.path.splitext(os.path.basename(scenario))[0], "set": chosen, "controller": controller,
+                    "client": given.client, "seed": seed, "duration_s": given.duration, "time_limit_s": given.time_limit,
+                    "memory_limit_mib": given.memory_limit, "version": version,
+                })
+    checks = [tuple(check_of(program, scenario, inputs)) for inputs in chosen_inputs]
+    distinct = list(dict.fromkeys(checks))
+    digests = dict(zip(distinct, look(distinct)))
+    client = client_digests(given.client)
+    jobs = [job_of({**inputs, "digests": {**digests[check], **client}}, serve_of(program, scenario, inputs), given.record, given.out)
+            for inputs, check in zip(chosen_inputs, checks)]
+    if len({job["key"] for job in jobs}) < len(jobs):
         raise Wrong("two runs of this sweep are the same: look for a value that is written twice")
     return jobs
 
@@ -228,26 +238,38 @@ def whole_seed(text, file):
     return int(text)
 
 
-def job_of(given, version, program, scenario, files, chosen, controller, seed):
-    inputs = {
-        "scenario": os.path.splitext(os.path.basename(scenario))[0], "set": chosen, "controller": controller,
-        "client": given.client, "seed": seed, "duration_s": given.duration, "version": version,
-    }
-    text = json.dumps([inputs, files.digest(chosen, controller)], sort_keys=True)
-    key = hashlib.sha256(text.encode()).hexdigest()[:20]
-    words = [program, "serve", scenario, "--no-http", "--no-render", "--seed", str(seed)]
-    if given.client:
-        words += ["--port", "0", "--mode", "lockstep"]
-    else:
-        words += ["--no-net", "--mode", "free", "--speed", "0"]
-    if given.duration:
-        words += ["--duration", repr(given.duration)]
-    for name, value in chosen.items():
-        words += ["--set", f"{name}={value}"]
-    if controller:
-        words += ["--set", f"ROBOTS.controller={controller}"]
+def client_digests(client):
+    return {f"client {name}": digest(read(path)) for name, path in files_of(client).items()}
+
+
+def settings_words(inputs):
+    settings = [f"{name}={value}" for name, value in inputs["set"].items()]
+    if inputs["controller"]:
+        settings.append(f"ROBOTS.controller={inputs['controller']}")
+    return [word for setting in settings for word in ("--set", setting)]
+
+
+def check_of(program, scenario, inputs):
+    """The command that says what is wrong with the settings of a run, or the digests of what it is made of."""
+    return [program, "check", "--digests", scenario, *settings_words(inputs)]
+
+
+def serve_of(program, scenario, inputs):
+    """The command of a run."""
+    words = [program, "serve", scenario, "--no-http", "--no-render", "--seed", str(inputs["seed"])]
+    words += ["--port", "0", "--mode", "lockstep"] if inputs["client"] else ["--no-net", "--mode", "free", "--speed", "0"]
+    if inputs["duration_s"]:
+        words += ["--duration", repr(inputs["duration_s"])]
+    return words + settings_words(inputs)
+
+
+def key_of(inputs):
+    return hashlib.sha256(json.dumps(inputs, sort_keys=True).encode()).hexdigest()[:20]
+
+
+def job_of(inputs, words, record, out):
+    """`inputs` are all that the run's key is made of, and what its result has of them."""
     return {
-        "key": key, "inputs": inputs, "words": words, "client": given.client, "record": given.record,
-        "recordings": os.path.abspath(os.path.join(given.out, "recordings")), "time_limit_s": given.time_limit,
-        "memory_limit_mib": given.memory_limit,
+        "key": key_of(inputs), "inputs": inputs, "words": words, "record": record, "recordings": os.path.abspath(os.path.join(out, "recordings")),
+        "client_files": {f"client {name}": path for name, path in files_of(inputs["client"]).items() if os.path.exists(name)},
     }

@@ -1,18 +1,41 @@
 # SPDX-License-Identifier: MIT
 """The report of a sweep: a table of all runs, medians and quartiles per cell, plots, and one page that shows them."""
-import csv
 import html
 import io
 import os
 import statistics
+import textwrap
+
+from results import put, table
+
+kDigest = "digest "  # begins the names of inputs that are digests
+kHead = ("<!doctype html><meta charset='utf-8'><title>Sweep</title><style>body{font:15px sans-serif;margin:2em;max-width:60em}"
+         "td,th{padding:.2em .8em;text-align:right}th{border-bottom:1px solid}td:first-child,th:first-child{text-align:left}</style>")
 
 
 def cell_of(result):
-    """What makes a cell: all inputs but the seed."""
-    inputs = dict(result["set"])
-    if result["controller"]:
-        inputs["controller"] = result["controller"]
-    return tuple(sorted(inputs.items()))
+    """What makes a cell: all inputs but the seed, by name, as far as there are any."""
+    inputs = {name: result[name] for name in ("scenario", "controller", "client", "duration_s", "time_limit_s", "memory_limit_mib", "version")}
+    inputs.update(result["set"])
+    inputs.update((kDigest + name, value) for name, value in result["digests"].items())
+    return tuple(sorted((name, value) for name, value in inputs.items() if value is not None))
+
+
+def labels_of(cells):
+    """What tells each cell from the others: the inputs that differ; digests only where all other inputs are equal."""
+    def differing(some):
+        names = sorted({name for cell in some for name, _ in cell})
+        return [name for name in names if len({dict(cell).get(name) for cell in some}) > 1]
+
+    def words(cell, names):
+        inputs = dict(cell)
+        return [f"{name}={str(inputs[name])[:8 if name.startswith(kDigest) else None]}" if name in inputs else f"no {name}" for name in names]
+
+    plain = [name for name in differing(cells) if not name.startswith(kDigest)]
+    alike = {}
+    for cell in cells:
+        alike.setdefault(tuple(words(cell, plain)), []).append(cell)
+    return {cell: ", ".join([*told, *words(cell, differing(some))]) or "all" for told, some in alike.items() for cell in some}
 
 
 def quartiles(values):
@@ -38,100 +61,149 @@ def numbers_of(result):
     return scores
 
 
+def ended_at_limit(result):
+    """Its time is not how long something took: the run might have gone on."""
+    return result["ended"] == "duration" or (result["ended"] == "score" and not any(result["met"].values()))
+
+
+def measures_of(result):
+    """{name: (unit, value)} of a run: its scores, when those with an `until` were met, what was logged, and its time. None: it
+    has no such value."""
+    measures = {}
+    for name, value in numbers_of(result).items():
+        unit = result["units"].get(name, "")
+        measures[name] = (unit, None if unit == "s" and ended_at_limit(result) else value)
+    for name, when_s in result["met_s"].items():
+        measures[f"{name} met"] = ("s", when_s)
+    measures["time_s"] = ("s", None if ended_at_limit(result) else result["time_s"])
+    return measures
+
+
 def summarise(results):
-    """Rows of cell, score, count, failed, lower quartile, median, upper quartile; sorted."""
+    """A row for each cell and measure; sorted. `runs` are all of the cell, `failed` those with errors, `n` those with a value."""
     cells = {}
     for result in results:
         cells.setdefault(cell_of(result), []).append(result)
+    labels = labels_of(list(cells))
     rows = []
     for cell in sorted(cells, key=lambda one: [(name, order(value)) for name, value in one]):
-        runs = cells[cell]
-        names = sorted({name for one in runs for name in numbers_of(one)} | {"time_s"})
-        for name in names:
-            values = [one["time_s"] if name == "time_s" else numbers_of(one).get(name) for one in runs if not one["error"]]
-            values = [value for value in values if value is not None]
+        good = [one for one in cells[cell] if not one["error"]]
+        every = [measures_of(one) for one in good]
+        for name in sorted({name for measures in every for name in measures} or {"time_s"}):
+            found = [measures[name] for measures in every if name in measures]
+            values = [value for _, value in found if value is not None]
+            met = [one["met"][name] for one in good if one["met"].get(name) is not None]
             low, middle, high = quartiles(values) if values else (None, None, None)
-            rows.append({"cell": dict(cell), "score": name, "runs": len(values), "failed": sum(bool(one["error"]) for one in runs),
-                         "lower_quartile": low, "median": middle, "upper_quartile": high})
-    return rows
+            rows.append({"cell": dict(cell), "label": labels[cell], "score": name, "unit": max((unit for unit, _ in found), default=""),
+                         "runs": len(cells[cell]), "failed": len(cells[cell]) - len(good), "n": len(values), "met": sum(met) if met else None,
+                         "success_rate": sum(met) / len(met) if met else None, "lower_quartile": low, "median": middle, "upper_quartile": high,
+                         "values": values})
+    timed = any(row["n"] for row in rows if row["score"] == "time_s")
+    return [row for row in rows if timed or row["score"] != "time_s" or row["runs"] == row["failed"]]
+
+
+kColumns = ("score", "unit", "runs", "failed", "n", "met", "success_rate", "lower_quartile", "median", "upper_quartile")
+
+
+def input_names(cells):
+    """Digests last."""
+    return sorted({name for cell in cells for name, _ in cell}, key=lambda name: (name.startswith(kDigest), name != "scenario", name))
 
 
 def write_csv(folder, results, rows):
-    names = sorted({name for one in results for name in one["set"]})
+    cells = {id(one): cell_of(one) for one in results}
+    names = input_names(cells.values())
     scores = sorted({name for one in results for name in numbers_of(one)})
-    with open(os.path.join(folder, "runs.csv"), "w", newline="", encoding="utf-8") as stream:
-        table = csv.writer(stream)
-        table.writerow(["key", "scenario", *names, "controller", "seed", "ended", "steps", "time_s", "hash", *scores, "error"])
-        for one in sorted(results, key=lambda one: (cell_of(one), one["seed"])):
-            table.writerow([one["key"], one["scenario"], *(one["set"].get(name, "") for name in names), one["controller"] or "", one["seed"],
-                            one["ended"], one["steps"], one["time_s"], one["hash"], *(numbers_of(one).get(name, "") for name in scores), one["error"] or ""])
-    keys = sorted({name for row in rows for name in row["cell"]})
-    with open(os.path.join(folder, "cells.csv"), "w", newline="", encoding="utf-8") as stream:
-        table = csv.writer(stream)
-        table.writerow([*keys, "score", "runs", "failed", "lower_quartile", "median", "upper_quartile"])
-        for row in rows:
-            table.writerow([*(row["cell"].get(key, "") for key in keys), row["score"], row["runs"], row["failed"],
-                            row["lower_quartile"], row["median"], row["upper_quartile"]])
+    goals = sorted({name for one in results for name in one["met"]})
+    table_of_runs = [["key", *names, "seed", "ended", "steps", "time_s", "hash", *scores,
+                      *(f"{name} {what}" for name in goals for what in ("met", "met_s")), "error", "command"]]
+    for one in sorted(results, key=lambda one: ([(name, order(value)) for name, value in cells[id(one)]], one["seed"])):
+        inputs, numbers = dict(cells[id(one)]), numbers_of(one)
+        table_of_runs.append([one["key"], *(inputs.get(name, "") for name in names), one["seed"], one["ended"], one["steps"], one["time_s"], one["hash"],
+                              *(numbers.get(name, "") for name in scores), *(one[what].get(name, "") for name in goals for what in ("met", "met_s")),
+                              one["error"] or "", one["command"]])
+    put(os.path.join(folder, "runs.csv"), table(table_of_runs))
+    table_of_cells = [[*(row["cell"].get(name, "") for name in names), *(row[name] for name in kColumns)] for row in rows]
+    put(os.path.join(folder, "cells.csv"), table([[*names, *kColumns], *table_of_cells]))
 
 
-def label_of(cell):
-    return ", ".join(f"{name}={value}" for name, value in sorted(cell.items())) or "all"
+def with_unit(row):
+    return row["score"] + (f" [{row['unit']}]" if row["unit"] else "")
 
 
-def plot(rows, score, file):
-    """Median and quartiles of a score in each cell."""
+def count_text(row):
+    """"n = 15, 1 failed, met 14 of 15"."""
+    text = f"n = {row['n']}" + (f", {row['failed']} failed" if row["failed"] else "")
+    return text if row["met"] is None else text + f", met {row['met']} of {row['runs'] - row['failed']}"
+
+
+def plot(rows, score):
+    """Each run, median and quartiles of a score in each cell, as SVG."""
     import matplotlib
     matplotlib.use("svg")
     from matplotlib import pyplot
     pyplot.rcParams["svg.hashsalt"] = "coopdyn"  # equal results give equal files
-    shown = [row for row in rows if row["score"] == score and row["runs"]]
-    figure, axes = pyplot.subplots(figsize=(7, 0.9 + 0.35 * len(shown)))
+    shown = [row for row in rows if row["score"] == score and row["n"]]
+    figure, axes = pyplot.subplots(figsize=(7, 0.9 + 0.5 * len(shown)))
     places = range(len(shown))
+    for place, row in zip(places, shown):
+        axes.plot(row["values"], [place + 0.25] * row["n"], ".", color="0.6", markersize=4)
     middles = [row["median"] for row in shown]
     errors = [[row["median"] - row["lower_quartile"] for row in shown], [row["upper_quartile"] - row["median"] for row in shown]]
     axes.errorbar(middles, places, xerr=errors, fmt="o", capsize=4)
-    axes.set_yticks(list(places), [label_of(row["cell"]) for row in shown])
+    axes.set_yticks(list(places), [f"{textwrap.fill(row['label'], 60)}\n{count_text(row)}" for row in shown])
     axes.invert_yaxis()
-    axes.set_xlabel(f"{score}: median and quartiles")
-    figure.savefig(file, format="svg", bbox_inches="tight", metadata={"Date": None})
+    axes.set_xlabel(f"{with_unit(shown[0])}: each run, median and quartiles")
+    picture = io.StringIO()
+    figure.savefig(picture, format="svg", bbox_inches="tight", metadata={"Date": None})
     pyplot.close(figure)
+    return picture.getvalue()
 
 
-def write(folder, results):
-    """Writes runs.csv, cells.csv, an SVG a score and report.html; returns what to tell the user."""
+def html_table(head, rows):
+    cells = lambda tag, row: "".join(f"<{tag}>{html.escape(str(one))}" for one in row)
+    return f"<table><tr>{cells('th', head)}</tr>" + "".join(f"<tr>{cells('td', row)}</tr>" for row in rows) + "</table>"
+
+
+def number(value):
+    return "" if value is None else f"{value:.6g}"
+
+
+def write(folder, results, older):
+    """Returns what is told of it. `older`: lines that do not say all that their runs were made of; they are named only."""
     rows = summarise(results)
     write_csv(folder, results, rows)
     try:
-        import matplotlib  # noqa: F401
-        plots = True
+        import matplotlib
+        plots = bool(matplotlib)
     except ImportError:
         plots = False
-    page = io.StringIO()
-    page.write("<!doctype html><meta charset='utf-8'><title>Sweep</title><style>body{font:15px sans-serif;margin:2em;max-width:60em}"
-               "td,th{padding:.2em .8em;text-align:right}th{border-bottom:1px solid}td:first-child,th:first-child{text-align:left}</style>")
-    page.write(f"<h1>Sweep of {html.escape(', '.join(sorted({one['scenario'] for one in results})))}</h1><p>{len(results)} runs, "
-               f"{sum(bool(one['error']) for one in results)} with errors. Tables: runs.csv, cells.csv.</p>")
+    cells = {cell_of(one) for one in results}
+    common = [(name, value) for name, value in dict.fromkeys(pair for cell in cells for pair in cell) if all((name, value) in cell for cell in cells)]
+    page = [kHead, f"<h1>Sweep of {html.escape(', '.join(sorted({one['scenario'] for one in results})))}</h1><p>{len(results)} runs in {len(cells)} "
+            f"cells, {sum(bool(one['error']) for one in results)} failed. Tables: runs.csv, cells.csv.</p>"]
+    if older:
+        keys = ", ".join(one["key"] for one in older[:20]) + (f" and {len(older) - 20} more" if len(older) > 20 else "")
+        page.append(f"<p>Not in these figures, as an older coopdyn wrote them without all that their runs were made of: {html.escape(keys)}.</p>")
     for score in sorted({row["score"] for row in rows}):
-        page.write(f"<h2>{html.escape(score)}</h2>")
-        if plots and any(row["runs"] for row in rows if row["score"] == score):
-            file = os.path.join(folder, "".join(c if c.isalnum() or c in "-_" else "_" for c in score) + ".svg")
-            plot(rows, score, file)
-            with open(file, encoding="utf-8") as stream:
-                svg = stream.read()
-            page.write(svg[svg.index("<svg"):])
-        page.write("<table><tr><th>cell<th>runs<th>failed<th>lower quartile<th>median<th>upper quartile</tr>")
-        for row in rows:
-            if row["score"] == score:
-                numbers = ["" if row[name] is None else f"{row[name]:.6g}" for name in ("lower_quartile", "median", "upper_quartile")]
-                page.write(f"<tr><td>{html.escape(label_of(row['cell']))}<td>{row['runs']}<td>{row['failed']}" + "".join(f"<td>{n}" for n in numbers) + "</tr>")
-        page.write("</table>")
+        own = [row for row in rows if row["score"] == score]
+        page.append(f"<h2>{html.escape(with_unit(max(own, key=lambda row: row['unit'])))}</h2>")
+        if plots and any(row["n"] for row in own):
+            picture = plot(rows, score)
+            put(os.path.join(folder, "".join(c if c.isalnum() or c in "-_" else "_" for c in score) + ".svg"), picture)
+            page.append(picture[picture.index("<svg"):])
+        goals = any(row["met"] is not None for row in own)
+        head = ["cell", "runs", "failed", "n", *(["met", "success rate"] if goals else []), "lower quartile", "median", "upper quartile"]
+        page.append(html_table(head, ([row["label"], row["runs"], row["failed"], row["n"],
+                                       *([row["met"], "" if row["met"] is None else f"{100 * row['success_rate']:.0f} %"] if goals else []),
+                                       *(number(row[name]) for name in ("lower_quartile", "median", "upper_quartile"))] for row in own)))
     failed = [one for one in results if one["error"]]
     if failed:
-        page.write("<h2>Errors</h2><table><tr><th>run<th>seed<th>error</tr>")
-        for one in failed:
-            page.write(f"<tr><td>{html.escape(label_of(dict(cell_of(one))))}<td>{one['seed']}<td>{html.escape(one['error'])}</tr>")
-        page.write("</table>")
-    with open(os.path.join(folder, "report.html"), "w", encoding="utf-8") as stream:
-        stream.write(page.getvalue())
+        labels = labels_of(sorted(cells))
+        page += ["<h2>Errors</h2>", html_table(["run", "seed", "key", "error"],
+                                                ([labels[cell_of(one)], one["seed"], one["key"], one["error"]] for one in failed))]
+    page += ["<h2>The same in all runs</h2>", html_table(["input", ""], sorted(common)), "<p>n: runs with a value. A success is a run whose score was "
+             "met; failed runs are in no other figure than <i>failed</i>. A time counts only if the run did not end at its limit.</p>"]
+    put(os.path.join(folder, "report.html"), "".join(page))
     said = f"{folder}: runs.csv, cells.csv, report.html"
     return said if plots else said + " (without plots: apt-get install python3-matplotlib brings them)"

@@ -1,17 +1,56 @@
 # SPDX-License-Identifier: MIT
 """The results of a sweep on disk: OUT/results.jsonl, a line of JSON for each run, written once. One process writes."""
+import contextlib
 import csv
 import fcntl
+import io
 import json
 import os
 
 from plan import Wrong
 
 
+def opened(path, flags):
+    """A file of OUT, which others may write to as well: never through a link."""
+    try:
+        return os.open(path, flags | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666)
+    except OSError as error:
+        if os.path.islink(path):
+            raise Wrong(f"{path} is a link: take it away, and do the same again") from None
+        raise Wrong(f"{path} cannot be written: {error.strerror}") from None
+
+
+def put(path, text):
+    """Writes a file, whole, in place of what is there, be it a link."""
+    part = path + ".part"
+    try:
+        with contextlib.suppress(FileNotFoundError):
+            os.remove(part)
+        with os.fdopen(opened(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL), "w", newline="", encoding="utf-8") as stream:
+            stream.write(text)
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.replace(part, path)
+    except OSError as error:
+        raise Wrong(f"{path} cannot be written: {error.strerror}") from None
+
+
+def table(rows):
+    """CSV."""
+    text = io.StringIO()
+    csv.writer(text).writerows(rows)
+    return text.getvalue()
+
+
+def line_of(result):
+    return json.dumps(result, sort_keys=True) + "\n"
+
+
 class Results:
     """Opens OUT, for one sweep at a time. A line that a crash cut off is taken away: its run is done again.
 
-    `done`: the results by key. `conflicts`: keys with two results of different hashes."""
+    `done`: the results by key. `older`: lines that do not say all that their runs were made of. `conflicts`: keys with two
+    results of different hashes."""
 
     def __init__(self, folder):
         try:
@@ -20,23 +59,27 @@ class Results:
             raise Wrong(f"--out {folder} cannot be made: {error.strerror}") from None
         self.folder = folder
         self.done = {}
+        self.older = []
         self.conflicts = []
-        self._lock = open(os.path.join(folder, ".lock"), "w", encoding="utf-8")
+        self._lock = os.fdopen(opened(os.path.join(folder, ".lock"), os.O_WRONLY | os.O_CREAT), "w")
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
             raise Wrong(f"another sweep writes to {folder}: wait for it, or write another --out") from None
-        self._file = os.open(os.path.join(folder, "results.jsonl"), os.O_RDWR | os.O_CREAT, 0o644)
+        self._file = opened(os.path.join(folder, "results.jsonl"), os.O_RDWR | os.O_CREAT)
         self._end = self._read()
         os.ftruncate(self._file, self._end)
 
     def _read(self):
-        with open(os.path.join(self.folder, "results.jsonl"), "rb") as stream:
+        with os.fdopen(os.dup(self._file), "rb") as stream:
             content = stream.read()
         end = content.rfind(b"\n") + 1
         for number, line in enumerate(content[:end].splitlines(), 1):
             try:
                 result = json.loads(line)
+                if "digests" not in result:
+                    self.older.append({**result, "key": result["key"]})
+                    continue
                 before = self.done.setdefault(result["key"], result)
                 if before["hash"] != result["hash"]:
                     self.conflicts.append(result["key"])
@@ -46,13 +89,13 @@ class Results:
 
     def add(self, result):
         """Writes a result, unless its key has one. Raises OSError if the disk is full; then nothing of it is left."""
-        wall_s = result.pop("wall_s", None)
+        took = [result.pop(name, "") for name in ("wall_s", "started", "host")]
         before = self.done.get(result["key"])
         if before is not None:
             if before["hash"] != result["hash"]:
                 self.conflicts.append(result["key"])
             return
-        line = (json.dumps(result, sort_keys=True) + "\n").encode()
+        line = line_of(result).encode()
         try:
             written = 0
             while written < len(line):
@@ -63,28 +106,17 @@ class Results:
             raise
         self._end += len(line)
         self.done[result["key"]] = result
-        if wall_s is not None:
-            self._add_time(result["key"], wall_s)
-
-    def _add_time(self, key, wall_s):
-        """How long a run took is no part of its result: it differs each time."""
-        try:
-            with open(os.path.join(self.folder, "times.csv"), "a", newline="", encoding="utf-8") as stream:
-                csv.writer(stream).writerow([key, wall_s])
-        except OSError:
-            pass
+        # How long a run took, when and where, is no part of its result: it differs each time.
+        with contextlib.suppress(OSError), os.fdopen(opened(os.path.join(self.folder, "times.csv"), os.O_WRONLY | os.O_CREAT | os.O_APPEND), "w",
+                                                     newline="", encoding="utf-8") as stream:
+            stream.write(table([[result["key"], *took]]))
 
     def forget_failed(self):
         """Takes the results with errors out of the file, so that their runs are done again."""
         kept = [one for one in self.done.values() if not one["error"]]
-        part = os.path.join(self.folder, "results.jsonl.part")
-        with open(part, "w", encoding="utf-8") as stream:
-            stream.writelines(json.dumps(one, sort_keys=True) + "\n" for one in kept)
-            stream.flush()
-            os.fsync(stream.fileno())
-        os.replace(part, os.path.join(self.folder, "results.jsonl"))
+        put(os.path.join(self.folder, "results.jsonl"), "".join(line_of(one) for one in self.older + kept))
         os.close(self._file)
-        self._file = os.open(os.path.join(self.folder, "results.jsonl"), os.O_RDWR)
+        self._file = opened(os.path.join(self.folder, "results.jsonl"), os.O_RDWR)
         self._end = os.fstat(self._file).st_size
         self.done = {one["key"]: one for one in kept}
 

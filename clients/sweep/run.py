@@ -1,18 +1,22 @@
 # SPDX-License-Identifier: MIT
 """One run of a sweep: starts a daemon, waits for its end, and returns the result. Needs no other file, so that a
 worker on another machine can be sent it."""
+import contextlib
 import errno
+import hashlib
 import json
 import os
 import resource
 import shlex
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
 import threading
 import time
 
+_ENDED_AS_MEANT = ("duration", "score", "client", "supervisor")
 _ENDED_BY_SIGNAL = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 
 
@@ -55,11 +59,12 @@ class Started:
 def run_one(job, started=None):
     """Carries out `job`, a dictionary of plan.py, and returns its result, a dictionary. Raises Lost.
 
-    A result has the job's key and inputs, `ended`, `exit` (of the daemon), `steps`, `time_s`, `hash`, `scores` and
-    `logged`; `error` is null or says what was wrong. `wall_s` is how long it took."""
-    began = time.monotonic()
-    result = dict(job["inputs"], key=job["key"], ended=None, exit=None, steps=None, time_s=None, hash=None, scores={}, logged={},
-                  error=None)
+    A result has the job's key and inputs, the daemon's command, `ended`, `exit` (of the daemon), `steps`, `time_s`, `hash`,
+    `scores` with their `units`, of those with an `until` whether it was `met` and when, `met_s`, `logged` and the `cpu`; `error`
+    is null or says what was wrong. `wall_s` is how long it took, `started` when, `host` where."""
+    began, started_at = time.monotonic(), time.time()
+    result = empty_result(job)
+    inputs = job["inputs"]
     words = job["words"] + ["--summary", "/dev/stdout", "--with-process", str(os.getpid())]
     recording = None
     if job["record"] != "none":
@@ -77,8 +82,10 @@ def run_one(job, started=None):
         text, client_text = _content(said), _content(heard)
     if code != 0 and os.strerror(errno.ENOSPC) in text:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-    _take_summary(told, result)
+    changed = _take_summary(told, result) + _changed_files(job)
     result["exit"] = code
+    if ended and ended[0] == "client failed" and result["ended"] in _ENDED_AS_MEANT:
+        ended = None  # after its end: the daemon was still closing its files
     if ended:
         result["ended"] = ended[0]
         result["error"] = ended[1]
@@ -86,15 +93,23 @@ def run_one(job, started=None):
             result["error"] += ": " + client_text.splitlines()[-1].strip()
     elif code != 0:
         result["error"] = _last_words(text) or f"coopdyn ended with exit code {code}"
-        if job["memory_limit_mib"]:
-            result["error"] += f" (--memory-limit gives it {job['memory_limit_mib']} MiB)"
+        if inputs["memory_limit_mib"]:
+            result["error"] += f" (--memory-limit gives it {inputs['memory_limit_mib']} MiB)"
+    if changed and not result["error"]:
+        result["error"] = f"{', '.join(changed)}: not what it was when the sweep began: run the same command again"
     if recording and os.path.exists(recording):
         if job["record"] == "all" or result["error"]:
             os.replace(recording, os.path.join(job["recordings"], job["key"] + ".run"))
         else:
             os.remove(recording)
-    result["wall_s"] = round(time.monotonic() - began, 6)
-    return result
+    return dict(result, wall_s=round(time.monotonic() - began, 6), host=socket.gethostname(),
+                started=time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(started_at)))
+
+
+def empty_result(job):
+    """The result of a run of which nothing is known yet."""
+    return dict(job["inputs"], key=job["key"], command=shlex.join(job["words"]), ended=None, exit=None, steps=None, time_s=None, hash=None,
+                scores={}, units={}, met={}, met_s={}, logged={}, cpu=None, error=None)
 
 
 def _content(file):
@@ -111,24 +126,25 @@ def _remove(file):
 
 def _run(words, job, said, heard, started):
     """The daemon's exit code, None or (how it ended, what was wrong), and what it wrote on its standard output."""
-    limit = time.monotonic() + job["time_limit_s"] if job["time_limit_s"] else None
+    inputs = job["inputs"]
+    limit = time.monotonic() + inputs["time_limit_s"] if inputs["time_limit_s"] else None
     client = None
     daemon = started.start(words, stdout=subprocess.PIPE, stderr=said, start_new_session=True)
     told = []
     reader = threading.Thread(target=lambda: told.append(daemon.stdout.read()))
     try:
-        if job["memory_limit_mib"]:
-            most = job["memory_limit_mib"] << 20
+        if inputs["memory_limit_mib"]:
+            most = inputs["memory_limit_mib"] << 20
             resource.prlimit(daemon.pid, resource.RLIMIT_AS, (most, most))
         ended = None
-        if job["client"]:
+        if inputs["client"]:
             client, ended = _start_client(daemon, job, heard, started)
         reader.start()
         if client:
             ended = _wait_for_client(daemon, client, limit)
         reader.join(None if limit is None else max(0.0, limit - time.monotonic()))  # Popen.wait() with a limit would only look now and then
         if reader.is_alive():
-            ended = ("time limit", f"it took longer than {job['time_limit_s']:g} s: see --time-limit")
+            ended = ("time limit", f"it took longer than {inputs['time_limit_s']:g} s: see --time-limit")
         else:
             daemon.wait()
     finally:
@@ -149,7 +165,7 @@ def _start_client(daemon, job, heard, started):
         words = line.decode().split()
         if words[:1] == ["ready"]:
             server = words[1].partition("=")[2]
-            command = [word.replace("{server}", server).replace("{seed}", str(job["inputs"]["seed"])) for word in shlex.split(job["client"])]
+            command = [word.replace("{server}", server).replace("{seed}", str(job["inputs"]["seed"])) for word in shlex.split(job["inputs"]["client"])]
             environment = dict(os.environ, COOPDYN_SERVER=server)
             try:
                 return started.start(command, env=environment, stdout=heard, stderr=heard), None
@@ -187,15 +203,31 @@ def _wait_for_client(daemon, client, limit):
 
 
 def _take_summary(told, result):
-    """The summary is the JSON in what the daemon wrote; none if it was killed."""
+    """The summary is the JSON in what the daemon wrote; none if it was killed. Returns what of the daemon's digests is not as
+    the sweep has planned."""
     try:
         summary = json.loads(told[told.index(b"{"):])
     except ValueError:
-        return
-    for key in ("ended", "steps", "time_s", "hash"):
+        return []
+    for key in ("ended", "steps", "time_s", "hash", "cpu"):
         result[key] = summary.get(key)
     for key in ("scores", "logged"):
         result[key] = {one["name"]: one["value"] for one in summary.get(key, [])}
+    result["units"] = {one["name"]: one["unit"] for one in summary["scores"]}
+    for key in ("met", "met_s"):
+        result[key] = {one["name"]: one[key] for one in summary["scores"] if one["until"]}
+    planned = {name: value for name, value in result["digests"].items() if not name.startswith("client ")}
+    return sorted({name for name, _ in planned.items() ^ summary["digests"].items()})
+
+
+def _changed_files(job):
+    """The files of the client that are not as the sweep has found them."""
+    changed = []
+    for name, path in job["client_files"].items():
+        with contextlib.suppress(OSError), open(path, "rb") as stream:
+            if hashlib.sha256(stream.read()).hexdigest()[:16] != job["inputs"]["digests"][name]:
+                changed.append(name)
+    return changed
 
 
 def _last_words(text):
@@ -217,7 +249,8 @@ def run_file(file, number, folder):
             print(f"{job['key']}: {lost}", file=sys.stderr)
             continue
         part = f"{target}.{os.getpid()}.part"
-        with open(part, "w", encoding="utf-8") as stream:
+        _remove(part)  # of a task that was killed
+        with open(part, "x", encoding="utf-8") as stream:
             stream.write(json.dumps(result))
             stream.flush()
             os.fsync(stream.fileno())

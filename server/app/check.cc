@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT
+#include <boost/json.hpp>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "protocol/json_text.h"
 #include "server/app/checker.h"
 #include "server/app/commands.h"
 #include "server/app/options.h"
 #include "server/app/print.h"
+#include "server/app/run_report.h"
 #include "server/render/picture_maker.h"
 
 namespace coopdyn {
@@ -19,6 +22,7 @@ struct CheckOptions {
   std::string picture;
   std::vector<std::string> scenario_folders;
   Settings settings;
+  bool digests = false;
 };
 
 int Check(const CheckOptions& options) {
@@ -29,6 +33,10 @@ int Check(const CheckOptions& options) {
   for (const std::string& file : options.files) {
     Diagnostics diagnostics;
     Checked checked = CheckFile(file, robots, diagnostics, true, options.settings);
+    if (options.digests && checked.frame != nullptr && !diagnostics.has_errors()) {
+      Print("{}\n", JsonText(boost::json::value_from(DigestsNow(*checked.frame))));
+      checked.lines.clear();
+    }
     for (std::size_t i = 0; i < checked.lines.size(); ++i) {
       Print("{}{}\n", i == 0 ? file + ": " : "", checked.lines[i]);
     }
@@ -63,6 +71,9 @@ void AddCheck(CLI::App& app, Chosen& chosen) {
   sub->footer("Example: coopdyn check my.scenario --picture my.png");
   sub->add_option("file", given->files, "Files, or bare names on the search path")->required();
   sub->add_option("--picture", given->picture, "Write a picture of the (last) scenario or model, PNG");
+  sub->add_flag("--digests", given->digests,
+                "Instead of what is in a scenario: digests of the program and of all that the scenario is "
+                "made of, JSON");
   AddSettings(sub, given->settings);
   sub->add_option("--scenarios", given->scenario_folders, "A folder with scenarios, worlds and robots");
   sub->callback([&chosen, given] { chosen = [given] { return Check(*given); }; });

@@ -356,7 +356,7 @@ void Daemon::CloseClient(const std::string& robot, ClientId client, const std::s
 
 RunReport Daemon::report(double wall_s) const {
   return {frames_.Latest(), run_.status(),        run_.end(), run_.stopped_or_failed(),
-          run_.logged(),    recordings_.failed(), wall_s};
+          run_.logged(),    recordings_.failed(), {},         wall_s};
 }
 
 void Daemon::Quit() {

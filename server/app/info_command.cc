@@ -222,6 +222,7 @@ std::string ToJson(const RunInfo& info) {
   json::object controllers;
   for (const PluginHash& one : header.controllers) controllers[one.name] = one.hash;
   object["controllers"] = std::move(controllers);
+  object["digests"] = json::value_from(DigestsOf(header));
   object["started"] = header.started;
   object["command"] = header.command;
   object["last_hash"] = HashText(info.contents.last_hash);

@@ -15,6 +15,7 @@
 #include "server/app/options.h"
 #include "server/app/progress_bar.h"
 #include "server/control/score_json.h"
+#include "server/record/run_writer.h"
 #include "server/replay/export_file.h"
 
 namespace coopdyn {
@@ -65,6 +66,12 @@ std::string Named(const char* what, const std::vector<std::string>& names) {
 
 }  // namespace
 
+std::map<std::string, std::string> DigestsNow(const Frame& frame) {
+  RunHeader header = HeaderOf(frame, Mode::kRealtime, {}, 0);
+  header.build = BuildId();
+  return DigestsOf(header);
+}
+
 std::string ProgressLine(const RunReport& run) {
   const Frame& frame = *run.frame;
   const double factor = run.status.real_time_factor, duration_s = run.status.duration_s;
@@ -111,6 +118,8 @@ std::string SummaryJson(const RunReport& run) {
   }
   return JsonText(json::object{
              {"version", kVersion},
+             {"cpu", CpuName()},
+             {"digests", json::value_from(run.digests)},
              {"scenario", frame.scene->scenario->name},
              {"seed", frame.seed},
              {"mode", ToString(status.mode)},

@@ -2,6 +2,7 @@
 // What is told about a run while it goes on and when it has ended. Pure functions.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 
@@ -18,8 +19,12 @@ struct RunReport {
   StoppedRobots stopped;
   std::map<std::string, Logged> logged;
   bool recording_failed = false;
-  double wall_s = 0;  // that the run took
+  std::map<std::string, std::string> digests;  // of what it ran, as it began
+  double wall_s = 0;                           // that the run took
 };
+
+/// DigestsOf() a run that begins with `frame`, in this program. Reads files.
+std::map<std::string, std::string> DigestsNow(const Frame& frame);
 
 /// "t = 12.00 s  step 1200  real-time factor 3.2"; with a duration "t = 12.00 of 60 s …  15 s left".
 std::string ProgressLine(const RunReport& run);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <unistd.h>
 
+#include <map>
 #include <string>
 
 #include "server/app/commands.h"
@@ -22,9 +23,15 @@ constexpr Nanoseconds kProgressEvery = 60 * kNanosecondsPerSecond;
 class ServedRun {
  public:
   ServedRun(Daemon& daemon, const Clock& clock, const Logger& logger, const std::string& summary_file)
-      : daemon_(daemon), clock_(clock), logger_(logger), summary_file_(summary_file), began_(clock.Now()) {}
+      : daemon_(daemon), clock_(clock), logger_(logger), summary_file_(summary_file), began_(clock.Now()) {
+    if (!summary_file_.empty()) digests_ = DigestsNow(*daemon.report(0).frame);
+  }
 
-  RunReport report() const { return daemon_.report(ToSeconds(clock_.Now() - began_)); }
+  RunReport report() const {
+    RunReport run = daemon_.report(ToSeconds(clock_.Now() - began_));
+    run.digests = digests_;
+    return run;
+  }
 
   /// Until the daemon is to end, telling now and then how the run goes on.
   void WaitForEnd(Shutdown& shutdown) {
@@ -73,6 +80,7 @@ class ServedRun {
   const Logger logger_;
   const std::string summary_file_;
   const Nanoseconds began_;
+  std::map<std::string, std::string> digests_;
 };
 
 }  // namespace

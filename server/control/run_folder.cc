@@ -2,10 +2,10 @@
 #include "server/control/run_folder.h"
 
 #include <spdlog/fmt/fmt.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <boost/json.hpp>
+#include <cstdlib>
 #include <system_error>
 #include <utility>
 
@@ -59,6 +59,8 @@ RunFolder::RunFolder(fs::path folder, SearchPath path, std::function<std::string
 
 RunFolder::~RunFolder() {
   Stop();
+  std::error_code ignored;
+  if (!exports_.empty()) fs::remove_all(exports_, ignored);
 }
 
 void RunFolder::Stop() {
@@ -164,9 +166,16 @@ RunToCopy RunFolder::Export(const fs::path& run) {
     return {Error::kNotPossible, diagnostics.ToString(), {}};
   }
   std::error_code failed;
-  const fs::path folder = fs::temp_directory_path(failed);
-  if (failed) return {Error::kNotPossible, "there is no folder for temporary files: set TMPDIR", {}};
-  const fs::path out = folder / fmt::format("coopdyn-{}-{}.mat", ::getpid(), ++exports_);
+  if (exports_.empty() || !fs::is_directory(exports_, failed)) {
+    // A folder of its own, which others cannot look into: what a run holds is not for all who use this
+    // machine.
+    std::string folder = (fs::temp_directory_path(failed) / "coopdyn-mat-XXXXXX").string();
+    if (failed || ::mkdtemp(folder.data()) == nullptr) {
+      return {Error::kNotPossible, "no temporary file can be made: set TMPDIR to a folder with room", {}};
+    }
+    exports_ = folder;
+  }
+  const fs::path out = exports_ / fmt::format("{}.mat", ++exported_);
   ExportOptions options;
   options.overwrite = true;
   error = ExportMat(*reader, options, out.string(), [this](double) { return !stopping_; });

@@ -81,7 +81,8 @@ class RunFolder {
   const std::function<std::string()> present_;
   std::map<std::string, Known> known_;  // looks_
   std::atomic<bool> stopping_{false};
-  int exports_ = 0;  // exporter_
+  std::filesystem::path exports_;  // what is made for downloads; exporter_
+  int exported_ = 0;               // exporter_
   // Last: what they run uses the rest. The one that looks ends first: it posts to the other.
   IoThread exporter_;
   IoThread looks_;

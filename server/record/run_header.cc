@@ -53,6 +53,17 @@ std::string FileHash(const std::string& file) {
   return AddFile(file, state) ? HashText(XXH3_64bits_digest(&state)) : "";
 }
 
+std::map<std::string, std::string> DigestsOf(const RunHeader& header) {
+  const auto digest = [](const std::string& text) { return HashText(XXH3_64bits(text.data(), text.size())); };
+  std::map<std::string, std::string> digests{{"build", header.build},
+                                             {"scenario", digest(header.scenario_text)}};
+  for (const SourceText& source : header.sources) {
+    digests[source.kind + " " + source.name] = digest(source.text);
+  }
+  for (const PluginHash& one : header.controllers) digests["controller " + one.name] = one.hash;
+  return digests;
+}
+
 std::string CpuName() {
   std::ifstream stream("/proc/cpuinfo");
   std::string line;

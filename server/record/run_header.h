@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -45,6 +46,9 @@ struct RunHeader {
 std::string BuildId();
 /// XXH3-64 of the bytes of `file`, 16 hex digits; empty if it cannot be read.
 std::string FileHash(const std::string& file);
+/// What tells this run's inputs from another's: "build", "scenario", "robot coopbot", "controller diffuse", …
+/// and 16 hex digits of each.
+std::map<std::string, std::string> DigestsOf(const RunHeader& header);
 /// The processor's model name, as the system tells it.
 std::string CpuName();
 

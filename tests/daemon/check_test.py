@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What `coopdyn check` says of scenarios and models."""
+import json
 import re
 import subprocess
 import tempfile
@@ -28,6 +29,18 @@ class ScenarioTest(unittest.TestCase):
             done = run("check", "classroom", "--picture", str(picture))
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
+
+    def test_digests_tell_what_a_scenario_is_made_of_as_the_summary_and_a_recording_do(self):
+        with tempfile.TemporaryDirectory() as folder:
+            words = ("diffuse100", "--set", "SWARM_1.count=5")
+            done = run("check", "--digests", *words)
+            digests = json.loads(done.stdout)
+            self.assertEqual(set(digests), {"build", "scenario", "world square10.world", "robot minibot", "controller diffuse"}, done.stderr)
+            self.assertNotEqual(json.loads(run("check", "--digests", "diffuse100").stdout)["scenario"], digests["scenario"])
+            recording = f"{folder}/a.run"
+            told = run("serve", *words, "--no-net", "--mode", "free", "--steps", "5", "--summary", "/dev/stdout", "--record", recording).stdout.decode()
+            self.assertEqual(json.loads(told[told.index("{"):])["digests"], digests)
+            self.assertEqual(json.loads(run("info", "--json", recording).stdout)[0]["digests"], digests)
 
     def test_ten_mistakes_print_ten_diagnostics(self):
         wrong = """[FLOOR]

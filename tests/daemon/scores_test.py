@@ -78,13 +78,14 @@ class ScoresTest(SwarmTestCase):
 
     def test_until_ends_the_run_at_the_very_step(self):
         told = self.run_to("--set", "SCORE_5.kind=time", "--set", "SCORE_5.until=>= 0.5", "--record", self.file)
-        self.assertEqual((told["ended"], told["steps"], told["scores"][4]["met"]), ("score", 50, True))
+        self.assertEqual((told["ended"], told["steps"], told["scores"][4]["met"], told["scores"][4]["met_s"]), ("score", 50, True, 0.5))
+        self.assertTrue(all(score["met_s"] is None for score in told["scores"][:4]))
         self.assertEqual(rows(self.file, "SELECT max(step) FROM step"), [(50,)])
         self.assertEqual(equal_steps(self.file), 50)
 
     def test_a_limit_ends_the_run_unmet(self):
         told = self.run_to("--set", "SCORE_1.until=all", "--set", "SCORE_1.limit=0.25")
-        self.assertEqual((told["ended"], told["steps"], told["scores"][0]["met"]), ("score", 25, False))
+        self.assertEqual((told["ended"], told["steps"], told["scores"][0]["met"], told["scores"][0]["met_s"]), ("score", 25, False, None))
 
     def test_threads_and_recording_change_nothing(self):
         plain = self.run_to()

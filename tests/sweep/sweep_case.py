@@ -8,6 +8,7 @@ import unittest
 import engines
 
 BINARY = os.environ.get("COOPDYN_BINARY", "build/release/coopdyn")
+ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "../.."))
 
 SCENARIO = """[FLOOR]
 size 8 8

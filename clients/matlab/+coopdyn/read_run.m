@@ -44,8 +44,11 @@ function export(file, mat)
     program = 'coopdyn';
   end
   clean = '';
+  if isunix()
+    clean = 'umask 077; ';  % the file is in a folder that all users share
+  end
   if isunix() && ~coopdyn.internal.is_octave()
-    clean = 'LD_LIBRARY_PATH= ';  % MATLAB's own libraries are not the program's
+    clean = [clean 'LD_LIBRARY_PATH= '];  % MATLAB's own libraries are not the program's
   end
   [status, said] = system([clean '"' program '" export "' file '" --to mat --out "' mat '" 2>&1']);
   if status == 0

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the list of recordings says.
+// What the list of recordings says, and the files that are made of them.
 #include "server/control/run_folder.h"
 
 #include <gtest/gtest.h>
@@ -7,6 +7,9 @@
 #include <atomic>
 #include <boost/json.hpp>
 #include <filesystem>
+#include <future>
+
+#include "tests/server/replay/export_fixture.h"
 
 namespace coopdyn {
 namespace {
@@ -48,6 +51,30 @@ TEST(RunFolder, WhenItHasStoppedNoAnswerComesAnyMore) {
   folder.List([&](const std::vector<RunFile>&) { ++answers; });
   folder.Stop();
   EXPECT_EQ(answers, at_stop);
+}
+
+using RunFolderExportTest = ExportTest;
+
+TEST_F(RunFolderExportTest, AMatFileIsForNobodyElsesEyesAndNothingOfItIsLeft) {
+  namespace fs = std::filesystem;
+  constexpr fs::perms kOthers = fs::perms::group_all | fs::perms::others_all;
+  Record();
+  fs::path folder_of_mat;
+  {
+    RunFolder folder(
+        fs::path(File("run.run")).parent_path(), Path(), [] { return ""; }, Logger());
+    for (int i = 0; i < 2; ++i) {
+      std::promise<RunToCopy> made;
+      folder.Open("run.mat", [&](const RunToCopy& run) { made.set_value(run); });
+      const RunToCopy run = made.get_future().get();
+      ASSERT_EQ(run.text, "");
+      EXPECT_GT(fs::file_size(run.file), 100U);
+      folder_of_mat = run.file.parent_path();
+      EXPECT_EQ(fs::status(folder_of_mat).permissions() & kOthers, fs::perms::none);
+      fs::remove(run.file);
+    }
+  }
+  EXPECT_FALSE(fs::exists(folder_of_mat));
 }
 
 }  // namespace
