@@ -24,7 +24,7 @@ void Daemon::SweepYarpPorts() {
   if (!sweep_timer_) sweep_timer_.emplace(control_.context());
   sweep_timer_->expires_after(kPeriod);
   sweep_timer_->async_wait([this](const boost::system::error_code& aborted) {
-    if (aborted) return;
+    if (aborted || !opens_yarp_ports_) return;
     yarp_ports_.CloseUnused(clock_.Now());
     SweepYarpPorts();
   });
