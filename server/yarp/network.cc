@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "server/yarp/network.h"
 
-#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <exception>
@@ -20,16 +19,15 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 
-#include "protocol/codec.h"
 #include "protocol/command_ids.h"
 #include "server/base/mutex.h"
 #include "server/naming/name_client.h"
-#include "server/naming/name_protocol.h"
 #include "server/net/dialled.h"
 #include "server/net/io_thread.h"
 #include "server/net/unique_fd.h"
 #include "server/yarp/carrier.h"
 #include "server/yarp/stream.h"
+#include "server/yarp/target.h"
 #include "server/yarp/udp_relay.h"
 #include "server/yarp/world_interface.h"
 
@@ -49,44 +47,6 @@ struct Address {
   std::string host;
   int port = 0;
 };
-
-/// Where a connection goes to, and how.
-struct Target {
-  std::string name;           // "/reader"
-  std::string carrier_words;  // "tcp+recv.portmonitor"
-  YarpCarrier carrier = YarpCarrier::kTcp;
-  std::string qualifiers;  // " (recv portmonitor)"
-  std::string problem;     // why it cannot be; empty: it can
-};
-
-/// "tcp+recv.portmonitor+type.lua://reader": plug-ins of the reader are told to it after our name. Others
-/// would run here.
-Target ParseTarget(const std::string& text) {
-  Target target{.name = text, .carrier_words = "tcp", .qualifiers = {}, .problem = {}};
-  if (const std::size_t colon = text.find(":/"); colon != std::string::npos && colon > 0) {
-    target.carrier_words = text.substr(0, colon);
-    target.name = NameInAddress(text);
-  }
-  if (!target.name.starts_with('/')) target.name.insert(0, 1, '/');
-  std::istringstream words(target.carrier_words);
-  std::string word;
-  std::getline(words, word, '+');
-  target.carrier = CarrierNamed(word);
-  if (target.carrier == YarpCarrier::kOther) target.problem = "use tcp, fast_tcp, udp, text or text_ack";
-  bool of_reader = false;
-  while (std::getline(words, word, '+')) {
-    of_reader |= word.starts_with("recv.");
-    if (!of_reader || word.starts_with("send.") || word.starts_with("log."))
-      target.problem = "no plug-in runs in the daemon; those of the reader are written +recv.NAME";
-    if (const std::size_t dot = word.find('.'); dot != std::string::npos) word[dot] = ' ';
-    target.qualifiers += " (" + word + ")";
-  }
-  // Whoever asks must not speak to the reader in our name.
-  if (!IsCleanUtf8(target.qualifiers) || std::any_of(target.qualifiers.begin(), target.qualifiers.end(),
-                                                     [](char c) { return c >= 0 && c < ' '; }))
-    target.problem = "the words of a carrier are plain text";
-  return target;
-}
 
 /// Only programs of this machine, or of its network cable, can be there.
 bool IsInside(const asio::ip::address& address) {
@@ -117,7 +77,7 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
 
   asio::awaitable<void> Add(asio::io_context& context, std::string from, std::string address,
                             YarpStream stream, YarpAsker asker, ReplyFunction done) {
-    const Target target = ParseTarget(address);
+    const YarpTarget target = ParseYarpTarget(address);
     const std::string problem = co_await Open(context, from, target, stream, asker);
     Message reply;
     reply.text = "Added connection from " + from + " to " + address + "\r\n";
@@ -125,8 +85,8 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
   }
 
   /// Returns why it cannot be.
-  asio::awaitable<std::string> Open(asio::io_context& context, const std::string& from, const Target& target,
-                                    YarpStream stream, YarpAsker asker) {
+  asio::awaitable<std::string> Open(asio::io_context& context, const std::string& from,
+                                    const YarpTarget& target, YarpStream stream, YarpAsker asker) {
     if (!target.problem.empty())
       co_return "Cannot connect to " + target.name + " by " + target.carrier_words + ": " + target.problem;
     std::string why;
@@ -161,14 +121,14 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
 
   struct Output {
     const std::string& from;
-    const Target& target;
+    const YarpTarget& target;
     YarpDialect dialect;
     YarpStream stream;
   };
 
   /// Gives the connection to the module. Returns why it cannot be.
   std::string HandOver(const Output& output, UniqueFd session, const std::string& welcome) {
-    const Target& target = output.target;
+    const YarpTarget& target = output.target;
     const std::optional<NameEntry> source = names.Find(output.from);
     if (!source || !source->adopt) return output.from + " has gone";
     links.End(output.from, target.name, YarpLink::Way::kOut);
