@@ -152,7 +152,8 @@ FirstBytes SniffEncoding(std::string_view bytes) {
   if (bytes[letters] != ' ') return FirstBytes::kText;
   const std::string_view seen = bytes.substr(0, kMaxSniffBytes);
   const std::string_view line = seen.substr(0, seen.find('\n'));
-  if (line.find("HTTP/") != std::string_view::npos) return FirstBytes::kHttp;
+  // YARP's mjpeg ends the line before HTTP/.
+  if (line.starts_with("GET /") || line.find("HTTP/") != std::string_view::npos) return FirstBytes::kHttp;
   if (line.size() < seen.size()) return FirstBytes::kText;
   return bytes.size() < kMaxSniffBytes ? FirstBytes::kUndecided : FirstBytes::kHttp;
 }

@@ -21,10 +21,8 @@ namespace coopdyn {
 
 namespace {
 
-/// Ports for names that other programs register, well above the block of our own.
-constexpr int kExternalPortsAbove = 2000;
-constexpr int kExternalPorts = 8000;
-constexpr int kChannelPort = 4500;  // where YARS begins
+constexpr int kExternalPorts = 8000;  // for names that other programs register, above our own
+constexpr int kChannelPort = 4500;    // where YARS begins
 constexpr std::chrono::microseconds kLockstepSpin{50};
 constexpr std::size_t kMaxSpinningRobots = 4;
 
@@ -80,7 +78,9 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
       control_guard_(token_, true, &wrong_tokens_),
       ports_(options.port == 0 || options.any_port ? 0 : options.port + 2,
              [this](int port) { return names_.IsExternalPort(port); }),
-      channel_ports_(options.channel_port.value_or(options.port == 0 ? 0 : kChannelPort)),
+      channel_ports_(options.channel_port.value_or(options.port == 0 ? 0 : kChannelPort),
+                     [this](int port) { return IsOwnPort(options_, port); }),
+      yarp_ports_(addresses(), net_, names_),
       pool_(ThreadsOf(options)),
       controllers_(ControllersOf(options), clock_, logger_, pool_, DrawOn(images_)),
       stepper_({frames_, board_, edits_, run_, bell_}, clock_, logger_, options.run,
@@ -139,14 +139,14 @@ std::string Daemon::Start() {
 }
 
 std::string Daemon::OpenNames() {
-  const int first = (options_.port == 0 ? 10000 : options_.port) + kExternalPortsAbove;
+  const int first = (options_.port == 0 ? 10000 : options_.port) + kOwnPorts;
   names_.SetExternalPorts(std::min(first, PortPlan::kLast - 1),
                           std::min(first + kExternalPorts, PortPlan::kLast), IsPortFree);
   if (options_.no_net) return {};
   name_server_ = std::make_unique<NameServer>(
       control_.context(), names_, net_, options_.advertise,
       NameHooks{
-          [this](const std::string& name) { OpenYarpPort(name); },
+          [this](const std::string& name, const std::string& asker) { OpenYarpPort(name, asker); },
           [this](const Subscription& each, bool connects) { yarp_.Tell(each.from, each.to, connects); }});
   const int port = options_.name_port.value_or(options_.port);
   std::string error = ListenOn(*name_server_, addresses(), port, options_.any_port);
@@ -165,8 +165,8 @@ std::string Daemon::OpenRobots() {
   host.channel_ports = &channel_ports_;
   host.said_channel_ports = !options_.channel_port;
   host.channel_ports_file = options_.channel_ports_file;
-  const RobotServices robot_services{board_,  frames_,      edits_, images_,  names_,      net_,
-                                     roster_, robot_guard_, clock_, kVersion, &yars_ports_};
+  const RobotServices robot_services{board_,  frames_,      edits_, images_,  names_,       net_,
+                                     roster_, robot_guard_, clock_, kVersion, &yars_ports_, &yarp_ports_};
   robots_ = std::make_unique<RobotHost>(robot_services, host, ports_);
   if (std::string error = robots_->Apply(*frames_.Latest()->scene, true); !error.empty()) {
     return WithAdvice(error, "--port");
@@ -279,8 +279,9 @@ void Daemon::Stop() {
     opens_yarp_ports_ = false;
     if (robots_ != nullptr) robots_->Stop(run_.stopping_text());
   });
-  for (const auto& port : yarp_ports_) port->Close(run_.stopping_text());
-  yarp_ports_.clear();
+  for (const Endpoint* const module : GlobalModules()) {
+    if (module != nullptr) yarp_ports_.CloseOf(*module, run_.stopping_text());
+  }
   while (!published_.empty()) {
     published_.back()->Close(run_.stopping_text());
     published_.pop_back();
@@ -289,6 +290,7 @@ void Daemon::Stop() {
     yars_desk_.Close();
     name_server_.reset();
     clock_timer_.reset();
+    sweep_timer_.reset();
   });
   control_.Stop();
   name_client_.reset();

@@ -39,7 +39,7 @@
 #include "server/web/web_server.h"
 #include "server/yarp/encoding.h"
 #include "server/yarp/network.h"
-#include "server/yarp/yarp_port.h"
+#include "server/yarp/yarp_ports.h"
 #include "server/yars/tcp_encoding.h"
 
 namespace coopdyn {
@@ -86,8 +86,10 @@ class Daemon final : private ControlActions {
   std::string http() const override;
 
   // daemon_yarp.cc
-  /// Opens the port of YARP of a module, if it is one: somebody asks for its name. Control thread.
-  void OpenYarpPort(const std::string& name);
+  /// YarpPorts::Open() if `name` is a port of a module. Control thread.
+  void OpenYarpPort(const std::string& name, const std::string& asker);
+  /// Closes, from time to time, the ports that nobody uses. Control thread.
+  void SweepYarpPorts();
   /// Once somebody has asked for /clock: keeps it alive while time stands. Control thread.
   void RepeatClock();
   /// Tells the other name server (`--yarp-server`) which of our names have come and gone.
@@ -145,6 +147,7 @@ class Daemon final : private ControlActions {
   WrongTokens wrong_tokens_;
   const TokenGuard robot_guard_, control_guard_;
   PortPlan ports_, channel_ports_;
+  YarpPorts yarp_ports_;
 
   WorkerPool pool_;             // of whoever holds the step baton
   ControllerHost controllers_;  // likewise
@@ -165,9 +168,8 @@ class Daemon final : private ControlActions {
   std::unique_ptr<PlaybackModule> playback_;
   std::unique_ptr<RecorderModule> recorder_;
   std::vector<std::unique_ptr<NamedPort>> published_;  // of the five above
-  std::vector<std::unique_ptr<YarpPort>> yarp_ports_;  // likewise
   std::unique_ptr<NameServer> name_server_;
-  std::optional<boost::asio::steady_timer> clock_timer_;
+  std::optional<boost::asio::steady_timer> clock_timer_, sweep_timer_;
   std::unique_ptr<NameClient> name_client_;
   std::map<std::string, int> told_names_;  // to the other name server: name, port
   std::unique_ptr<PageServices> page_;     // of web_

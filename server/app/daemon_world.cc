@@ -22,6 +22,13 @@ bool IsLoopback(const std::string& host) {
   return host.empty() || host == "localhost" || host == "::1" || host.starts_with("127.");
 }
 
+bool IsOwnPort(const ServeOptions& options, int port) {
+  if (port == 0) return false;
+  if (port == options.name_port || port == options.http_port) return true;
+  const bool any = options.port == 0 || options.any_port;
+  return !any && port >= options.port && port < options.port + kOwnPorts;
+}
+
 bool BeyondLoopback(const ServeOptions& options) {
   return std::any_of(options.hosts.begin(), options.hosts.end(),
                      [](const auto& host) { return !IsLoopback(host); });

@@ -11,14 +11,23 @@
 
 namespace coopdyn {
 
-void Daemon::OpenYarpPort(const std::string& name) {
+void Daemon::OpenYarpPort(const std::string& name, const std::string& asker) {
   if (!opens_yarp_ports_) return;
-  robots_->OpenYarpPort(name);
-  for (Endpoint* const module : GlobalModules()) {
-    auto port = YarpPort::Open(name, *module, addresses(), control_, net_, names_);
-    if (port != nullptr) yarp_ports_.push_back(std::move(port));
-  }
+  robots_->OpenYarpPort(name, asker);
+  for (Endpoint* const module : GlobalModules()) yarp_ports_.Open(name, *module, control_, asker);
   if (name == kYarpClock && !clock_timer_) RepeatClock();
+  if (!sweep_timer_ && !yarp_ports_.empty()) SweepYarpPorts();
+}
+
+void Daemon::SweepYarpPorts() {
+  constexpr std::chrono::seconds kPeriod{5};
+  if (!sweep_timer_) sweep_timer_.emplace(control_.context());
+  sweep_timer_->expires_after(kPeriod);
+  sweep_timer_->async_wait([this](const boost::system::error_code& aborted) {
+    if (aborted || !opens_yarp_ports_) return;
+    yarp_ports_.CloseUnused(clock_.Now());
+    SweepYarpPorts();
+  });
 }
 
 void Daemon::RepeatClock() {
@@ -39,19 +48,21 @@ void Daemon::TellYarpServer() {
     for (const char* const end :
          {"/state:o", "/command:i", "/stateExt:o", "/rpc:i", "/nws/rpc:i", "/measures:o", "/rpc:o",
           "/inertial:o", "/analog:o", "/analog:o/rpc:i", "/odometry:o", "/rpc", "/depth:o"}) {
-      if (!names_.Find(entry.name + end)) OpenYarpPort(entry.name + end);
+      if (!yarp_ports_.IsKept(entry.name + end)) OpenYarpPort(entry.name + end, "");
     }
     const std::string base = entry.name.substr(0, entry.name.rfind('/')) + "/base";
     for (const char* const end : {"/command:i", "/rpc:i"}) {
-      if (!names_.Find(base + end)) OpenYarpPort(base + end);
+      if (!yarp_ports_.IsKept(base + end)) OpenYarpPort(base + end, "");
     }
   }
   for (const std::string_view name : {kYarpClock, kYarpClockRpc, kYarpWorldInterface}) {
-    if (!names_.Find(name)) OpenYarpPort(std::string(name));
+    if (!yarp_ports_.IsKept(std::string(name))) OpenYarpPort(std::string(name), "");
   }
   std::map<std::string, int> names;
   for (const NameEntry& entry : names_.List()) {
-    if (!entry.external && entry.port != 0) names.emplace(entry.name, entry.port);
+    if (entry.external || entry.port == 0) continue;
+    if (entry.kind == NameKind::kAlias && !yarp_ports_.IsKept(entry.name)) continue;
+    names.emplace(entry.name, entry.port);
   }
   const std::string ip = options_.advertise.empty() && BeyondLoopback(options_) ? "" : told_host();
   for (const auto& [name, port] : told_names_) {

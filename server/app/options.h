@@ -84,6 +84,9 @@ ControllerOptions ControllersOf(const ServeOptions& options);
 bool IsLoopback(const std::string& host);
 /// Whether others than this machine can reach the daemon.
 bool BeyondLoopback(const ServeOptions& options);
+/// Ports from --port on that belong to names, page and modules: so many, unless modules take any free one.
+inline constexpr int kOwnPorts = 2000;
+bool IsOwnPort(const ServeOptions& options, int port);
 
 /// Folders to look for files in: the given ones, COOPDYN_PATH, then the data beside the program.
 SearchPath DataPath(const std::vector<std::string>& given);

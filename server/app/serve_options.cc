@@ -224,6 +224,16 @@ void CheckStrength(const ServeOptions& serve) {
   }
 }
 
+/// A channel would take a port from under a module, or from the page.
+void CheckChannelPort(const ServeOptions& serve) {
+  if (!serve.channel_port || serve.no_net || !IsOwnPort(serve, *serve.channel_port)) return;
+  throw CLI::ValidationError(fmt::format(
+      "--channel-port {} is one of the daemon's own: names, page and modules have {} to {}, or what "
+      "--name-port and --http-port say; write another one, e.g. --channel-port {}",
+      *serve.channel_port, serve.port, serve.port + kOwnPorts - 1,
+      serve.port > kOwnPorts ? serve.port - 100 : serve.port + kOwnPorts));
+}
+
 /// What does not go together.
 void CheckServe(const CLI::App& sub, const ServeOptions& serve) {
   if (sub.count("--record") > 0 && serve.record.file.empty()) {
@@ -247,6 +257,7 @@ void CheckServe(const CLI::App& sub, const ServeOptions& serve) {
     }
   }
   CheckStrength(serve);
+  CheckChannelPort(serve);
   if (sub.count("--recordings") > 0)
     MakeRecordingsFolder(serve.record.folder);  // last: nothing else is wrong
   // These may lie in that folder.
@@ -273,6 +284,7 @@ void AddPlay(CLI::App& app, const std::string& command_line, Chosen& chosen) {
   TakeVariables(sub, {"help", "scenarios", "speed", "at", "loop", "paused"});
   sub->callback([given, &chosen] {
     CheckStrength(*given);
+    CheckChannelPort(*given);
     CheckWritable("--log-file", given->log_file, "night.log");
     chosen = [given] { return Serve(*given); };
   });

@@ -55,6 +55,7 @@ std::string Whole(const std::string& text) {
 }
 
 bool IsHttp(std::string_view line) {
+  if (line.starts_with("GET /")) return true;  // YARP's mjpeg ends the line before HTTP/
   const std::size_t space = line.find(' ');
   const std::string_view method = line.substr(0, space);
   return space != std::string_view::npos && space > 0 &&
@@ -129,9 +130,13 @@ class Answerer {
 
   std::optional<NameEntry> Find(const std::string& name) const {
     std::optional<NameEntry> entry = table_.Find(name);
-    if (entry || context_.hooks == nullptr) return entry;
-    context_.hooks->open(name.starts_with('/') ? name : "/" + name);
-    return table_.Find(name);
+    // A port of ours goes before another program's of its name.
+    if (context_.hooks != nullptr && (!entry || entry->external)) {
+      context_.hooks->open(name.starts_with('/') ? name : "/" + name, asker_.ip);
+      entry = table_.Find(name);
+    }
+    if (entry) table_.Touch(entry->name, asker_.now);
+    return entry;
   }
 
   const std::string& IpOf(const NameEntry& entry) const {
@@ -151,7 +156,6 @@ class Answerer {
 
   NameReply Query() const {
     const std::optional<NameEntry> entry = Find(WordAt(words_, 1));
-    if (entry) table_.Touch(entry->name, asker_.now);
     return End(entry ? Registration(*entry) : "");
   }
 
@@ -159,7 +163,10 @@ class Answerer {
     const std::string name = WordAt(words_, 1);
     table_.Touch(name, asker_.now);
     if (context_.hooks == nullptr || name.empty()) return {"[ok]\r\n"};
-    for (const Subscription& each : table_.Subscriptions(name)) context_.hooks->connect(each, true);
+    for (const Subscription& each : table_.Subscriptions(name)) {
+      Find(each.from);  // it may have been closed
+      context_.hooks->connect(each, true);
+    }
     return {"[ok]\r\n"};
   }
 
@@ -171,7 +178,7 @@ class Answerer {
       return End(text + "\r\n");
     }
     const Subscription subscription{NameInAddress(WordAt(words_, 1)), NameInAddress(WordAt(words_, 2))};
-    if (!subscription.from.starts_with('/') || !subscription.to.starts_with('/'))
+    if (!NameProblem(subscription.from).empty() || !NameProblem(subscription.to).empty())
       return Refused("write two ports, as in subscribe /clock /me/clock:i");
     if (!adds) table_.Unsubscribe(subscription);
     if (adds && !table_.Subscribe(subscription)) return Refused("there are too many subscriptions");
@@ -192,6 +199,7 @@ class Answerer {
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
     if (!digits.empty() && (error != std::errc() || end != digits.data() + digits.size())) port = -1;
     if (digits == "-1") port = 0;  // so a port asks that tells the type of its data, which is the next word
+    Find(WordAt(words_, 1));       // so nobody takes the name of a port of ours that is not open yet
     NameTable::Change change =
         table_.Register(WordAt(words_, 1), WordAt(words_, 2), WordAt(words_, 3), port, asker_);
     return change.refused.empty() ? End(Registration(change.entry)) : Refused(change.refused);

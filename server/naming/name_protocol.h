@@ -21,8 +21,9 @@ namespace coopdyn {
 
 /// What the rest of the daemon does for the name server, on its thread.
 struct NameHooks {
-  /// Opens a name of ours that is there only when somebody asks for it, if there is such a one.
-  std::function<void(const std::string& name)> open;
+  /// Opens a name of ours that is there only when somebody asks for it, if there is such a one. `asker`: its
+  /// address.
+  std::function<void(const std::string& name, const std::string& asker)> open;
   /// Tells the port `from` to send to `to` from now on, or no longer.
   std::function<void(const Subscription& subscription, bool connects)> connect;
 };

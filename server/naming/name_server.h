@@ -26,7 +26,8 @@ class NameServer {
   /// `table`, `context` and `services` outlive it.
   NameServer(boost::asio::io_context& context, NameTable& table, NetServices& services,
              std::string advertise = "",
-             NameHooks hooks = {[](const std::string&) {}, [](const Subscription&, bool) {}});
+             NameHooks hooks = {[](const std::string&, const std::string&) {},
+                                [](const Subscription&, bool) {}});
   ~NameServer();
   NameServer(const NameServer&) = delete;
   NameServer& operator=(const NameServer&) = delete;

@@ -25,17 +25,6 @@ bool IsGraphic(std::string_view text) {
   return std::all_of(text.begin(), text.end(), [](unsigned char c) { return c > ' ' && c < 127; });
 }
 
-/// Why nobody may register `name`; empty if it is fine.
-std::string NameProblem(const std::string& name) {
-  if (name.size() < 2 || name[0] != '/') return "a name starts with /, as in /tracker/out";
-  if (name.size() > kMaxNameBytes)
-    return "a name has at most " + std::to_string(kMaxNameBytes) + " characters";
-  if (!IsGraphic(name) || name.find_first_of("()\"@") != std::string::npos) {
-    return "a name has no spaces, quotes, parentheses, @ or letters beyond ASCII";
-  }
-  return {};
-}
-
 std::string WithSlash(std::string_view name) {
   return name.starts_with('/') ? std::string(name) : "/" + std::string(name);
 }
@@ -68,6 +57,16 @@ std::size_t Bytes(const NameEntry& entry) {
 }
 
 }  // namespace
+
+std::string NameProblem(const std::string& name) {
+  if (name.size() < 2 || name[0] != '/') return "a name starts with /, as in /tracker/out";
+  if (name.size() > kMaxNameBytes)
+    return "a name has at most " + std::to_string(kMaxNameBytes) + " characters";
+  if (!IsGraphic(name) || name.find_first_of("()\"\\@") != std::string::npos) {
+    return "a name has no spaces, quotes, backslashes, parentheses, @ or letters beyond ASCII";
+  }
+  return {};
+}
 
 NameTable::NameTable() : first_port_(kFirstPort), last_port_(kLastPort) {}
 
@@ -164,6 +163,10 @@ NameTable::Change NameTable::Register(const std::string& name, const std::string
   }
   if (entry.type.size() > kMaxTypeBytes || !IsGraphic(entry.type)) return {"the type is one word, as tcp"};
   if (entry.ip.size() > kMaxIpBytes || !IsGraphic(entry.ip)) return {"the address is one word, as 127.0.0.1"};
+  if (!entry.registrar.empty() && entry.ip != entry.registrar) {
+    return {"a program on another machine registers its own address alone: write " + entry.registrar +
+            ", or ... for it"};
+  }
   if (port < 0 || port > 65535) return {"a port is a number from 1 to 65535, or ... for a free one"};
   const auto it = entries_.find(entry.name);
   if (it != entries_.end()) {

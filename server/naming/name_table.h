@@ -42,15 +42,18 @@ struct Subscription {
   auto operator<=>(const Subscription&) const = default;
 };
 
+/// Why no program may have `name`; empty if it is fine.
+std::string NameProblem(const std::string& name);
+
 /// Who asks for a change, and when.
 struct NameAsker {
   std::string ip;
   Nanoseconds now = 0;
 };
 
-/// The daemon's own names can be neither registered, changed nor unregistered by others. What another machine
-/// has registered only that one may change, and this machine. The table forgets a
-/// name that nobody has used for a day: its program has probably ended.
+/// The daemon's own names can be neither registered, changed nor unregistered by others. Another machine
+/// registers its own address alone, and what it has registered only it may change, and this machine. The
+/// table forgets a name that nobody has used for a day: its program has probably ended.
 class NameTable {
  public:
   static constexpr std::size_t kMaxExternal = 4096;

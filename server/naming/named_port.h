@@ -47,6 +47,8 @@ class NamedPort {
     listed_ = names_.AddOwn(name_, server_->port(), server_->adopter(), kind_);
     return listed_ ? "" : "the name " + name_ + " is taken";
   }
+  /// Connections that are there. Any thread.
+  std::size_t session_count() const { return server_ == nullptr ? 0 : server_->session_count(); }
   /// 0: reached through OPEN only.
   int port() const { return server_->port(); }
 

@@ -206,7 +206,7 @@ struct Listener::Impl : std::enable_shared_from_this<Listener::Impl> {
   }
 
   void RetryLater(const std::shared_ptr<Port>& port, int error) {
-    services.LogExhausted(error);
+    services.LogExhausted(std::string("cannot accept connections for now: ") + std::strerror(error));
     port->retry.expires_after(kRetryAfter);
     port->retry.async_wait([self = shared_from_this(), port](const boost::system::error_code& aborted) {
       if (!aborted && self->on_accept) self->Accept(port);

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "server/net/net_services.h"
 
-#include <cstring>
-
 namespace coopdyn {
 
-void NetServices::LogExhausted(int error) {
+void NetServices::LogExhausted(const std::string& what) {
   const Nanoseconds now = clock_.Now();
   const Nanoseconds before = exhausted_.exchange(now);
   if (before != std::numeric_limits<Nanoseconds>::min() && now - before < kOver) return;
-  logger_->error("cannot accept connections for now: {} (raise `ulimit -n`)", std::strerror(error));
+  logger_->error("{} (raise `ulimit -n`)", what);
 }
 
 void NetServices::LogPeer(spdlog::level::level_enum level, const std::string& peer, const std::string& text) {

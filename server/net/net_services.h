@@ -33,9 +33,9 @@ class NetServices {
   bool read_only() const { return read_only_; }
   /// An id that no other connection of this daemon has or had.
   ClientId NextClient() { return ++last_client_; }
-  /// Says in the log that no connection can be accepted for want of something (an errno): once, until that
-  /// has been over for kOver.
-  void LogExhausted(int error);
+  /// Says in the log what cannot be done for want of something, such as open files: once, until that has been
+  /// over for kOver.
+  void LogExhausted(const std::string& what);
   static constexpr Nanoseconds kOver = 60 * kNanosecondsPerSecond;
   /// One log line about `peer`, unless it has caused too many within this second.
   void LogPeer(spdlog::level::level_enum level, const std::string& peer, const std::string& text);

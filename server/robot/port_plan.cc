@@ -13,7 +13,7 @@ int PortPlan::Take() {
   if (any_port()) return 0;
   while (taken_.contains(lowest_)) ++lowest_;
   for (int port = lowest_; port <= kLast; ++port) {
-    if (taken_.contains(port) || (is_foreign_ && is_foreign_(port))) continue;
+    if (taken_.contains(port) || IsForeign(port)) continue;
     taken_.insert(port);
     return port;
   }

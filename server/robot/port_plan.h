@@ -17,6 +17,8 @@ class PortPlan {
   explicit PortPlan(int first, std::function<bool(int)> is_foreign = nullptr);
 
   bool any_port() const { return first_ == 0; }
+  /// It belongs to somebody else: Take() leaves it out.
+  bool IsForeign(int port) const { return is_foreign_ && is_foreign_(port); }
   /// The next port for a module, which is then taken; 0: any free one, or (any_port() is false) none is left.
   int Take();
   /// Says that `port` is used by something else in this daemon; 0 says nothing.

@@ -36,7 +36,7 @@ Robot::Robot(const RobotEntry& entry, const RobotServices& services, IoThread& i
 }
 
 Robot::~Robot() {
-  yarp_ports_.clear();
+  CloseYarpPorts("the module is closed");
   for (const std::string& name : registered_) services_.names.RemoveOwn(name);
   // Nothing of this robot may run on its thread after this.
   io_.Call([this] {
@@ -85,16 +85,18 @@ bool Robot::Register() {
   return true;
 }
 
-void Robot::OpenYarpPort(const std::string& name, const std::vector<std::string>& addresses) {
-  for (const auto& module : modules_) {
-    if (auto port = YarpPort::Open(name, *module, addresses, io_, services_.net, services_.names)) {
-      return yarp_ports_.push_back(std::move(port));
-    }
-  }
+void Robot::OpenYarpPort(const std::string& name, const std::string& asker) {
+  if (services_.yarp == nullptr) return;
+  for (const auto& module : modules_) services_.yarp->Open(name, *module, io_, asker);
+}
+
+void Robot::CloseYarpPorts(const std::string& reason) {
+  if (services_.yarp == nullptr) return;
+  for (const auto& module : modules_) services_.yarp->CloseOf(*module, reason);
 }
 
 void Robot::CloseConnections(const std::string& reason) {
-  for (const auto& port : yarp_ports_) port->Close(reason);
+  CloseYarpPorts(reason);
   io_.Call([&] {
     for (const auto& server : servers_) server->CloseAll(reason);
   });

@@ -12,7 +12,6 @@
 #include "server/net/module_server.h"
 #include "server/robot/robot_core.h"
 #include "server/robot/robot_module.h"
-#include "server/yarp/yarp_port.h"
 
 namespace coopdyn {
 
@@ -49,8 +48,8 @@ class Robot {
   /// Lists the modules in the name table; their ports must be settled. False if a name is taken by one of our
   /// own.
   bool Register();
-  /// Opens the port of YARP `name` (YarpPort) if it is one of its modules'.
-  void OpenYarpPort(const std::string& name, const std::vector<std::string>& addresses);
+  /// YarpPorts::Open() if `name` is a port of one of its modules.
+  void OpenYarpPort(const std::string& name, const std::string& asker);
   /// Closes all connections with a notice, in time for it to be written.
   void CloseConnections(const std::string& reason);
   /// Closes that connection with a notice, if it is one of this robot's.
@@ -58,13 +57,13 @@ class Robot {
 
  private:
   void OpenYarsPort(std::size_t module, const std::vector<std::string>& addresses);
+  void CloseYarpPorts(const std::string& reason);
 
   const RobotServices& services_;
   IoThread& io_;
   RobotCore core_;
   std::vector<std::unique_ptr<RobotModule>> modules_;
   std::vector<std::unique_ptr<ModuleServer>> servers_;
-  std::vector<std::unique_ptr<YarpPort>> yarp_ports_;
   std::vector<std::unique_ptr<YarsUdpPort>> yars_ports_;
   std::vector<std::string> registered_;
 };

@@ -18,6 +18,7 @@
 #include "server/state/edit_queue.h"
 #include "server/state/frame_board.h"
 #include "server/state/image_board.h"
+#include "server/yarp/yarp_ports.h"
 #include "server/yars/udp_port.h"
 
 namespace coopdyn {
@@ -35,6 +36,7 @@ struct RobotServices {
   const Clock& clock;
   std::string version;
   YarsPorts* yars = nullptr;  // null: no UDP ports for clients of YARS
+  YarpPorts* yarp = nullptr;  // null: no ports of YARP
 };
 
 /// The robot's thread only, or in its turn, once it is built.

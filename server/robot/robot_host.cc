@@ -122,11 +122,12 @@ std::string RobotHost::OpenModule(Robot& robot, std::size_t module, bool at_star
   }
   const int said = options_.said_channel_ports ? robot.said_port(module) : 0;
   for (int attempt = 0; attempt < kMaxBusyPorts; ++attempt) {
-    const int port = said > 0 ? said + attempt : ports.Take();
+    const bool as_said = said > 0 && !ports.IsForeign(said + attempt);
+    const int port = as_said ? said + attempt : ports.Take();
     if (port > PortPlan::kLast || (port == 0 && !ports.any_port())) break;
     const std::string error = robot.Listen(module, options_.addresses, port);
     if (error.empty()) {
-      if (said > 0) ports.Reserve(port);
+      if (as_said) ports.Reserve(port);
       if (robot.is_channel(module)) NoteChannel(robot, module);
       return {};
     }
@@ -217,11 +218,11 @@ void RobotHost::Drop(std::unique_ptr<Robot> robot, const std::string& reason) {
   std::erase_if(threads_, [gone](const Thread& thread) { return thread.only == gone; });
 }
 
-void RobotHost::OpenYarpPort(const std::string& name) {
+void RobotHost::OpenYarpPort(const std::string& name, const std::string& asker) {
   if (!options_.sockets) return;
   for (const std::unique_ptr<Robot>& robot : robots_) {
     const bool its = name.starts_with("/" + robot->name() + "/");
-    if (its && robot->module_count() > 0 && robot->port(0) > 0) robot->OpenYarpPort(name, options_.addresses);
+    if (its && robot->module_count() > 0 && robot->port(0) > 0) robot->OpenYarpPort(name, asker);
   }
 }
 

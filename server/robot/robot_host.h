@@ -52,7 +52,7 @@ class RobotHost {
   /// the next free one is taken. Returns "" if all is well.
   std::string Apply(const Scene& scene, bool at_start);
   /// Robot::OpenYarpPort() of the robot whose name begins `name`, if it has sockets.
-  void OpenYarpPort(const std::string& name);
+  void OpenYarpPort(const std::string& name, const std::string& asker);
   /// Closes a connection to `robot` with a notice. False if there is no such robot.
   bool CloseClient(const std::string& robot, ClientId client, const std::string& reason);
   /// Closes all connections with a notice, takes all names away, ends the threads.

@@ -36,7 +36,8 @@ Bottle List(const Bottle& request, const YarpPortView& port) {
 }
 
 Bottle Property(const Bottle& request) {
-  if (WordAt(request, 1) == "set") return BottleOf(YarpVocab{"ok"});
+  if (WordAt(request, 1) == "set")
+    return BottleOf(YarpVocab{"fail"}, std::string("a port of the daemon has no properties to be set"));
   if (WordAt(request, 1) != "get") return {};
   const Bottle process = BottleOf(Pair("name", std::string("coopdyn")), Pair("pid", std::int32_t{getpid()}));
   const Bottle platform = BottleOf(Pair("os", std::string("Linux")));

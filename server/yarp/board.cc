@@ -211,6 +211,7 @@ std::size_t BoardWidth(BoardItem item) {
     case BoardItem::kDone:
     case BoardItem::kStop:
     case BoardItem::kName:
+    case BoardItem::kPidReset:
       return 0;
     case BoardItem::kPositionLimits:
     case BoardItem::kVelocityLimits:
@@ -312,6 +313,14 @@ BoardAnswer BoardClient::Tell(const BoardCall& call, const BoardState& state,
         data.insert(data.end(), {pid[0], pid[2], pid[1]});
       }
       answer.commands = {CommandFor(command::kSetGains, joints, std::move(data))};
+      break;
+    case BoardItem::kPidReset:  // all that it empties is the integral, which counts by i
+      for (std::size_t k = 0; k < joints.size(); ++k) {
+        if (joint(k).i != 0)
+          return Failed(Kind::kFailed,
+                        "the sum of errors is emptied when a joint goes to a mode without "
+                        "positions: set the modes vel and pos, or a PID without ki");
+      }
       break;
     case BoardItem::kAmplifier:
       for (std::size_t k = 0; k < joints.size(); ++k) {

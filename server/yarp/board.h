@@ -75,6 +75,7 @@ enum class BoardItem {
   kImpedanceOffset,
   kImpedanceLimits,  // two of the stiffness, two of the damping
   kPid,              // p, d, i, and seven that are 0
+  kPidReset,         // told only, no value
   kPidReference,
   kPidError,
   kPidOutput,

@@ -174,7 +174,8 @@ constexpr BoardWord kMethodsThatTell[] = {
     {"setVelLimits", BoardItem::kVelocityLimits, BoardScope::kOne},
 };
 constexpr BoardWord kPidMethodsThatTell[] = {{"setPid", BoardItem::kPid, BoardScope::kOne},
-                                             {"setPids", BoardItem::kPid, BoardScope::kAll}};
+                                             {"setPids", BoardItem::kPid, BoardScope::kAll},
+                                             {"resetPid", BoardItem::kPidReset, BoardScope::kOne}};
 // In the order of YARP's own answer; all but one can be opened, as yarpmotorgui demands most of them, and
 // what we do not have is refused call by call.
 constexpr const char* kInterfaces[] = {

@@ -67,7 +67,7 @@ constexpr BoardWord kPids[] = {
     {"ref", BoardItem::kPidReference, Scope::kOne}, {"refs", BoardItem::kPidReference, Scope::kAll},
     {"err", BoardItem::kPidError, Scope::kOne},     {"errs", BoardItem::kPidError, Scope::kAll},
     {"out", BoardItem::kPidOutput, Scope::kOne},    {"outs", BoardItem::kPidOutput, Scope::kAll},
-    {"ena", BoardItem::kPidEnabled, Scope::kOne},
+    {"ena", BoardItem::kPidEnabled, Scope::kOne},   {"res", BoardItem::kPidReset, Scope::kOne},
 };
 // The head of what streams.
 constexpr BoardWord kStreams[] = {
@@ -118,8 +118,10 @@ BoardRequest RequestOf(const BoardWord& word, bool tells, const Bottle& request,
 BoardRequest OfPid(const Bottle& request, bool tells) {
   const BoardWord* const word = FindBoardWord(kPids, WordAt(request, 2));
   const std::string_view type = WordAt(request, 3);
-  if (word == nullptr || (tells && word->item != BoardItem::kPid))
-    return Refuse("of a PID there are pid and pids; to be read also ref, err, out and ena");
+  const bool told = word != nullptr && (word->item == BoardItem::kPid || word->item == BoardItem::kPidReset);
+  if (word == nullptr || (tells && !told) || (!tells && word->item == BoardItem::kPidReset))
+    return Refuse(
+        "of a PID there are pid and pids; to be read also ref, err, out and ena; to be told also res");
   if (type != "pos" && type != "pos1") return Refuse(kNoBoardPid);
   return RequestOf(*word, tells, request, 4, request[1], Form::kPlain, Form::kPlainAll);
 }

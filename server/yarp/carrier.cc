@@ -118,7 +118,9 @@ YarpInput YarpReader::Hello(std::string_view bytes) {
     if (!header) return NeedMore();
     carrier_ = CarrierOf(HeaderNumber(*header).value_or(0));
     if (carrier_ == YarpCarrier::kOther)
-      return Broken("a carrier of YARP that is not served: connect by tcp");
+      return Broken(
+          "mcast, shmem and other carriers of YARP are not served: connect by tcp, fast_tcp, udp, text or "
+          "text_ack");
     const std::optional<std::int32_t> size = scanner.Take<std::int32_t>();
     if (!size) return NeedMore();
     if (*size < 0 || static_cast<std::size_t>(*size) > kMaxNameBytes)
@@ -128,6 +130,8 @@ YarpInput YarpReader::Hello(std::string_view bytes) {
     name = *sender;
     hello.consumed = bytes.size() - scanner.size();
   }
+  if (name.find("(recv ") != std::string_view::npos)
+    return Broken("no plug-in runs in the daemon: connect without +recv; +send runs in the sender");
   hello.text = WithoutQualifiers(name);
   greeted_ = true;
   return hello;

@@ -17,6 +17,7 @@ namespace coopdyn {
 namespace {
 
 constexpr double kOneDegree = std::numbers::pi / 180;
+constexpr const char* kNoFeatures = "this camera has no features such as brightness: hasFeature tells so";
 
 /// The name of a call, which Thrift cuts at each `_`: up to the word that ends with RPC, else the first word.
 /// `at`: where its arguments begin.
@@ -200,6 +201,7 @@ class CameraTranslator final : public ReadingTranslator {
     const double down_deg = 2 * std::atan(height / (2 * fy)) / kOneDegree;
     const Bottle lens = Intrinsics(reply);
     const std::string_view device = WordAt(request(), 0), what = WordAt(request(), 2);
+    if (std::optional<YarpAnswer> answer = OfFeatures(device, what)) return answer;
     if ((device == "visr" || device == "fgi") && WordAt(request(), 1) == "get") {
       const auto words = [&](auto... values) {
         return YarpAnswer{BottleOf(YarpVocab{std::string(device)}, YarpVocab{std::string(what)},
@@ -245,6 +247,31 @@ class CameraTranslator final : public ReadingTranslator {
     if (name() == "getRgbMirroringRPC")
       return Returned(ReturnCode::kDone, 1, [](YarpStructWriter& write) { write.Bool(false); });
     if (name().starts_with("set") && name().ends_with("RPC")) return Returned(ReturnCode::kNotThere);
+    return {};
+  }
+
+  /// IFrameGrabberControls: a camera here has no brightness, shutter and so on.
+  std::optional<YarpAnswer> OfFeatures(std::string_view device, std::string_view what) const {
+    if (device == "fgc") {
+      if (WordAt(request(), 1) != "has") return Fail(kNoFeatures);
+      return YarpAnswer{BottleOf(YarpVocab{"fgc"}, YarpVocab{"has"}, YarpVocab{std::string(what)},
+                                 std::int32_t{0}, std::int32_t{0}),
+                        {}};
+    }
+    for (const std::string_view call :
+         {"hasFeatureRPC", "hasOnOffRPC", "hasAutoRPC", "hasManualRPC", "hasOnePushRPC"}) {
+      if (name() == call)
+        return Returned(ReturnCode::kDone, 1, [](YarpStructWriter& write) { write.Bool(false); });
+    }
+    const auto refused = [this](std::size_t numbers) {
+      return Returned(ReturnCode::kNotThere, numbers, [numbers](YarpStructWriter& write) {
+        for (std::size_t i = 0; i < numbers; ++i) write.Double(0);
+      });
+    };
+    if (name() == "getFeature1RPC") return refused(1);
+    if (name() == "getFeature2RPC") return refused(2);
+    if (name() == "getActiveRPC")
+      return Returned(ReturnCode::kNotThere, 1, [](YarpStructWriter& write) { write.Bool(false); });
     return {};
   }
 

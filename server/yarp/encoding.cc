@@ -29,6 +29,10 @@ std::string PartyOf(std::string_view port) {
   return std::string(port);
 }
 
+YarpAsker AskerOf(const Connection& asker) {
+  return asker.trusted() ? YarpAsker::kTrusted : YarpAsker::kStranger;
+}
+
 constexpr int kAnyPort = 1;  // a hello of tcp has a port that nobody reads
 
 /// One connection that a program of YARP has made to a module.
@@ -73,12 +77,16 @@ class YarpEncoding final : public Encoding {
         return;
       case Awaited::kVersion: {
         const bool is4 = !reply.params.empty() && reply.params[0] == 4;
-        return TakeDialect(is4 ? YarpDialect::k4 : YarpDialect::k3);
+        TakeDialect(is4 ? YarpDialect::k4 : YarpDialect::k3);
+        out += YarpWelcome(reader_.carrier(), peer_, kAnyPort);
+        return;
       }
       case Awaited::kLink:
         out += LinkAnswer(reply.error == 0, reply.text);
         return;
-      case Awaited::kNothing:  // the connection ends
+      case Awaited::kEnd:  // an acknowledgement would be a welcome
+        return;
+      case Awaited::kNothing:
       case Awaited::kModule:
       case Awaited::kTranslated:
         break;
@@ -148,7 +156,7 @@ class YarpEncoding final : public Encoding {
 
   /// Nothing can be read any more.
   Incoming Refuse(const std::string& why, std::size_t consumed) {
-    wants_reply_ = false;
+    awaited_ = Awaited::kEnd;
     Incoming incoming{DecodeStatus::kFatal, consumed,
                       ErrorReply(command::kUnreadable, Error::kMalformed, why)};
     if (reader_.is_text()) incoming.answer = why + "\r\n";
@@ -163,21 +171,23 @@ class YarpEncoding final : public Encoding {
       // The other side closes this connection when it has the port.
       return {.status = DecodeStatus::kNothing,
               .consumed = input.consumed,
-              .ask = [this](const Connection&, ReplyFunction reply) {
-                network_.Accept(peer_, endpoint_.path(), std::move(reply));
+              .ask = [this](const Connection& asker, ReplyFunction reply) {
+                network_.Accept(peer_, endpoint_.path(), AskerOf(asker), std::move(reply));
               }};
     }
-    Incoming incoming{.status = DecodeStatus::kNothing,
-                      .consumed = input.consumed,
-                      .answer = YarpWelcome(reader_.carrier(), peer_, kAnyPort)};
-    // Its requests may have no numbers that show it.
+    // Its requests may have no numbers that show it. It is asked before it is welcome: a port that waits for
+    // the reply to a request answers no question.
     if (!network_.dialect() && !reader_.is_text() && peer_.starts_with('/')) {
       awaited_ = Awaited::kVersion;
-      incoming.ask = [this](const Connection&, ReplyFunction reply) {
-        network_.AskVersion(peer_, std::move(reply));
-      };
+      return {.status = DecodeStatus::kNothing,
+              .consumed = input.consumed,
+              .ask = [this](const Connection& asker, ReplyFunction reply) {
+                network_.AskVersion(peer_, AskerOf(asker), std::move(reply));
+              }};
     }
-    return incoming;
+    return {.status = DecodeStatus::kNothing,
+            .consumed = input.consumed,
+            .answer = YarpWelcome(reader_.carrier(), peer_, kAnyPort)};
   }
 
   Incoming Command(const YarpInput& input) {
@@ -220,8 +230,8 @@ class YarpEncoding final : public Encoding {
     if (!stream) return Done(LinkAnswer(false, path + " has no reading to send\r\n"));
     awaited_ = Awaited::kLink;
     return {.status = DecodeStatus::kNothing,
-            .ask = [this, to = change.to, stream](const Connection&, ReplyFunction reply) {
-              network_.Connect(endpoint_.path(), to, *stream, std::move(reply));
+            .ask = [this, to = change.to, stream](const Connection& asker, ReplyFunction reply) {
+              network_.Connect(endpoint_.path(), to, *stream, AskerOf(asker), std::move(reply));
             }};
   }
 
@@ -288,7 +298,7 @@ class YarpEncoding final : public Encoding {
   }
 
   /// What the next reply is to. Of a request, kTranslated: the translator has decoded it.
-  enum class Awaited { kNothing, kUdpPort, kVersion, kLink, kModule, kTranslated };
+  enum class Awaited { kNothing, kEnd, kUdpPort, kVersion, kLink, kModule, kTranslated };
 
   const Endpoint& endpoint_;
   YarpNetwork& network_;

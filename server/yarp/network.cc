@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "server/yarp/network.h"
 
-#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <exception>
@@ -20,16 +19,15 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 
-#include "protocol/codec.h"
 #include "protocol/command_ids.h"
 #include "server/base/mutex.h"
 #include "server/naming/name_client.h"
-#include "server/naming/name_protocol.h"
 #include "server/net/dialled.h"
 #include "server/net/io_thread.h"
 #include "server/net/unique_fd.h"
 #include "server/yarp/carrier.h"
 #include "server/yarp/stream.h"
+#include "server/yarp/target.h"
 #include "server/yarp/udp_relay.h"
 #include "server/yarp/world_interface.h"
 
@@ -50,35 +48,14 @@ struct Address {
   int port = 0;
 };
 
-/// Where a connection goes to, and how.
-struct Target {
-  std::string name;           // "/reader"
-  std::string carrier_words;  // "tcp+recv.portmonitor"
-  YarpCarrier carrier = YarpCarrier::kTcp;
-  std::string qualifiers;  // " (recv portmonitor)"
-};
-
-/// "tcp+recv.portmonitor+type.lua://reader": plug-ins of the reader are told to it after our name.
-Target ParseTarget(const std::string& text) {
-  Target target{.name = text, .carrier_words = "tcp", .qualifiers = {}};
-  if (const std::size_t colon = text.find(":/"); colon != std::string::npos && colon > 0) {
-    target.carrier_words = text.substr(0, colon);
-    target.name = NameInAddress(text);
-  }
-  if (!target.name.starts_with('/')) target.name.insert(0, 1, '/');
-  std::istringstream words(target.carrier_words);
-  std::string word;
-  std::getline(words, word, '+');
-  target.carrier = CarrierNamed(word);
-  while (std::getline(words, word, '+')) {
-    if (const std::size_t dot = word.find('.'); dot != std::string::npos) word[dot] = ' ';
-    target.qualifiers += " (" + word + ")";
-  }
-  // Whoever asks must not speak to the reader in our name.
-  if (!IsCleanUtf8(target.qualifiers) || std::any_of(target.qualifiers.begin(), target.qualifiers.end(),
-                                                     [](char c) { return c >= 0 && c < ' '; }))
-    target.carrier = YarpCarrier::kOther;
-  return target;
+/// Only programs of this machine, or of its network cable, can be there.
+bool IsInside(const asio::ip::address& address) {
+  if (address.is_v6() && address.to_v6().is_v4_mapped())
+    return IsInside(asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6()));
+  constexpr unsigned kLinkLocal = 0xa9fe;  // 169.254
+  const bool link =
+      address.is_v4() ? address.to_v4().to_uint() >> 16 == kLinkLocal : address.to_v6().is_link_local();
+  return link || address.is_loopback() || address.is_unspecified() || address.is_multicast();
 }
 
 Message Refusal(const std::string& why) {
@@ -99,24 +76,22 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
   }
 
   asio::awaitable<void> Add(asio::io_context& context, std::string from, std::string address,
-                            YarpStream stream, ReplyFunction done) {
-    const Target target = ParseTarget(address);
-    const std::string problem = co_await Open(context, from, target, stream);
+                            YarpStream stream, YarpAsker asker, ReplyFunction done) {
+    const YarpTarget target = ParseYarpTarget(address);
+    const std::string problem = co_await Open(context, from, target, stream, asker);
     Message reply;
     reply.text = "Added connection from " + from + " to " + address + "\r\n";
     done(problem.empty() ? std::move(reply) : Refusal(problem));
   }
 
   /// Returns why it cannot be.
-  asio::awaitable<std::string> Open(asio::io_context& context, const std::string& from, const Target& target,
-                                    YarpStream stream) {
-    if (target.carrier == YarpCarrier::kOther) {
-      co_return "Cannot connect to " + target.name + " by " + target.carrier_words +
-          ": use tcp, fast_tcp, udp, text or text_ack";
-    }
+  asio::awaitable<std::string> Open(asio::io_context& context, const std::string& from,
+                                    const YarpTarget& target, YarpStream stream, YarpAsker asker) {
+    if (!target.problem.empty())
+      co_return "Cannot connect to " + target.name + " by " + target.carrier_words + ": " + target.problem;
     std::string why;
     try {
-      const Address address = co_await Find(context, target.name);
+      const Address address = co_await Find(context, target.name, asker);
       if (address.port == 0) co_return "Do not know how to connect to " + target.name;
       const YarpDialect dialect =
           IsText(target.carrier) ? YarpDialect::k3 : co_await DialectOf(context, address);
@@ -146,14 +121,14 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
 
   struct Output {
     const std::string& from;
-    const Target& target;
+    const YarpTarget& target;
     YarpDialect dialect;
     YarpStream stream;
   };
 
   /// Gives the connection to the module. Returns why it cannot be.
   std::string HandOver(const Output& output, UniqueFd session, const std::string& welcome) {
-    const Target& target = output.target;
+    const YarpTarget& target = output.target;
     const std::optional<NameEntry> source = names.Find(output.from);
     if (!source || !source->adopt) return output.from + " has gone";
     links.End(output.from, target.name, YarpLink::Way::kOut);
@@ -214,7 +189,7 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
 
   /// Opens a UDP port for `sender`. Returns why it cannot be.
   std::string TakeDatagrams(asio::io_context& context, const std::string& sender, const std::string& to,
-                            std::int32_t& port) {
+                            YarpAsker asker, std::int32_t& port) {
     const std::optional<NameEntry> module = names.Find(to);
     if (!module || !module->adopt) return to + " has gone";
     UniqueFd session;
@@ -238,23 +213,27 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
     // Who has sent a datagram is not known for sure.
     PeerInfo peer{sender + " by udp", address.is_loopback()};
     module->adopt(session.Release(), YarpHello(YarpCarrier::kFastTcp, sender), std::move(peer), nullptr);
-    if (sender.starts_with('/')) {
-      asio::co_spawn(context, WatchSender(context, sender, id),
-                     [self = shared_from_this()](const std::exception_ptr& /*ended*/) {});
-    }
+    asio::co_spawn(context, WatchSender(context, sender, asker, id, relay),
+                   [self = shared_from_this()](const std::exception_ptr& /*ended*/) {});
     return {};
   }
 
   /// Datagrams do not tell that their sender has died: its port, to which nobody can connect any more, does.
-  asio::awaitable<void> WatchSender(asio::io_context& context, std::string sender, YarpLinks::Id id) {
+  /// One that has no port, or is not to be asked, must go on sending.
+  asio::awaitable<void> WatchSender(asio::io_context& context, std::string sender, YarpAsker asker,
+                                    YarpLinks::Id id, std::weak_ptr<YarpUdpRelay> datagrams) {
     asio::steady_timer timer(context);
     for (bool known = false;;) {
       timer.expires_after(kLookAfterSender);
       co_await timer.async_wait(use_awaitable);
       if (!links.Has(id)) co_return;
       try {
-        const Address address = co_await Find(context, sender);
-        if (address.port == 0 && !known) co_return;  // it has no name
+        const Address address = co_await Find(context, sender, asker);
+        if (address.port == 0 && !known) {
+          const auto relay = datagrams.lock();
+          if (relay == nullptr || relay->silent_for() >= ConnectionEnd::kDatagramSilence) break;
+          continue;
+        }
         if (address.port == 0) break;
         known = true;
         const auto dialled = Dialled::Begin(context, kProbeWithin);
@@ -266,11 +245,12 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
     links.End(id);
   }
 
-  asio::awaitable<void> TellVersion(asio::io_context& context, std::string name, ReplyFunction done) {
+  asio::awaitable<void> TellVersion(asio::io_context& context, std::string name, YarpAsker asker,
+                                    ReplyFunction done) {
     Message reply;
     reply.params = {3};
     try {
-      const Address address = co_await Find(context, name);
+      const Address address = co_await Find(context, name, asker);
       if (address.port != 0 && co_await DialectOf(context, address) == YarpDialect::k4) reply.params = {4};
     } catch (const system_error&) {
       // as old as most
@@ -280,7 +260,12 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
 
   asio::awaitable<void> Tell(asio::io_context& context, std::string from, std::string to, bool connects) {
     try {
-      const Address source = co_await Find(context, from), reader = co_await Find(context, to);
+      // Whoever has subscribed is not known here.
+      const std::optional<NameEntry> own = Own(from);
+      Address source;
+      if (own) source = {options.own_ip, own->port};  // co_await within ?: frees twice, with GCC 12
+      if (!own) source = co_await Find(context, from, YarpAsker::kStranger);
+      const Address reader = co_await Find(context, to, YarpAsker::kStranger);
       if (source.port == 0 || (connects && reader.port == 0)) co_return;
       const std::string request = connects ? "[add] \"tcp:/" + to + "\"" : "[del] \"" + to + "\"";
       const auto dialled = Dialled::Begin(context, kConnectWithin);
@@ -293,12 +278,20 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
     }
   }
 
-  /// Port 0: nobody has that name.
-  asio::awaitable<Address> Find(asio::io_context& context, const std::string& name) {
+  /// A name of ours.
+  std::optional<NameEntry> Own(const std::string& name) const {
+    const std::optional<NameEntry> entry = names.Find(name);
+    return entry && !entry->external ? entry : std::nullopt;
+  }
+
+  /// Where another program is. Port 0: nobody has that name, or it is not to be connected with. The daemon
+  /// itself is not: it would seem to be a program of this machine. In our own table each name has an address
+  /// that it may have (NameTable::Register()). At another name server anybody may have registered anything.
+  asio::awaitable<Address> Find(asio::io_context& context, const std::string& name, YarpAsker asker) {
+    if (Own(name) || !NameProblem(name).empty()) co_return Address{};
     if (options.server.empty()) {
       const std::optional<NameEntry> entry = names.Find(name);
-      if (!entry) co_return Address{};
-      co_return Address{entry->ip.empty() ? options.own_ip : entry->ip, entry->port};
+      co_return entry ? Address{entry->ip, entry->port} : Address{};
     }
     Address server;
     if (!NameClient::ParseServer(options.server, server.host, server.port).empty()) co_return Address{};
@@ -311,7 +304,11 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
     Address found;
     words >> word;
     if (word == "registration") words >> word >> word >> word >> found.host >> word >> found.port;
-    co_return words ? found : Address{};
+    if (!words) co_return Address{};
+    boost::system::error_code no_number;
+    const auto address = asio::ip::make_address(found.host, no_number);
+    const bool may = asker == YarpAsker::kTrusted || (!no_number && !IsInside(address));
+    co_return may ? found : Address{};
   }
 
   /// YARP 3 and 4 answer `[pid]` differently. Whoever says nothing has version 3.
@@ -348,10 +345,10 @@ YarpNetwork::~YarpNetwork() {
 }
 
 void YarpNetwork::Connect(const std::string& from, const std::string& target, YarpStream stream,
-                          ReplyFunction done) {
+                          YarpAsker asker, ReplyFunction done) {
   asio::io_context* const context = impl_->Context();
   if (context == nullptr) return done(Refusal("the daemon is stopping"));
-  asio::co_spawn(*context, impl_->Add(*context, from, target, stream, std::move(done)),
+  asio::co_spawn(*context, impl_->Add(*context, from, target, stream, asker, std::move(done)),
                  [impl = impl_](const std::exception_ptr& thrown) {
                    if (thrown) std::rethrow_exception(thrown);  // the thread logs it
                  });
@@ -366,19 +363,20 @@ void YarpNetwork::NoteRefused(const std::string& port, const std::string& sender
                       why);
 }
 
-void YarpNetwork::AskVersion(const std::string& name, ReplyFunction done) {
+void YarpNetwork::AskVersion(const std::string& name, YarpAsker asker, ReplyFunction done) {
   asio::io_context* const context = impl_->Context();
   if (context == nullptr) return done(Refusal("the daemon is stopping"));
-  asio::co_spawn(*context, impl_->TellVersion(*context, name, std::move(done)), asio::detached);
+  asio::co_spawn(*context, impl_->TellVersion(*context, name, asker, std::move(done)), asio::detached);
 }
 
-void YarpNetwork::Accept(const std::string& sender, const std::string& to, ReplyFunction done) {
+void YarpNetwork::Accept(const std::string& sender, const std::string& to, YarpAsker asker,
+                         ReplyFunction done) {
   asio::io_context* const context = impl_->Context();
   if (context == nullptr) return done(Refusal("the daemon is stopping"));
-  asio::post(*context, [impl = impl_, context, sender, to, done = std::move(done)] {
+  asio::post(*context, [impl = impl_, context, sender, to, asker, done = std::move(done)] {
     Message reply;
     reply.params = {0};
-    const std::string problem = impl->TakeDatagrams(*context, sender, to, reply.params[0]);
+    const std::string problem = impl->TakeDatagrams(*context, sender, to, asker, reply.params[0]);
     done(problem.empty() ? reply : Refusal("Cannot take datagrams: " + problem));
   });
 }

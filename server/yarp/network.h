@@ -20,6 +20,12 @@ namespace coopdyn {
 
 class YarpMadeThings;
 
+/// Whoever makes the daemon open a connection.
+enum class YarpAsker {
+  kTrusted,   // a program on this machine
+  kStranger,  // is not connected with what only this machine reaches
+};
+
 struct YarpNetworkOptions {
   std::string server;                  // HOST:PORT of the name server; empty: the table has the names
   std::string own_ip;                  // of names in the table without an address
@@ -43,14 +49,15 @@ class YarpNetwork {
 
   /// Connects `from`, which is in the table, to `target`: "tcp://reader", or "/reader" for tcp. It replaces a
   /// connection between the two. `done` gets what YARP's programs want to read: without error that it was
-  /// added; on the network's thread, or at once.
-  void Connect(const std::string& from, const std::string& target, YarpStream stream, ReplyFunction done);
+  /// added; on the network's thread, or at once. `asker`: for whom; see Find() of the implementation.
+  void Connect(const std::string& from, const std::string& target, YarpStream stream, YarpAsker asker,
+               ReplyFunction done);
   /// Takes datagrams of `sender` for our port `to`. It replaces another such connection of the two. `done`
   /// gets the number of the UDP port in its params, as for Connect().
-  void Accept(const std::string& sender, const std::string& to, ReplyFunction done);
-  /// Asks the port `name`, which has connected to one of ours, for its version of YARP: `done` gets it, 3 or
-  /// 4, in its params, as for Connect().
-  void AskVersion(const std::string& name, ReplyFunction done);
+  void Accept(const std::string& sender, const std::string& to, YarpAsker asker, ReplyFunction done);
+  /// Asks the port `name`, which connects to one of ours, for its version of YARP: `done` gets it, 3 or 4, in
+  /// its params, as for Connect().
+  void AskVersion(const std::string& name, YarpAsker asker, ReplyFunction done);
   /// Tells whoever has the port `from` to connect to `to`, or to do so no longer, as a name server does for
   /// subscriptions.
   void Tell(const std::string& from, const std::string& to, bool connects);

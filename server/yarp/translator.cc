@@ -45,8 +45,7 @@ class ClockTranslator final : public YarpTranslator {
   Bottle AnswerOf(const Message& reply) const {
     if (call_ == nullptr && reply.text.starts_with("the calls are"))
       return BottleOf(YarpVocab{"many"}, reply.text);
-    if (call_ != nullptr && call_->reply == Answer::kNone) return BottleOf(YarpVocab{"done"});
-    if (reply.error != 0) return BottleOf(YarpVocab{"fail"}, reply.text, reply.error);
+    if (call_ == nullptr || reply.error != 0) return BottleOf(YarpVocab{"fail"}, reply.text, reply.error);
     const std::size_t size = reply.data.size();
     switch (call_->reply) {
       case Answer::kTime:
@@ -54,6 +53,7 @@ class ClockTranslator final : public YarpTranslator {
       case Answer::kStepLength:
         return size < 3 ? Bottle() : BottleOf(reply.data[size - 3]);
       case Answer::kNone:
+        return BottleOf(YarpVocab{"done"});
       case Answer::kEmpty:
         break;
     }

@@ -3,6 +3,7 @@
 // sockets goes out, and what comes in goes to it. Its thread only.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 
@@ -29,6 +30,10 @@ class YarpUdpRelay final : public std::enable_shared_from_this<YarpUdpRelay> {
   /// Runs until the session closes its end, or nobody listens any more; then calls `on_end`.
   void Start(std::function<void()> on_end);
   void Close();
+  /// Since the last datagram, or since the beginning.
+  std::chrono::steady_clock::duration silent_for() const {
+    return std::chrono::steady_clock::now() - heard_at_;
+  }
 
  private:
   YarpUdpRelay(boost::asio::io_context& context, boost::asio::ip::udp::socket datagrams, Direction direction);
@@ -41,6 +46,7 @@ class YarpUdpRelay final : public std::enable_shared_from_this<YarpUdpRelay> {
   boost::asio::local::stream_protocol::socket stream_;
   const Direction direction_;
   std::function<void()> on_end_;
+  std::chrono::steady_clock::time_point heard_at_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace coopdyn

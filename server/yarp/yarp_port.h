@@ -37,19 +37,19 @@ class ModuleAlias final : public Endpoint {
 /// Opened and destroyed on one thread, before the module; its connections live on the module's.
 class YarpPort {
  public:
-  /// Listens on any free port of `addresses` and lists `name`. Null: that is no port of the module, it is
+  /// Listens on any free port of `addresses` and lists `name`, which is a port of the module. Null: it is
   /// there already, or no port is free.
   static std::unique_ptr<YarpPort> Open(const std::string& name, Endpoint& module,
                                         const std::vector<std::string>& addresses, IoThread& io,
                                         NetServices& net, NameTable& names) {
-    const auto parsed = ParseYarpPortName(name);
-    if (!parsed || !HasYarpPort(*parsed, name, module.path(), module.table())) return nullptr;
     std::unique_ptr<YarpPort> port(new YarpPort(name, module, io, net, names));
     const std::string error = port->port_.Open(addresses, 0);
     if (error.empty()) return port;
-    net.logger()->warn("{}", error);
+    net.LogExhausted(error);
     return nullptr;
   }
+  /// Any thread.
+  std::size_t session_count() const { return port_.session_count(); }
   /// Closes its connections with this notice.
   void Close(const std::string& notice) { port_.Close(notice); }
 

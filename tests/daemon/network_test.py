@@ -145,7 +145,7 @@ class StrangerScenes(unittest.TestCase):
             for line in ("unregister /mine", "set /mine key value", "register /mine tcp 127.0.0.1 6"):
                 self.assertIn("*** refused", ask(OUTER, line), line)
             self.assertIn("port 5", ask(OUTER, "query /mine"))
-            ask(OUTER, "register /theirs tcp 127.0.0.1 7")
+            ask(OUTER, f"register /theirs tcp {OUTER} 7")
             self.assertNotIn("refused", ask("127.0.0.1", "unregister /theirs"))
 
     def scene_robots(self):

@@ -49,6 +49,17 @@ class MistakeTest(unittest.TestCase):
                 self.assertNotEqual(daemon.names[1], int(port))
                 self.assertNotIn(":" + port, daemon.http)
 
+    def test_channels_take_no_port_of_the_daemons_own(self):
+        for options in (("--port", "14000", "--channel-port", "14000"), ("--port", "14000", "--channel-port", "14001"),
+                        ("--port", "14000", "--channel-port", "15999"), ("--port", "0", "--name-port", "14000", "--channel-port", "14000"),
+                        ("--port", "0", "--http-port", "14001", "--channel-port", "14001")):
+            done = run("serve", "classroom", *options)
+            self.assertNotEqual(done.returncode, 0, options)
+            self.assertEqual(done.stdout, b"")
+            said = done.stderr.decode()
+            self.assertRegex(said, r"--channel-port \d+ is one of the daemon's own", options)
+            self.assertIn("write another one", said)
+
     def test_a_missing_file_is_one_line(self):
         done = run("serve", "no_such_scenario", "--port", "0")
         self.assertEqual(done.returncode, 1)

@@ -98,6 +98,14 @@ class YarpClockTest(unittest.TestCase):
             self.assertRegex(self.ask(clock, "stepSimulation many"), "^.fail. .*as in stepSimulation 10")
             self.assertRegex(self.ask(clock, "explode"), "^.fail. .*there is no such call: pauseSimulation, ")
 
+    def test_a_refused_call_fails_in_words(self):
+        with Daemon(scenario(1, mode="realtime"), "--read-only") as daemon:
+            clock = self.talk(daemon, registration(daemon, "/clock/rpc"))
+            for call in ("pauseSimulation", "continueSimulation", "stepSimulation 3", "stepSimulationAndWait", "resetSimulation",
+                         "resetSimulationTime", "resetSimulationState"):
+                self.assertRegex(self.ask(clock, call), "^.fail. .*--read-only", call)
+            self.assertEqual(self.ask(clock, "getStepSize"), "0.01")
+
     def test_the_name_server_answers_as_a_port(self):
         with Daemon(scenario(1)) as daemon:
             names = self.talk(daemon, daemon.names)

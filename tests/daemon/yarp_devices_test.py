@@ -28,9 +28,11 @@ def numbers(*values):
 class Program:
     """A port of a program that is connected to one of ours, by tcp."""
 
-    def __init__(self, daemon, port, name):
+    def __init__(self, daemon, port, name, peer=None):
         self.connection = daemon.keep(Connection(registration(daemon, port)))
         self.connection.write(HEADER.pack(b"YA", 7777 + 3 + 128, b"RP") + struct.pack("<i", len(name) + 1) + name.encode() + b"\0")
+        if peer is not None:
+            peer.answer_probe()  # it is asked for its version first
         assert self.connection.read_exactly(8)[:2] == b"YA"
 
     @staticmethod
@@ -154,8 +156,7 @@ class YarpDevicesTest(YarpPorts, unittest.TestCase):
     def test_a_program_of_yarp_4_gets_its_numbers_though_it_sends_none(self):
         with Daemon(scenario(1)) as daemon:
             peer = Reader(daemon, "/ctl/rpc:o", 4)
-            program = Program(daemon, "/robot1/pose", "/ctl/rpc:o")
-            peer.answer_probe()
+            program = Program(daemon, "/robot1/pose", "/ctl/rpc:o", peer)
             reply = program.ask(8 + 8 + 7 * 12, struct.pack("<ii8s", 4, 8, b"get_pose"))
             self.assertEqual(struct.unpack_from("<i", reply, 16), (20,))
 
@@ -270,8 +271,7 @@ class YarpDevicesTest(YarpPorts, unittest.TestCase):
         for version, size, code in ((3, 40, struct.pack("<ii", 1, 0)), (4, 48, struct.pack("<ii", 256, 1) + word("ok"))):
             with self.subTest(version), self.sampler() as daemon:
                 peer = Reader(daemon, "/ctl/rpc:o", version)
-                program = Program(daemon, "/r/lidar/rpc:i", "/ctl/rpc:o")
-                peer.answer_probe()
+                program = Program(daemon, "/r/lidar/rpc:i", "/ctl/rpc:o", peer)
                 reply = program.ask(size, struct.pack("<ii13s", 4, 13, b"getScanLimits"), word("RPC"))
                 self.assertEqual(reply[:8 + len(code)], struct.pack("<ii", 256, 3) + code)
 

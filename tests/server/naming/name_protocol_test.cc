@@ -38,7 +38,7 @@ TEST_F(NameProtocolTest, QueriesAnOwnName) {
 TEST_F(NameProtocolTest, ANameMayBeOpenedWhenItIsAskedFor) {
   std::vector<std::string> asked;
   NameHooks hooks;
-  hooks.open = [&](const std::string& name) {
+  hooks.open = [&](const std::string& name, const std::string& /*asker*/) {
     asked.push_back(name);
     if (name == "/robot1/pose/state:o") table_.AddOwn(name, 40001, nullptr, NameKind::kAlias);
   };
@@ -49,6 +49,27 @@ TEST_F(NameProtocolTest, ANameMayBeOpenedWhenItIsAskedFor) {
   EXPECT_EQ(Ask("query /nope"), kEnd);
   Ask("query /robot1/motors");
   EXPECT_EQ(asked, (std::vector<std::string>{"/robot1/pose/state:o", "/nope"}));
+}
+
+TEST_F(NameProtocolTest, ANameThatMayBeOpenedIsNobodyElses) {
+  NameHooks hooks;
+  hooks.open = [&](const std::string& name, const std::string& /*asker*/) {
+    if (name == "/robot1/pose/state:o") table_.AddOwn(name, 40001, nullptr, NameKind::kAlias);
+  };
+  ASSERT_EQ(table_.Register("/robot1/pose/state:o", "tcp", "127.0.0.1", 5, {"127.0.0.1"}).refused, "");
+  context_.hooks = &hooks;
+  EXPECT_THAT(Ask("query /robot1/pose/state:o"), HasSubstr("port 40001"));
+  table_.RemoveOwn("/robot1/pose/state:o");
+  EXPECT_THAT(Ask("register /robot1/pose/state:o tcp 127.0.0.1 5"), HasSubstr("is a name of the daemon"));
+}
+
+TEST_F(NameProtocolTest, WhoeverIsAskedForIsInUse) {
+  context_.now = 7;
+  Ask("query /robot1/motors");
+  EXPECT_EQ(table_.Find("/robot1/motors")->used, 7);
+  context_.now = 8;
+  Ask("bot query /robot1/motors");
+  EXPECT_EQ(table_.Find("/robot1/motors")->used, 8);
 }
 
 TEST_F(NameProtocolTest, AnUnknownNameGetsTheEndLineAlone) {

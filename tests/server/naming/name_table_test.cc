@@ -59,6 +59,19 @@ TEST(NameTable, KnowsTheNearestName) {
 
 const NameAsker kAna{"10.0.0.7", 0}, kBen{"10.0.0.8", 0}, kHere{"127.0.0.1", 0};
 
+TEST(NameTableStrangers, RegisterTheirOwnAddressAlone) {
+  NameTable table;
+  for (const char* const address :
+       {"127.0.0.1", "localhost", "::1", "0.0.0.0", "10.0.0.8", "10.0.0.70", "ana.example"}) {
+    EXPECT_THAT(table.Register("/evil", "tcp", address, 5, kAna).refused,
+                testing::HasSubstr("its own address alone: write 10.0.0.7"))
+        << address;
+  }
+  EXPECT_EQ(table.Register("/a", "tcp", "10.0.0.7", 5, kAna).refused, "");
+  EXPECT_EQ(table.Register("/b", "", "", 0, kAna).entry.ip, "10.0.0.7");
+  EXPECT_EQ(table.Register("/c", "tcp", "10.0.0.8", 5, kHere).refused, "");
+}
+
 TEST(NameTableStrangers, OnlyItsRegistrarAndThisMachineChangeAName) {
   NameTable table;
   ASSERT_EQ(table.Register("/ana", "tcp", "", 5, kAna).refused, "");

@@ -16,7 +16,7 @@ using ::testing::StartsWith;
 class NameTalkTest : public ::testing::Test {
  protected:
   NameTalkTest() {
-    hooks_.open = [](const std::string&) {};
+    hooks_.open = [](const std::string&, const std::string&) {};
     hooks_.connect = [this](const Subscription& each, bool connects) {
       told_.push_back((connects ? "+" : "-") + each.from + " " + each.to);
     };

@@ -130,12 +130,12 @@ TEST(NetServicesTest, ExhaustionIsLoggedOnceUntilItHasBeenOverForAMinute) {
     return std::count(text.begin(), text.end(), '\n');
   };
   for (int i = 0; i < 200; ++i) {  // it comes and goes for longer than a minute
-    services.LogExhausted(EMFILE);
+    services.LogExhausted("cannot accept connections for now");
     clock.Advance(kNanosecondsPerSecond);
   }
   EXPECT_EQ(lines(), 1);
   clock.Advance(59 * kNanosecondsPerSecond);
-  services.LogExhausted(EMFILE);
+  services.LogExhausted("cannot accept connections for now");
   EXPECT_EQ(lines(), 2);
   EXPECT_THAT(log.str(), HasSubstr("raise `ulimit -n`"));
 }

@@ -214,6 +214,14 @@ TEST_F(BoardTest, FailsAsARealOneAndSaysWhy) {
   EXPECT_TRUE(told_.empty());
 }
 
+TEST_F(BoardTest, ResetsAPidThatHasNothingToBeReset) {
+  EXPECT_EQ(Text("set pid res pos 0"), "[ok]");
+  EXPECT_TRUE(told_.empty());
+  EXPECT_THAT(Text("get pid res pos 0"), StartsWith("[fail] \"of a PID"));
+  EXPECT_THAT(Text("set pid res trq 0"), StartsWith("[fail] \"the servo for positions is the only PID"));
+  EXPECT_THAT(Text("set pid res pos 9"), StartsWith("[fail] \"there is no joint 9"));
+}
+
 TEST_F(BoardTest, SaysWhyTheModuleRefuses) {
   answer_ = ErrorReply(command::kSetPositions, Error::kOwned, "robot1 is driven by ana");
   EXPECT_EQ(Text("set pos 0 1"), "[fail] \"robot1 is driven by ana\"");

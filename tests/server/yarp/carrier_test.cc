@@ -44,7 +44,7 @@ TEST(YarpCarrier, AHelloNamesCarrierAndSender) {
       {Hex("'YA' e11e0000 'RP' 06000000 '/c3/w_'"), YarpCarrier::kUdp},
       {"CONNECT /c3/w\r\n", YarpCarrier::kText},
       {"CONNACK /c3/w\n", YarpCarrier::kTextAck},
-      {"CONNECT /c3/w (recv portmonitor) (type lua)\r\n", YarpCarrier::kText},
+      {"CONNECT /c3/w (send portmonitor) (type lua)\r\n", YarpCarrier::kText},
   };
   for (const auto& [bytes, carrier] : kHellos) {
     YarpReader reader;
@@ -55,6 +55,16 @@ TEST(YarpCarrier, AHelloNamesCarrierAndSender) {
     EXPECT_EQ(hello.text, "/c3/w");
     EXPECT_EQ(hello.consumed, bytes.size());
     EXPECT_EQ(reader.carrier(), carrier);
+  }
+}
+
+TEST(YarpCarrier, APlugInThatWouldRunHereIsRefused) {
+  for (const YarpCarrier carrier : {YarpCarrier::kTcp, YarpCarrier::kFastTcp, YarpCarrier::kUdp,
+                                    YarpCarrier::kText, YarpCarrier::kTextAck}) {
+    YarpReader reader;
+    const YarpInput hello = reader.Next(YarpHello(carrier, "/me (recv portmonitor) (type dll)"));
+    EXPECT_EQ(hello.kind, Kind::kBroken);
+    EXPECT_THAT(hello.text, testing::HasSubstr("connect without +recv"));
   }
 }
 
@@ -149,7 +159,7 @@ TEST(YarpCarrier, WhoOpensAConnectionSaysItsName) {
                                     YarpCarrier::kText, YarpCarrier::kTextAck}) {
     EXPECT_EQ(CarrierNamed(CarrierName(carrier)), carrier);
     YarpReader reader;
-    EXPECT_EQ(reader.Next(YarpHello(carrier, "/me (recv portmonitor)")).text, "/me");
+    EXPECT_EQ(reader.Next(YarpHello(carrier, "/me (send portmonitor)")).text, "/me");
     EXPECT_EQ(reader.carrier(), carrier);
     const std::string welcome = YarpWelcome(carrier, "/me", 11064);
     EXPECT_EQ(WelcomeBytes(carrier, welcome + "more"), welcome.size());

@@ -216,6 +216,16 @@ TEST_F(CameraRpcTest, OtherRequestsAreToldWhichThereAre) {
   }
 }
 
+TEST_F(CameraRpcTest, HasNoFeatureAndTellsNone) {
+  EXPECT_EQ(Text("[fgc] [has] [feat] 0"), "[fgc] [has] [feat] 0 0");
+  for (const char* const request : {"[fgc] [get] [feat] 0", "[fgc] [set] [feat] 0 0.5", "[fgc] [get] [camd]"})
+    EXPECT_THAT(Text(request), StartsWith("[fail] \"this camera has no features")) << request;
+  Ask("getRemoteProtocolVersion");  // YARP 4
+  EXPECT_EQ(Text("hasFeatureRPC 0"), "([ok]) [fail]");
+  EXPECT_EQ(Text("getFeature1RPC 0"), "([err2]) 0.0");
+  EXPECT_EQ(Text("getFeature2RPC 0"), "([err2]) 0.0 0.0");
+}
+
 TEST_F(CameraRpcTest, FailsWithoutASize) {
   reading_.data.erase(reading_.data.begin(), reading_.data.begin() + 3);  // eight numbers
   EXPECT_THAT(Text("[visr] [get] [w]"), StartsWith("[fail]"));

@@ -171,6 +171,7 @@ TEST(YarpEncoding, AdministrationIsAnswered) {
   EXPECT_EQ(talk("a\r\n[list] [out] \"/x\"\r\n"), "\r\n<ACK>\r\n");
   EXPECT_THAT(talk("a\r\n[del] \"/x\"\r\n"), StartsWith("-1 \"Could not find an outgoing connection to /x"));
   EXPECT_THAT(talk("a\r\n[prop] [get] /robot1/motors\r\n"), HasSubstr("(is_rpc 1)"));
+  EXPECT_THAT(talk("a\r\n[prop] [set] /robot1/motors (qos ((priority HIGH)))\r\n"), StartsWith("[fail] "));
   EXPECT_THAT(talk("a\r\nwhat\r\n"), StartsWith("[fail] "));
   EXPECT_THAT(talk("*\r\n"), StartsWith("This is /robot1/motors"));
   EXPECT_THAT(talk("?\r\n"), HasSubstr("d    then a request"));

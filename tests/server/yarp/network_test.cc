@@ -25,7 +25,7 @@ Message AnswerAt(const std::string& address) {
       [](int fd, const std::string&, const PeerInfo&, const std::unique_ptr<Encoding>&) { ::close(fd); });
   std::promise<Message> answer;
   YarpNetwork network(names, spdlog::default_logger(), {{}, "127.0.0.1", address, {}});
-  network.Accept("/sender", "/robot1/motors",
+  network.Accept("/sender", "/robot1/motors", YarpAsker::kTrusted,
                  [&answer](Message message) { answer.set_value(std::move(message)); });
   return answer.get_future().get();
 }

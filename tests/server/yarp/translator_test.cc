@@ -52,12 +52,14 @@ TEST_F(ClockTranslatorTest, RepliesAreThoseOfTheCalls) {
   EXPECT_EQ(Answer(Clock()), "0.01");
 }
 
-TEST_F(ClockTranslatorTest, WhatGoesWrongIsToldUnlessNobodyListens) {
+TEST_F(ClockTranslatorTest, WhatGoesWrongIsTold) {
   const Message refusal = ErrorReply(command::kStep, Error::kNotPossible, "time runs: pause first");
   Request("stepSimulationAndWait 1");
   EXPECT_EQ(Answer(refusal), "[fail] \"time runs: pause first\" 5");
-  Request("stepSimulation 1");
-  EXPECT_EQ(Answer(refusal), "[done]");
+  for (const char* const call : {"stepSimulation 1", "pauseSimulation", "continueSimulation"}) {
+    Request(call);
+    EXPECT_EQ(Answer(refusal), "[fail] \"time runs: pause first\" 5") << call;
+  }
 }
 
 TEST_F(ClockTranslatorTest, OtherCallsAreRefused) {
