@@ -2,10 +2,14 @@
 #include "server/geometry/mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <numeric>
 #include <set>
 #include <utility>
+#include <vector>
 
 namespace coopdyn {
 
@@ -87,7 +91,18 @@ class HullBuilder {
   /// False if the points lie in a plane.
   bool Build() {
     if (!Start()) return false;
-    for (std::uint32_t i = 0; i < points_.size(); ++i) Include(i);
+    std::vector<std::uint32_t> left(points_.size());
+    std::iota(left.begin(), left.end(), 0u);
+    std::erase_if(left, [this](std::uint32_t point) {
+      return std::ranges::any_of(faces_,
+                                 [point](const auto& f) { return std::ranges::find(f, point) != f.end(); });
+    });
+    // Points that cannot be included now are tried again when others have been. In the end they lie as close
+    // to the hull as rounding tells.
+    for (std::size_t before = 0; before != left.size();) {
+      before = left.size();
+      std::erase_if(left, [this](std::uint32_t point) { return Include(point); });
+    }
     return true;
   }
   const std::vector<MeshData::Triangle>& faces() const { return faces_; }
@@ -125,23 +140,68 @@ class HullBuilder {
     return true;
   }
 
-  void Include(std::uint32_t point) {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
-    std::vector<MeshData::Triangle> kept;
-    for (const auto& face : faces_) {
-      if (Height(face, points_[point]) <= tolerance_) {
-        kept.push_back(face);
-        continue;
+  using Edge = std::pair<std::uint32_t, std::uint32_t>;
+
+  static std::array<Edge, 3> EdgesOf(const MeshData::Triangle& f) {
+    return {Edge{f[0], f[1]}, Edge{f[1], f[2]}, Edge{f[2], f[0]}};
+  }
+
+  /// The faces that the point lies above and that hang together with the one that it lies highest above.
+  std::set<std::size_t> Below(std::uint32_t point) const {
+    std::map<Edge, std::size_t> face_at;  // of faces that the point lies above
+    std::size_t highest = faces_.size();
+    double most = tolerance_;
+    for (std::size_t i = 0; i < faces_.size(); ++i) {
+      const double height = Height(faces_[i], points_[point]);
+      if (!(height > tolerance_)) continue;
+      for (const Edge& edge : EdgesOf(faces_[i])) face_at.emplace(edge, i);
+      if (height > most) {
+        most = height;
+        highest = i;
       }
-      for (std::size_t i = 0; i < 3; ++i) edges.emplace_back(face[i], face[(i + 1) % 3]);
     }
-    if (edges.empty()) return;
+    std::set<std::size_t> found;
+    for (std::vector<std::size_t> next = {highest}; !next.empty();) {
+      const std::size_t face = next.back();
+      next.pop_back();
+      if (face == faces_.size() || !found.insert(face).second) continue;
+      for (const auto& [from, to] : EdgesOf(faces_[face])) {
+        if (const auto beside = face_at.find({to, from}); beside != face_at.end())
+          next.push_back(beside->second);
+      }
+    }
+    return found;
+  }
+
+  /// False if the faces below the point are no disc, as only rounding makes them: a hull with one more point
+  /// would have holes, and ever more faces.
+  bool Include(std::uint32_t point) {
+    const std::set<std::size_t> below = Below(point);
+    if (below.empty()) return true;
+    std::vector<Edge> edges, rim;
+    std::set<std::uint32_t> corners, starts;
+    for (const std::size_t face : below) {
+      for (const Edge& edge : EdgesOf(faces_[face])) {
+        edges.push_back(edge);
+        corners.insert(edge.first);
+      }
+    }
     // The rim: edges that are not shared by two faces that go.
-    for (const auto& edge : edges) {
-      if (std::ranges::find(edges, std::pair(edge.second, edge.first)) == edges.end())
-        kept.push_back({edge.first, edge.second, point});
+    for (const Edge& edge : edges) {
+      if (std::ranges::find(edges, Edge(edge.second, edge.first)) != edges.end()) continue;
+      rim.push_back(edge);
+      starts.insert(edge.first);
     }
+    // Euler's formula: corners - edges + faces = 1; each edge but those of the rim was met twice.
+    const std::size_t edge_count = (edges.size() + rim.size()) / 2;
+    if (corners.size() + below.size() != edge_count + 1 || starts.size() != rim.size()) return false;
+    std::vector<MeshData::Triangle> kept;
+    for (std::size_t i = 0; i < faces_.size(); ++i) {
+      if (!below.contains(i)) kept.push_back(faces_[i]);
+    }
+    for (const auto& [from, to] : rim) kept.push_back({from, to, point});
     faces_ = std::move(kept);
+    return true;
   }
 
   std::span<const Vector3> points_;
