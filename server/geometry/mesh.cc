@@ -2,11 +2,9 @@
 #include "server/geometry/mesh.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 #include <numbers>
-#include <numeric>
+#include <random>
 #include <set>
 #include <utility>
 #include <vector>
@@ -84,25 +82,25 @@ std::vector<Vector3> Furthest(std::span<const Vector3> points) {
   return found;
 }
 
+/// Moves each point by up to `far`, so that no four lie in a plane but for rounding, which would make a hull
+/// of folds and holes: Barber, Dobkin, Huhdanpaa, "The Quickhull Algorithm for Convex Hulls", 1996, section 5
+/// (joggled input).
+void Joggle(std::vector<Vector3>& points, double far) {
+  std::mt19937 bits(1);
+  constexpr double kHalf = 0x1p31;
+  for (Vector3& p : points) {
+    for (double& x : p) x += far * (static_cast<double>(bits()) / kHalf - 1);
+  }
+}
+
 class HullBuilder {
  public:
-  explicit HullBuilder(std::span<const Vector3> points) : points_(points) {}
+  explicit HullBuilder(std::span<const Vector3> points) : points_(points.begin(), points.end()) {}
 
   /// False if the points lie in a plane.
   bool Build() {
     if (!Start()) return false;
-    std::vector<std::uint32_t> left(points_.size());
-    std::iota(left.begin(), left.end(), 0u);
-    std::erase_if(left, [this](std::uint32_t point) {
-      return std::ranges::any_of(faces_,
-                                 [point](const auto& f) { return std::ranges::find(f, point) != f.end(); });
-    });
-    // Points that cannot be included now are tried again when others have been. In the end they lie as close
-    // to the hull as rounding tells.
-    for (std::size_t before = 0; before != left.size();) {
-      before = left.size();
-      std::erase_if(left, [this](std::uint32_t point) { return Include(point); });
-    }
+    for (std::uint32_t i = 0; i < points_.size(); ++i) Include(i);
     return true;
   }
   const std::vector<MeshData::Triangle>& faces() const { return faces_; }
@@ -132,7 +130,8 @@ class HullBuilder {
         furthest([&](const Vector3& p) { return std::abs((p - points_[a]).dot(normal)); });
     constexpr double kFlat = 1e-4;
     if (!(std::abs((points_[d] - points_[a]).dot(normal)) > kFlat * size)) return false;
-    tolerance_ = 1e-9 * size;
+    tolerance_ = 1e-12 * size;
+    Joggle(points_, 1e-6 * size);
     faces_ = {{a, b, c}, {a, c, d}, {a, d, b}, {b, d, c}};
     if ((points_[d] - points_[a]).dot(normal) > 0) {
       for (auto& face : faces_) std::swap(face[1], face[2]);
@@ -140,71 +139,26 @@ class HullBuilder {
     return true;
   }
 
-  using Edge = std::pair<std::uint32_t, std::uint32_t>;
-
-  static std::array<Edge, 3> EdgesOf(const MeshData::Triangle& f) {
-    return {Edge{f[0], f[1]}, Edge{f[1], f[2]}, Edge{f[2], f[0]}};
-  }
-
-  /// The faces that the point lies above and that hang together with the one that it lies highest above.
-  std::set<std::size_t> Below(std::uint32_t point) const {
-    std::map<Edge, std::size_t> face_at;  // of faces that the point lies above
-    std::size_t highest = faces_.size();
-    double most = tolerance_;
-    for (std::size_t i = 0; i < faces_.size(); ++i) {
-      const double height = Height(faces_[i], points_[point]);
-      if (!(height > tolerance_)) continue;
-      for (const Edge& edge : EdgesOf(faces_[i])) face_at.emplace(edge, i);
-      if (height > most) {
-        most = height;
-        highest = i;
-      }
-    }
-    std::set<std::size_t> found;
-    for (std::vector<std::size_t> next = {highest}; !next.empty();) {
-      const std::size_t face = next.back();
-      next.pop_back();
-      if (face == faces_.size() || !found.insert(face).second) continue;
-      for (const auto& [from, to] : EdgesOf(faces_[face])) {
-        if (const auto beside = face_at.find({to, from}); beside != face_at.end())
-          next.push_back(beside->second);
-      }
-    }
-    return found;
-  }
-
-  /// False if the faces below the point are no disc, as only rounding makes them: a hull with one more point
-  /// would have holes, and ever more faces.
-  bool Include(std::uint32_t point) {
-    const std::set<std::size_t> below = Below(point);
-    if (below.empty()) return true;
-    std::vector<Edge> edges, rim;
-    std::set<std::uint32_t> corners, starts;
-    for (const std::size_t face : below) {
-      for (const Edge& edge : EdgesOf(faces_[face])) {
-        edges.push_back(edge);
-        corners.insert(edge.first);
-      }
-    }
-    // The rim: edges that are not shared by two faces that go.
-    for (const Edge& edge : edges) {
-      if (std::ranges::find(edges, Edge(edge.second, edge.first)) != edges.end()) continue;
-      rim.push_back(edge);
-      starts.insert(edge.first);
-    }
-    // Euler's formula: corners - edges + faces = 1; each edge but those of the rim was met twice.
-    const std::size_t edge_count = (edges.size() + rim.size()) / 2;
-    if (corners.size() + below.size() != edge_count + 1 || starts.size() != rim.size()) return false;
+  void Include(std::uint32_t point) {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
     std::vector<MeshData::Triangle> kept;
-    for (std::size_t i = 0; i < faces_.size(); ++i) {
-      if (!below.contains(i)) kept.push_back(faces_[i]);
+    for (const auto& face : faces_) {
+      if (Height(face, points_[point]) <= tolerance_) {
+        kept.push_back(face);
+        continue;
+      }
+      for (std::size_t i = 0; i < 3; ++i) edges.emplace_back(face[i], face[(i + 1) % 3]);
     }
-    for (const auto& [from, to] : rim) kept.push_back({from, to, point});
+    if (edges.empty()) return;
+    // The rim: edges that are not shared by two faces that go.
+    for (const auto& edge : edges) {
+      if (std::ranges::find(edges, std::pair(edge.second, edge.first)) == edges.end())
+        kept.push_back({edge.first, edge.second, point});
+    }
     faces_ = std::move(kept);
-    return true;
   }
 
-  std::span<const Vector3> points_;
+  std::vector<Vector3> points_;
   std::vector<MeshData::Triangle> faces_;
   double tolerance_ = 0;
 };
