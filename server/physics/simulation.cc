@@ -61,6 +61,10 @@ std::vector<FrozenBody> Simulation::TakeFrozen() {
   return world_->TakeFrozen();
 }
 
+std::vector<std::string> Simulation::TakeUnsolved() {
+  return world_->TakeUnsolved();
+}
+
 std::shared_ptr<Frame> Simulation::MakeFrame() {
   std::shared_ptr<Frame> frame = frames_.Take();
   frame->epoch = epoch_;
@@ -138,8 +142,9 @@ std::string Simulation::Restore(const SavedState& state, std::uint64_t epoch,
   const std::shared_ptr<Frame> frame = MakeFrame();
   frame->channels = from.channels;
   frame->commanded = from.commanded;
-  scores_.Restore(*frame, state.scores);
+  const bool fits = scores_.Restore(*frame, state.scores);
   frame_ = frame;
+  if (!fits) return "its scores do not fit those of the scenario";
   return helpers_.controllers == nullptr ? "" : RestoreControllers(state.controllers, stopped);
 }
 

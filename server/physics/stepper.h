@@ -189,6 +189,7 @@ class Stepper {
   void RestartPace(Nanoseconds now) REQUIRES(baton_);
   PhaseTimes AllTimes() const REQUIRES(baton_);
   /// A step that began at `began` and was told to the journal from `told` to `written` is over.
+  void NoteUnsolved() REQUIRES(baton_);
   void NoteCosts(Nanoseconds began, Nanoseconds told, Nanoseconds written) REQUIRES(baton_);
   /// No step follows at once: the time until the next one costs nobody anything.
   void IgnoreRest() REQUIRES(baton_);

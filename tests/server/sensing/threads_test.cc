@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <exception>
 #include <latch>
+#include <limits>
 #include <thread>
 #include <vector>
 
 #include "server/sensing/readings.h"
 #include "tests/server/model/sensor_of.h"
+#include "tests/server/sensing/mounted.h"
 #include "tests/server/sensing/sample_frame.h"
 
 namespace coopdyn {
@@ -51,6 +55,28 @@ TEST(SensingThreadsTest, FourThreadsAtOnceReadWhatOneReads) {
     }
     for (const auto& result : results) EXPECT_EQ(result, expected);
   }
+}
+
+TEST(SensingThreadsTest, AReadingThatCannotBeMadeHoldsNoReaderUp) {
+  LidarModel lidar;
+  lidar.columns = lidar.rows = std::numeric_limits<int>::max();  // more than any memory has
+  const auto frame = SampleWorld().Robot(At(0, 0), range_sensors::With(lidar)).MakeFrame();
+  std::latch start(4);
+  std::atomic<int> told = 0;
+  {
+    std::vector<std::jthread> threads;
+    for (int t = 0; t < 4; ++t) {
+      threads.emplace_back([&] {
+        start.arrive_and_wait();
+        try {
+          Scan(*frame, 0);
+        } catch (const std::exception&) {
+          ++told;
+        }
+      });
+    }
+  }
+  EXPECT_EQ(told, 4);
 }
 
 }  // namespace
