@@ -15,7 +15,7 @@ namespace {
 bool HasFilters(const Scene& scene) {
   const auto is_filtered = [](const SensorModel& sensor) {
     const auto* const channel = std::get_if<ChannelModel>(&sensor.kind);
-    return channel != nullptr && channel->is_filtered();
+    return channel != nullptr && channel->remembers();
   };
   return std::ranges::any_of(scene.robots, [&](const SceneRobot& robot) {
     return std::ranges::any_of(robot.entry.model->sensors, is_filtered);

@@ -294,6 +294,7 @@ void Stepper::EndRun(RunEnd why, std::string text) {
   ended_ = true;
   if (options_.ends_daemon || why == RunEnd::kController) boards_.control.End(why, text);
   status_.ended = text;
+  boards_.commands.NoteRunEnded();
   AddEvent("info", std::move(text));
 }
 
