@@ -4,7 +4,6 @@
 #include <atomic>
 #include <exception>
 #include <latch>
-#include <limits>
 #include <thread>
 #include <vector>
 
@@ -59,7 +58,8 @@ TEST(SensingThreadsTest, FourThreadsAtOnceReadWhatOneReads) {
 
 TEST(SensingThreadsTest, AReadingThatCannotBeMadeHoldsNoReaderUp) {
   LidarModel lidar;
-  lidar.columns = lidar.rows = std::numeric_limits<int>::max();  // more than any memory has
+  lidar.columns = 4;
+  lidar.rows = -(1 << 30);  // 2^64 - 2^32 rays: more than a vector takes, so computing them throws
   const auto frame = SampleWorld().Robot(At(0, 0), range_sensors::With(lidar)).MakeFrame();
   std::latch start(4);
   std::atomic<int> told = 0;
