@@ -121,7 +121,7 @@ CommandTable ChannelTable() {
   CommandSpec values =
       Reading(command::kGetValues, "get_values",
               "Returns the values of the channel, mapped as its model says.", {Repeated("value")});
-  values.reply_text = "`aborted` if the try is to end, else empty";
+  values.reply_text = "`aborted` if the try is to end or the run has ended, else empty";
   CommandSpec motors{.id = command::kSetMotors,
                      .name = "set_motors",
                      .help =
@@ -131,7 +131,7 @@ CommandTable ChannelTable() {
                      .data = {Repeated("motor")},
                      .reply_params = StepReplyParams(),
                      .reply_data = {Repeated("value")},
-                     .reply_text = "`aborted` if the try is to end, else empty",
+                     .reply_text = "`aborted` if the try is to end or the run has ended, else empty",
                      .example = "set_motors 0.5 0.5"};
   CommandSpec channel = Reading(
       command::kGetChannel, "get_channel",

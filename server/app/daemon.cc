@@ -119,6 +119,10 @@ std::string Daemon::Start() {
     RenderOptions render;
     render.renderer = *ParseRenderer(options_.renderer);
     render.fps = options_.render_fps;
+    render.on_failure = [this](const std::string& text) {
+      const FramePtr frame = frames_.Latest();
+      run_.AddEvent({frame ? frame->step : 0, frame ? frame->time_s() : 0, "error", text});
+    };
     render_ = std::make_unique<RenderThread>(images_, frames_, clock_, render, logger_);
   } else {
     images_.Close("the daemon was started with --no-render: it makes no pictures");

@@ -99,6 +99,8 @@ std::string SummaryLine(const RunReport& run) {
   line += Named("controller failed", FailedControllers(run));
   if (const auto late = run.status.late_periods; late > 0)
     line += fmt::format(", {} step{} skipped", late, late == 1 ? "" : "s");
+  if (const auto unsolved = run.status.unsolved; unsolved > 0)
+    line += fmt::format(", {} substep{} not solved exactly", unsolved, unsolved == 1 ? "" : "s");
   if (run.recording_failed) line += ", the recording failed";
   if (IsCutShort(run)) {
     line += fmt::format(", ended early {}, at {:.2f} of {:g} s", WhyEarly(*run.end), frame.time_s(),
@@ -135,6 +137,7 @@ std::string SummaryJson(const RunReport& run) {
              {"scores", ScoresJson(frame)},
              {"logged", LoggedJson(run.logged)},
              {"frozen", std::move(frozen)},
+             {"unsolved", status.unsolved},
              {"stopped", std::move(stopped)},
              {"recording_failed", run.recording_failed}}) +
          "\n";

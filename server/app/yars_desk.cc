@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "server/app/yars_desk.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
+#include <ctime>
 #include <limits>
 #include <optional>
 #include <string_view>
@@ -14,16 +17,24 @@
 
 namespace coopdyn {
 
+namespace {
+
+constexpr const char* kStopping = "the daemon is stopping";
+
+}  // namespace
+
 void YarsDesk::Open(Endpoint& simulation) {
   simulation_ = &simulation;
+  for (auto& [order, done] : std::exchange(early_, {})) Take(order, std::move(done));
 }
 
 void YarsDesk::Close() {
+  closed_ = true;
+  for (auto& [order, done] : std::exchange(early_, {})) Take(order, std::move(done));
   if (simulation_ == nullptr) return;
   Endpoint& simulation = *std::exchange(simulation_, nullptr);
   if (!jobs_.empty()) simulation.OnClosed(*this);
-  for (Job& job : std::exchange(jobs_, {}))
-    job.done(ErrorReply(0, Error::kNotPossible, "the daemon is stopping"));
+  for (Job& job : std::exchange(jobs_, {})) job.done(ErrorReply(0, Error::kNotPossible, kStopping));
 }
 
 std::string YarsDesk::Refusal(const YarsOrder& order, const Connection& asker) const {
@@ -44,17 +55,32 @@ void YarsDesk::Ask(YarsOrder order, const Connection& asker, std::function<void(
   control_.Post([this, order = std::move(order), done = std::move(done)] { Take(order, done); });
 }
 
-bool YarsDesk::IsEdited(const Scenario& scenario) {
-  const std::string& file = scenario.file;
-  if (file.empty() || file == kPipe || !rosiml::IsExperiment(scenario.text)) return false;
+std::optional<YarsDesk::FileStamp> YarsDesk::StampOf(const std::string& file) {
+  struct stat status {};
+  if (::stat(file.c_str(), &status) != 0) return std::nullopt;
+  const auto ns = [](const timespec& time) { return time.tv_sec * kNanosecondsPerSecond + time.tv_nsec; };
+  constexpr std::time_t kCoarse_s = 2;  // some file systems count seconds
+  if (std::time(nullptr) - status.st_ctim.tv_sec <= kCoarse_s) return std::nullopt;
+  return FileStamp{status.st_dev, status.st_ino, status.st_size, ns(status.st_mtim), ns(status.st_ctim)};
+}
+
+bool YarsDesk::IsEdited(const std::shared_ptr<const Scenario>& scenario) {
+  const std::string& file = scenario->file;
+  if (file.empty() || file == kPipe || !rosiml::IsExperiment(scenario->text)) return false;
+  const std::optional<FileStamp> stamp = StampOf(file);
+  const bool is_same = unedited_ != nullptr && unedited_->file == file &&
+                       (unedited_ == scenario || unedited_->text == scenario->text);
+  if (is_same && stamp && stamp == stamp_) return false;
   Diagnostics told_by_reload;
   const std::optional<std::string> text = ReadTextFile(file, {file, 0}, told_by_reload);
-  if (!text) return true;
-  if (!scenario.text.starts_with(*text)) return true;
+  if (!text || !scenario->text.starts_with(*text)) return true;
   // Settings of the command line may follow the file's own text.
-  std::string_view rest = std::string_view(scenario.text).substr(text->size());
+  std::string_view rest = std::string_view(scenario->text).substr(text->size());
   rest.remove_prefix(std::min(rest.find_first_not_of('\n'), rest.size()));
-  return !rest.empty() && !rest.starts_with("[SET]\n");
+  if (!rest.empty() && !rest.starts_with("[SET]\n")) return true;
+  unedited_ = scenario;
+  stamp_ = stamp;
+  return false;
 }
 
 void YarsDesk::KeepSeed(Job& job) const {
@@ -67,12 +93,15 @@ void YarsDesk::KeepSeed(Job& job) const {
 }
 
 void YarsDesk::Take(const YarsOrder& order, std::function<void(const Message&)> done) {
-  if (simulation_ == nullptr)
-    return done(ErrorReply(0, Error::kNotPossible, "the simulation has not begun yet"));
+  if (closed_) return done(ErrorReply(0, Error::kNotPossible, kStopping));
+  if (simulation_ == nullptr) {
+    early_.emplace_back(order, std::move(done));
+    return;
+  }
   Job job{{}, std::move(done)};
   switch (order.kind) {
     case YarsOrder::Kind::kReset:
-      if (const FramePtr frame = frames_.Latest(); frame && IsEdited(*frame->scene->scenario)) {
+      if (const FramePtr frame = frames_.Latest(); frame && IsEdited(frame->scene->scenario)) {
         job.requests.push_back(ReplyTo(command::kReload));
         if (!order.seed) job.before = frame;
       }

@@ -2,9 +2,14 @@
 // What clients of YARS want of the world, asked of /simulation as any client would.
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "server/net/endpoint.h"
 #include "server/net/io_thread.h"
@@ -50,7 +55,7 @@ class YarsDesk final : public YarsWorld, private Connection {
   void Begin();
   void OnReply(const Message& reply);
   /// The file of the experiment is another one than what runs, or cannot be read.
-  static bool IsEdited(const Scenario& scenario);
+  bool IsEdited(const std::shared_ptr<const Scenario>& scenario);
   /// After a reload: the reset that follows keeps the seed in force, unless the edit has changed that of the
   /// file.
   void KeepSeed(Job& job) const;
@@ -60,8 +65,22 @@ class YarsDesk final : public YarsWorld, private Connection {
   const FrameBoard& frames_;
   const bool quits_;
   const std::string peer_ = "yars";
+  /// What changes when a file is written or another one takes its place.
+  struct FileStamp {
+    std::uint64_t device = 0, number = 0;
+    std::int64_t bytes = 0, written_ns = 0, changed_ns = 0;
+    bool operator==(const FileStamp&) const = default;
+  };
+  /// Nothing: it cannot be told, or a later change might have the same.
+  static std::optional<FileStamp> StampOf(const std::string& file);
+
   // Control thread:
   Endpoint* simulation_ = nullptr;
+  bool closed_ = false;
+  std::vector<std::pair<YarsOrder, std::function<void(const Message&)>>> early_;  // before Open()
+  // What runs was its file's text when that had the stamp: it need not be read again.
+  std::shared_ptr<const Scenario> unedited_;
+  std::optional<FileStamp> stamp_;
   ClientId id_ = 0;
   std::deque<Job> jobs_;  // the first is under way
 };

@@ -54,9 +54,7 @@ int LinkOf(const RobotModel& model, const ChannelModel::Value& value) {
 
 Message ChannelDevice::Read(const Message& request, const Frame& frame, int robot) const {
   if (request.command != command::kGetChannel) {
-    Message reply = SensorDevice::Read(request, frame, robot);
-    reply.text = StepNote(frame, robot);
-    return reply;
+    return SensorDevice::Read(request, frame, robot);
   }
   Message reply = ReplyTo(request.command);
   const RobotModel& robot_model = ModelOf(frame, robot);
@@ -94,7 +92,7 @@ std::optional<Actuation> ChannelDevice::Actuate(const Message& request, const Fr
 }
 
 std::string ChannelDevice::StepNote(const Frame& frame, int robot) const {
-  return IsAborted(frame, robot, number()) ? "aborted" : "";
+  return IsAborted(frame, robot, number()) ? kAborted : "";
 }
 
 }  // namespace coopdyn

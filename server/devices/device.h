@@ -28,6 +28,9 @@ struct Actuation {
   std::string refusal = {};         // what is wrong with its data; empty: nothing
 };
 
+/// The text of StepNote() when a try is to end.
+inline constexpr const char* kAborted = "aborted";
+
 class Device {
  public:
   /// `table` outlives it.

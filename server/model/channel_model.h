@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -126,12 +127,19 @@ struct ChannelModel {
     MappedNoise noise;
     ValueFilter filter;
     bool sums_work = false;      // energy of a motor without a drive train: measured
-    std::size_t channel = 0;     // then: of the robot's
+    bool counts_turns = false;   // position of a hinge without a motor, beyond ±π: measured
+    std::size_t channel = 0;     // if it sums work: of the robot's
     std::size_t source = 0;      // index into the sensors or joints
-    std::size_t first_cell = 0;  // of the channel's measured values: its energy, then its filter's
+    std::size_t first_cell = 0;  // of the channel's measured values: its energy or angle, then its filter's
     int line = 0;
     bool is_filtered() const { return filter.kind != ValueFilter::Kind::kNone; }
-    std::size_t cells() const { return filter.cells() + (sums_work ? 1 : 0); }
+    std::size_t own_cells() const { return sums_work || counts_turns ? 1 : 0; }
+    std::size_t cells() const { return own_cells() + filter.cells(); }
+    /// The cells of its filter among `cells` of the channel's measured values.
+    template <typename Cell>
+    std::span<Cell> FilterCells(std::span<Cell> cells) const {
+      return cells.subspan(first_cell + own_cells(), filter.cells());
+    }
   };
 
   std::vector<Motor> motors;
@@ -141,7 +149,10 @@ struct ChannelModel {
   std::vector<std::string> abort;   // contact modules that end a try when they are pressed
   std::vector<std::size_t> aborts;  // index into the sensors
 
-  bool is_filtered() const { return std::ranges::any_of(values, &Value::is_filtered); }
+  /// Some value depends on steps before.
+  bool remembers() const {
+    return std::ranges::any_of(values, [](const Value& v) { return v.is_filtered() || v.counts_turns; });
+  }
   std::size_t cells() const { return values.empty() ? 0 : values.back().first_cell + values.back().cells(); }
 };
 

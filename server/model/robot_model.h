@@ -217,6 +217,8 @@ struct RobotModel {
   /// The names of the modules that drive the robot.
   std::vector<std::string> actuator_modules() const;
   bool has_actuators() const { return !actuator_modules().empty(); }
+  /// It has no motors, but a channel, whose client makes steps.
+  bool is_only_observed() const { return actuators.empty() && Find<ChannelModel>() != nullptr; }
   /// Where the channels of one of its actuators begin among those of the robot.
   std::size_t FirstChannel(const ActuatorModel& actuator) const;
   bool has_boards() const;

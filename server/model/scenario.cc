@@ -57,6 +57,7 @@ std::vector<std::string> Drives(const std::vector<RobotEntry>& robots) {
 
 std::vector<std::string> RobotEntry::awaited_modules() const {
   std::vector<std::string> awaited = model->actuator_modules();
+  if (model->is_only_observed()) awaited = {""};
   if (waits_for.empty()) return awaited;
   std::erase_if(awaited, [this](const std::string& name) {
     return std::find(waits_for.begin(), waits_for.end(), name) == waits_for.end();

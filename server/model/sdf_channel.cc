@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // `<coopdyn:channel>`: motors and values that are exchanged in one request.
 #include <array>
+#include <numbers>
 #include <utility>
 
 #include "server/model/robot_model.h"
@@ -277,6 +278,18 @@ std::optional<std::pair<std::size_t, const ActuatorModel*>> FindDriven(const Rob
   return std::nullopt;
 }
 
+/// It is the angle of a hinge without a motor, and may be beyond a turn.
+bool CountsTurns(const RobotModel& robot, const ChannelModel::Value& value) {
+  if (value.quantity != What::kPosition) return false;
+  const JointModel& joint = robot.joints[value.source];
+  const auto drives = [&](const ActuatorModel& actuator) {
+    return std::ranges::find(actuator.joints, static_cast<int>(value.source)) != actuator.joints.end();
+  };
+  return joint.kind == JointModel::Kind::kHinge && std::ranges::none_of(robot.actuators, drives) &&
+         (value.map.internal_min < joint.start - std::numbers::pi ||
+          value.map.internal_max > joint.start + std::numbers::pi);
+}
+
 constexpr const char* kNeedsLimit = "': give it <limit> with effort and velocity, and a module";
 
 }  // namespace
@@ -295,6 +308,7 @@ void Connect(ChannelModel& channel, const RobotModel& robot, const std::string& 
   };
   std::size_t cells = 0;
   for (ChannelModel::Value& value : channel.values) {
+    value.counts_turns = CountsTurns(robot, value);
     value.first_cell = cells;
     cells += value.cells();
     if (value.sums_work) {

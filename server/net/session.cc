@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "server/net/session.h"
 
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 
 #include <cerrno>
@@ -85,6 +87,7 @@ void Session::StartRead() {
 void Session::OnRead(const ErrorCode& error, std::size_t count) {
   reading_ = false;
   in_.Added(count);
+  acknowledged_ = false;
   if (leave_) return HandOver();
   if (closing_) in_.Clear();  // only waiting for the peer to close
   if (!end_.with_stream()) heard_at_ = steady_clock::now();
@@ -136,6 +139,7 @@ void Session::Process() {
   Flush();
   if (over && MayHandle()) return PostProcess();
   if (waiting_ && encoding_->takes_notes()) WatchWait();
+  Acknowledge();
   FinishIfDone();
 }
 
@@ -256,6 +260,7 @@ void Session::OnReply(std::uint64_t serial, const Message& reply) {
   if (!next_ && !write_dead_) out_.AddReply(reply);
   if (processing_) return;  // Process() goes on
   Flush();
+  Acknowledge();
   // The next request, if it is there already, in its own turn: whoever replies may be walking a list.
   if (next_ || in_.size() > 0 || eof_) PostProcess();
 }
@@ -280,6 +285,7 @@ void Session::Flush() {
         ::send(socket_.native_handle(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (count >= 0) {
       out_.Sent(static_cast<std::size_t>(count));
+      acknowledged_ = true;  // with the answer
     } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
       blocked_ = true;
       out_.set_blocked(true);
@@ -292,6 +298,12 @@ void Session::Flush() {
   fin_sent_ = true;
   ::shutdown(socket_.native_handle(), SHUT_WR);
   Post(&Session::AwaitPeersEnd);
+}
+
+void Session::Acknowledge() {
+  if (waiting_ || closed_ || std::exchange(acknowledged_, true)) return;
+  const int yes = 1;
+  ::setsockopt(socket_.native_handle(), IPPROTO_TCP, TCP_QUICKACK, &yes, sizeof yes);
 }
 
 void Session::OnWritable() {

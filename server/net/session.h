@@ -125,6 +125,8 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   // Writing.
   void Flush();
   void OnWritable();
+  /// Acknowledges what came if it gets no answer: the client may hold the rest of a request back until then.
+  void Acknowledge();
   /// Tells a person from time to time whom the request waits for.
   void WatchWait();
   void TellWaiting();
@@ -178,6 +180,7 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   bool process_posted_ = false;
   bool reading_ = false;      // OnRead() follows when something comes, into the room of in_
   bool blocked_ = false;      // the peer takes nothing more; OnWritable() follows when it does
+  bool acknowledged_ = true;  // what was read last
   bool write_dead_ = false;   // writing has failed: what is left is dropped
   bool input_ended_ = false;  // told to the endpoint
   bool eof_ = false;          // nothing more can be read

@@ -158,25 +158,22 @@ std::span<const Vector3> LimbSolver::AddContact(const dContact& contact, int nod
   return std::span(directions_).first(count);
 }
 
-bool LimbSolver::Step(double dt_s) {
+LimbSolver::Outcome LimbSolver::Step(double dt_s) {
   for (const Member& member : members_) {
     for (const int joint : member.mechanism->tree.loops) CloseLoop(member, joint, dt_s);
     Couple(member, dt_s);
   }
   forest_.Begin(settings_.gravity_m_s2, dt_s);
-  for (int round = 0; round < kMotorRounds; ++round) {
-    Solve(round > 0);
+  bool is_solved = false, is_settled = false;
+  for (int round = 0; round < kMotorRounds && !is_settled; ++round) {
+    is_solved = Solve(round > 0);
     rates_ = state_;
     forest_.Finish(rates_);
-    if (!SwitchMotors(round < kMotorRounds / 2)) break;
+    is_settled = !SwitchMotors(round < kMotorRounds / 2);
   }
-  if (!std::isfinite(std::accumulate(rates_.begin(), rates_.end(), 0.0))) return false;
+  if (!std::isfinite(std::accumulate(rates_.begin(), rates_.end(), 0.0))) return Outcome::kInsane;
   for (const Motor& motor : motors_) {
-    if (motor.effort == kNowhere) continue;
-    const double impulse =
-        motor.gives_in != 0 ? motor.impulse()
-                            : (motor.target - rates_[static_cast<std::size_t>(motor.dof)]) / motor.softness;
-    efforts_[motor.effort] += impulse / dt_s;
+    if (motor.effort != kNowhere) efforts_[motor.effort] += motor.applied / dt_s;
   }
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     if (rows_[i].effort == kNone) continue;
@@ -189,14 +186,15 @@ bool LimbSolver::Step(double dt_s) {
     }
   }
   forest_.Move(rates_, dt_s);
-  return true;
+  return is_solved && is_settled ? Outcome::kSolved : Outcome::kNear;
 }
 
 bool LimbSolver::SwitchMotors(bool may_hold_again) {
   bool switched = false;
   for (Motor& motor : motors_) {
-    if (motor.lower == -kInfinity && motor.upper == kInfinity) continue;
     const double missing = motor.target - rates_[static_cast<std::size_t>(motor.dof)];
+    motor.applied = motor.gives_in != 0 ? motor.bound() : missing / motor.softness;
+    if (motor.lower == -kInfinity && motor.upper == kInfinity) continue;
     constexpr double kSlack = 1e-12;  // rounding
     if (motor.gives_in == 0) {
       if (missing > motor.softness * motor.upper + kSlack) {
@@ -214,7 +212,7 @@ bool LimbSolver::SwitchMotors(bool may_hold_again) {
   return switched;
 }
 
-void LimbSolver::Solve(bool is_again) {
+bool LimbSolver::Solve(bool is_again) {
   added_.assign(static_cast<std::size_t>(forest_.dof_count()), 0);
   state_ = forest_.momentum();
   for (std::size_t dof = 0; dof < state_.size(); ++dof) state_[dof] += pushes_[dof];
@@ -224,7 +222,7 @@ void LimbSolver::Solve(bool is_again) {
       added_[dof] += 1 / motor.softness;
       state_[dof] += motor.target / motor.softness;
     } else {
-      state_[dof] += motor.impulse();
+      state_[dof] += motor.bound();
     }
   }
   forest_.Factor(added_);
@@ -244,12 +242,10 @@ void LimbSolver::Solve(bool is_again) {
     impulses_.setZero(static_cast<Eigen::Index>(rows_.size()));
     lcp_.Forget();
   }
-  if (rows_.empty()) return;
-  if (rows_.size() <= kMaxRows) {
-    SolveDirectly(is_again);
-  } else {
-    SolveByIteration();
-  }
+  if (rows_.empty()) return true;
+  if (rows_.size() <= kMaxRows) return SolveDirectly(is_again);
+  SolveByIteration();
+  return true;
 }
 
 const std::vector<double>& LimbSolver::Column(const Row& row) {
@@ -277,7 +273,7 @@ void LimbSolver::Apply(const Row& row, double impulse) {
   }
 }
 
-void LimbSolver::SolveDirectly(bool is_again) {
+bool LimbSolver::SolveDirectly(bool is_again) {
   const auto n = static_cast<Eigen::Index>(rows_.size());
   A_.resize(n, n);
   b_.resize(n);
@@ -296,7 +292,8 @@ void LimbSolver::SolveDirectly(bool is_again) {
     rubs |= row.normal != kNone;
   }
   // First without friction, then with what these loads allow, then with those that result.
-  if (!is_again) lcp_.Solve(A_, b_, lower_, upper_, impulses_);
+  bool is_solved = true;
+  if (!is_again) is_solved = lcp_.Solve(A_, b_, lower_, upper_, impulses_);
   for (int pass = 0; (rubs || is_again) && pass < 2; ++pass) {
     for (Eigen::Index i = 0; i < n; ++i) {
       const Row& row = rows_[static_cast<std::size_t>(i)];
@@ -304,9 +301,10 @@ void LimbSolver::SolveDirectly(bool is_again) {
       upper_[i] = row.friction * std::max(0.0, impulses_[row.normal]);
       lower_[i] = -upper_[i];
     }
-    lcp_.Solve(A_, b_, lower_, upper_, impulses_);
+    is_solved = lcp_.Solve(A_, b_, lower_, upper_, impulses_);
   }
   for (Eigen::Index i = 0; i < n; ++i) Apply(rows_[static_cast<std::size_t>(i)], impulses_[i]);
+  return is_solved;
 }
 
 // Projected Gauss-Seidel; each row sees the friction that the present loads allow.

@@ -35,8 +35,10 @@ class LimbSolver {
             std::uint32_t index_b, double dt_s, bool measured);
   /// The contacts that were to be measured, after Step().
   std::span<const MeasuredContact> measured() const { return measured_; }
-  /// Advances what is loaded. False: there is no sane solution.
-  bool Step(double dt_s);
+  enum class Outcome { kSolved, kNear, kInsane };
+  /// Advances what is loaded; not if there is no sane solution. kNear: some bound or motor is not met
+  /// exactly.
+  Outcome Step(double dt_s);
   /// The state of body `body` of a loaded thing; its sleep counter is 0.
   BodyState Read(std::uint32_t thing, std::size_t body) const;
   /// Rate of a driven joint of a loaded thing, rad/s or m/s; its position, rad or m, beyond ±π too: the one
@@ -65,8 +67,9 @@ class LimbSolver {
     int dof = 0;
     std::size_t effort = 0;  // of efforts_; kNowhere: nobody asks for it
     double target = 0, softness = 0, lower = -kInfinity, upper = kInfinity;
-    int gives_in = 0;  // −1 or 1: to this side
-    double impulse() const { return gives_in > 0 ? upper : lower; }
+    int gives_in = 0;    // −1 or 1: to this side
+    double applied = 0;  // impulse of the last solution
+    double bound() const { return gives_in > 0 ? upper : lower; }
   };
   /// J v + softness · impulse = target, with lower ≤ impulse ≤ upper.
   struct Row {
@@ -127,15 +130,15 @@ class LimbSolver {
   std::span<const Vector3> AddContact(const dContact& contact, int node_a, int node_b, double dt_s);
   double RateOf(const Row& row, std::span<const double> rates) const;
   /// Impulses of all rows, with the motors as they are; `state_` becomes the transformed rates. `is_again`:
-  /// begins with the impulses of before.
-  void Solve(bool is_again);
-  void SolveDirectly(bool is_again);
+  /// begins with the impulses of before. Whether they are exact, as far as the method goes.
+  bool Solve(bool is_again);
+  bool SolveDirectly(bool is_again);
   void SolveByIteration();
   /// What a row's impulse of 1 adds to the transformed rates. Until the next call.
   const std::vector<double>& Column(const Row& row);
   double Dot(const Row& row, std::span<const double> transformed) const;
   void Apply(const Row& row, double impulse);
-  /// Lets motors give in, or hold again; whether one did.
+  /// Notes what motors applied, and lets them give in or hold again; whether one did.
   bool SwitchMotors(bool may_hold_again);
 
   const Things& things_;

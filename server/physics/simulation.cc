@@ -15,7 +15,7 @@ namespace {
 bool HasFilters(const Scene& scene) {
   const auto is_filtered = [](const SensorModel& sensor) {
     const auto* const channel = std::get_if<ChannelModel>(&sensor.kind);
-    return channel != nullptr && channel->is_filtered();
+    return channel != nullptr && channel->remembers();
   };
   return std::ranges::any_of(scene.robots, [&](const SceneRobot& robot) {
     return std::ranges::any_of(robot.entry.model->sensors, is_filtered);
@@ -59,6 +59,10 @@ Simulation::~Simulation() = default;
 
 std::vector<FrozenBody> Simulation::TakeFrozen() {
   return world_->TakeFrozen();
+}
+
+std::vector<std::string> Simulation::TakeUnsolved() {
+  return world_->TakeUnsolved();
 }
 
 std::shared_ptr<Frame> Simulation::MakeFrame() {
@@ -138,8 +142,9 @@ std::string Simulation::Restore(const SavedState& state, std::uint64_t epoch,
   const std::shared_ptr<Frame> frame = MakeFrame();
   frame->channels = from.channels;
   frame->commanded = from.commanded;
-  scores_.Restore(*frame, state.scores);
+  const bool fits = scores_.Restore(*frame, state.scores);
   frame_ = frame;
+  if (!fits) return "its scores do not fit those of the scenario";
   return helpers_.controllers == nullptr ? "" : RestoreControllers(state.controllers, stopped);
 }
 

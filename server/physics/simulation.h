@@ -65,10 +65,10 @@ class Simulation {
   /// Back to the start, with this seed of noise and solver: the same bits as a fresh Build(). Controllers as
   /// after StartControllers().
   void Restart(std::uint64_t seed, std::uint64_t epoch);
-  /// Goes on from `state`, whose frame has a scene of this scenario, bit for bit; controllers included. Else
-  /// why those cannot: nothing is to be stepped then before another Restore() or Restart(), unless those that
-  /// do not drive any more are noted: `stopped` is ControllerDriver::TakeStopped() of then. Empty: all went
-  /// well.
+  /// Goes on from `state`, whose frame has a scene of this scenario, bit for bit; scores and controllers
+  /// included. Else why those cannot: nothing is to be stepped then before another Restore() or Restart(),
+  /// unless those that do not drive any more are noted: `stopped` is ControllerDriver::TakeStopped() of then.
+  /// Empty: all went well.
   [[nodiscard]] std::string Restore(const SavedState& state, std::uint64_t epoch,
                                     std::vector<StoppedController>* stopped = nullptr);
   /// What Restore() takes; `mode` and `paused` are the caller's to fill in.
@@ -84,6 +84,8 @@ class Simulation {
   const FramePtr& Step(Nanoseconds length, const StepInputs& inputs);
   /// PhysicsWorld::TakeFrozen().
   std::vector<FrozenBody> TakeFrozen();
+  /// PhysicsWorld::TakeUnsolved().
+  std::vector<std::string> TakeUnsolved();
   /// Physics and publish only.
   const PhaseTimes& times() const { return times_; }
 

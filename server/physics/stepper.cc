@@ -203,6 +203,7 @@ void Stepper::StepNow(Nanoseconds now) {
     status_.frozen.push_back(frozen.name);
     AddEvent("error", frozen.name + " exploded (" + frozen.why + ") and is frozen where it was last sane");
   }
+  NoteUnsolved();
   NoteFloorLeft(*frame, false);
   rate_.Note(now, frame->time);
   if (const int ending = EndingScore(*frame); ending >= 0) {
@@ -233,6 +234,16 @@ void Stepper::StepNow(Nanoseconds now) {
     PublishStatus(now, true);
     TellEnded();
   }
+}
+
+void Stepper::NoteUnsolved() {
+  const std::vector<std::string> unsolved = simulation_->TakeUnsolved();
+  if (!unsolved.empty() && status_.unsolved == 0) {
+    AddEvent("warning", "the joints and contacts of " + unsolved.front() +
+                            " were not solved exactly in this step: forces and efforts are approximate. "
+                            "'unsolved' in get_status counts such substeps; shorter steps help");
+  }
+  status_.unsolved += unsolved.size();
 }
 
 void Stepper::NoteCosts(Nanoseconds began, Nanoseconds told, Nanoseconds written) {
@@ -283,6 +294,7 @@ void Stepper::EndRun(RunEnd why, std::string text) {
   ended_ = true;
   if (options_.ends_daemon || why == RunEnd::kController) boards_.control.End(why, text);
   status_.ended = text;
+  boards_.commands.NoteRunEnded();
   AddEvent("info", std::move(text));
 }
 

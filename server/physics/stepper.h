@@ -188,6 +188,8 @@ class Stepper {
   double speed() const REQUIRES(baton_);  // ≤ 0: no limit
   void RestartPace(Nanoseconds now) REQUIRES(baton_);
   PhaseTimes AllTimes() const REQUIRES(baton_);
+  /// Counts what the step has not solved exactly, and tells the first.
+  void NoteUnsolved() REQUIRES(baton_);
   /// A step that began at `began` and was told to the journal from `told` to `written` is over.
   void NoteCosts(Nanoseconds began, Nanoseconds told, Nanoseconds written) REQUIRES(baton_);
   /// No step follows at once: the time until the next one costs nobody anything.

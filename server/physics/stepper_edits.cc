@@ -328,6 +328,7 @@ void Stepper::Install(StepEnd end, const SavedState* state) {
   allowed_steps_ = 0;
   status_.frozen_before.insert(status_.frozen.begin(), status_.frozen.end());
   status_.frozen = FrozenNames(frame());
+  status_.unsolved = 0;
   moved_at_.reset();
   not_moved_.clear();
   logs_lost_ = false;

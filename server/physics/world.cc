@@ -268,6 +268,7 @@ void PhysicsWorld::Restart(const Frame& start, std::uint64_t seed) {
   Restore(start);
   solver_seed_ = SolverSeed(seed);
   frozen_.clear();
+  unsolved_.clear();
 }
 
 int DefaultSubsteps(Nanoseconds step) {

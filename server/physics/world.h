@@ -64,6 +64,8 @@ class PhysicsWorld {
   void Restart(const Frame& start, std::uint64_t seed);
   /// Bodies frozen since the last call.
   std::vector<FrozenBody> TakeFrozen() { return std::exchange(frozen_, {}); }
+  /// Since the last call: for each substep of an island with limbs that was not solved exactly, who is in it.
+  std::vector<std::string> TakeUnsolved() { return std::exchange(unsolved_, {}); }
 
   const Scene& scene() const { return *scene_; }
   const Things& things() const { return things_; }
@@ -86,6 +88,7 @@ class PhysicsWorld {
     std::vector<std::uint32_t> pairs;                           // index into pairs_, in order
     std::vector<std::pair<std::uint32_t, std::string>> frozen;  // in this substep: thing and why
     std::vector<MeasuredContact> measured;
+    bool unsolved = false;
   };
 
   /// Makes what depends on the number of things. @pre things_
@@ -113,7 +116,7 @@ class PhysicsWorld {
   /// Solves a batch; if that fails, again without the body that was fastest.
   void SolveBatch(Batch& batch, Solvers& solvers, double dt_s);
   /// Why it failed.
-  std::optional<std::string> TryBatch(const Batch& batch, Solvers& solvers, double dt_s);
+  std::optional<std::string> TryBatch(Batch& batch, Solvers& solvers, double dt_s);
   /// False: nothing moves.
   bool FreezeFastest(std::string why, Batch& batch);
   // `solver`: a Lane or a LimbSolver.
@@ -193,6 +196,7 @@ class PhysicsWorld {
   std::vector<DriveTrainState> drive_trains_;  // as Frame::drive_trains
   std::uint64_t solver_seed_ = 0;
   std::vector<FrozenBody> frozen_;
+  std::vector<std::string> unsolved_;
   Measures measures_;
 
   /// A joint of a control board.

@@ -118,6 +118,7 @@ PhysicsWorld::Batch& PhysicsWorld::NextBatch(Method method) {
   batch.pairs.clear();
   batch.frozen.clear();
   batch.measured.clear();
+  batch.unsolved = false;
   return batch;
 }
 
@@ -189,6 +190,7 @@ void PhysicsWorld::SolveAll(double dt_s) {
     for (auto& [thing, why] : batches_[k].frozen) {
       frozen_.push_back({NameOf(*scene_, things_.all[thing]), std::move(why)});
     }
+    if (batches_[k].unsolved) unsolved_.push_back(NameOf(*scene_, things_.all[batches_[k].members.front()]));
   }
   for (const std::uint32_t i : active_) {
     if (i < things_.first_robot) broad_phase_->MoveObject(i, FirstBody(i));
@@ -212,10 +214,12 @@ void PhysicsWorld::SolveBatch(Batch& batch, Solvers& solvers, double dt_s) {
   }
 }
 
-std::optional<std::string> PhysicsWorld::TryBatch(const Batch& batch, Solvers& solvers, double dt_s) {
+std::optional<std::string> PhysicsWorld::TryBatch(Batch& batch, Solvers& solvers, double dt_s) {
   if (batch.method == Method::kLimbs) {
     LoadBatch(batch, solvers.lane, solvers.limbs, dt_s);
-    if (solvers.limbs.Step(dt_s)) return std::nullopt;
+    const LimbSolver::Outcome outcome = solvers.limbs.Step(dt_s);
+    batch.unsolved = outcome == LimbSolver::Outcome::kNear;
+    if (outcome != LimbSolver::Outcome::kInsane) return std::nullopt;
     solvers.limbs.Unload();
     return "its joints and contacts have no solution";
   }

@@ -99,6 +99,15 @@ class Recorder::Impl {
 
   // --- all below: the recorder's thread
   void Run() {
+    try {
+      WriteAll();
+    } catch (const std::exception& error) {  // e.g. no more memory
+      if (!failed_) Fail(error.what());
+    }
+    ReportCpu();
+  }
+
+  void WriteAll() {
     while (!queue_.ended()) {
       if (!stall_.empty()) {
         if (queue_.WaitStalled()) break;
@@ -114,7 +123,6 @@ class Recorder::Impl {
     if (writer_ != nullptr && writes()) NoteLostAfter(queue_.TakeLostAtEnd());
     if (writes()) CloseFile();
     if (!stall_.empty()) Fail(stall_);
-    ReportCpu();
   }
 
   bool writes() const { return !failed_ && stall_.empty(); }

@@ -103,7 +103,7 @@ std::optional<Message> RobotModule::Drive(Peer& peer, const Message& request, Ac
 Message RobotModule::Stepped(Peer& peer, const StepResult& result) {
   if (device_.drives_all()) {
     const int index = robot_.IndexIn(*result.frame);
-    if (index >= 0) peer.text = device_.StepNote(*result.frame, index);
+    if (index >= 0) peer.text = StepNote(*result.frame, index);
   }
   return PeerModule::Stepped(peer, result);
 }
@@ -216,7 +216,15 @@ Message RobotModule::Read(const Message& request, const Frame& frame) {
   if (index < 0) {
     return ErrorReply(request.command, Error::kNotPossible, robot_.name() + std::string(kGoneText));
   }
-  return device_.Read(request, device_.Shown(frame, index), index);
+  const Frame& shown = device_.Shown(frame, index);
+  Message reply = device_.Read(request, shown, index);
+  if (reply.error == 0 && request.command == command::kGetValues) reply.text = StepNote(shown, index);
+  return reply;
+}
+
+std::string RobotModule::StepNote(const Frame& frame, int robot) const {
+  if (device_.drives_all() && robot_.services().board.run_ended()) return kAborted;
+  return device_.StepNote(frame, robot);
 }
 
 const Frame& RobotModule::Shown(const Frame& frame) {

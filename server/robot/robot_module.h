@@ -48,6 +48,8 @@ class RobotModule final : public PeerModule<ModulePeer> {
   std::optional<Message> Ready(Peer& peer, const Message& request);
   Message Hello(Peer& peer, const Message& request);
   Message ClaimOrRelease(Peer& peer, const Message& request);
+  /// Device::StepNote(), which a run that has ended aborts.
+  std::string StepNote(const Frame& frame, int robot) const;
   /// The reply that `verdict` allows now; nothing if the board will call back.
   std::optional<Message> Settle(Peer& peer, const Verdict& verdict);
 

@@ -71,6 +71,8 @@ double JointValue(const Frame& frame, int robot, const ChannelModel::Value& valu
     if (train == nullptr) return kNoValue;
     return value.quantity == Quantity::kCurrent ? train->current_a : train->energy_j;
   }
+  if (value.counts_turns)
+    return cells.empty() ? kNoValue : ModelOf(frame, robot).joints[value.source].start + cells.front();
   const ChannelState* const channel = FindChannel(frame, robot, value.source);
   const JointModel& joint = ModelOf(frame, robot).joints[value.source];
   if (channel != nullptr) {
@@ -132,11 +134,6 @@ double ValueOf(const Frame& frame, int robot, const ChannelModel::Value& value, 
 
 }  // namespace
 
-double ChannelValue(const Frame& frame, int robot, const ChannelModel::Value& value) {
-  LastReading last;
-  return ValueOf(frame, robot, value, {}, last);
-}
-
 std::vector<double> UnfilteredValues(const Frame& frame, int robot, std::size_t number) {
   std::vector<double> values;
   const RobotModel& robot_model = ModelOf(frame, robot);
@@ -167,12 +164,18 @@ void AppendChannelValues(const Frame& frame, int robot, std::size_t number, std:
     double external = raw[i];
     if (value.filter.cells() > 0) {
       // Recorded without its memory nobody knows what it put out.
-      const auto own =
-          cells.empty() ? cells
-                        : cells.subspan(value.first_cell + (value.sums_work ? 1 : 0), value.filter.cells());
-      external = cells.empty() ? kNoValue : FilteredValue(value.filter, own, external);
+      external = cells.empty() ? kNoValue : FilteredValue(value.filter, value.FilterCells(cells), external);
     }
     data.push_back(value.map.CutExternal(external));
+  }
+}
+
+void CountTurns(const Frame& frame, int robot, const ChannelModel& model, std::span<double> cells) {
+  for (const ChannelModel::Value& value : model.values) {
+    if (!value.counts_turns) continue;
+    const JointModel& joint = ModelOf(frame, robot).joints[value.source];
+    double& turned_rad = cells[value.first_cell];
+    turned_rad += WrapAngle(StateOf(frame, robot, joint).position - joint.start - turned_rad);
   }
 }
 

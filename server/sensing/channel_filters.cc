@@ -43,17 +43,17 @@ void AdvanceFilters(const Frame& before, Frame& frame) {
     const int robot = static_cast<int>(i);
     for (std::size_t sensor = 0; sensor < model.sensors.size(); ++sensor) {
       const auto* const channel = std::get_if<ChannelModel>(&model.sensors[sensor].kind);
-      if (channel == nullptr || !channel->is_filtered()) continue;
+      if (channel == nullptr || !channel->remembers()) continue;
       const std::size_t first =
           static_cast<std::size_t>(scene.robots[i].first_measured) + model.FirstMeasured(sensor);
+      const std::span<double> measured = std::span(frame.measured).subspan(first, channel->cells());
+      CountTurns(frame, robot, *channel, measured);
       const std::vector<double> raw = UnfilteredValues(frame, robot, model.NumberOf(sensor));
       std::vector<double> start;  // a filter begins with the value of the frame before
       for (std::size_t k = 0; k < channel->values.size(); ++k) {
         const ChannelModel::Value& value = channel->values[k];
         if (!value.is_filtered()) continue;
-        const auto cells =
-            std::span(frame.measured)
-                .subspan(first + value.first_cell + (value.sums_work ? 1 : 0), value.filter.cells());
+        const std::span<double> cells = value.FilterCells(measured);
         const double step_s = ToSeconds(frame.step_length);
         if (cells[0] < 1 && before.scene == frame.scene) {
           if (start.empty()) start = UnfilteredValues(before, robot, model.NumberOf(sensor));

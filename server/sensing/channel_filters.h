@@ -9,6 +9,8 @@
 namespace coopdyn {
 
 /// Gives the filters the values of `frame`, the one after `before`, whose memory it has.
+/// Counts on by how far hinges have turned since the step before: `cells` of the channel's measured values.
+void CountTurns(const Frame& frame, int robot, const ChannelModel& model, std::span<double> cells);
 void AdvanceFilters(const Frame& before, Frame& frame);
 
 /// What a filter puts out; `otherwise` if it has taken no value yet.

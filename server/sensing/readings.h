@@ -134,8 +134,6 @@ std::vector<double> LightValues(const Frame& frame, int robot, std::size_t numbe
 
 /// Appends the external values of a channel, with their noise.
 void AppendChannelValues(const Frame& frame, int robot, std::size_t number, std::vector<double>& data);
-/// What one of them is internally: before it is cut, mapped and made noisy. nan: it cannot be told.
-double ChannelValue(const Frame& frame, int robot, const ChannelModel::Value& value);
 /// The external values of channel `number`, with noise, neither filtered nor cut.
 std::vector<double> UnfilteredValues(const Frame& frame, int robot, std::size_t number);
 /// Whether a try is to end: the robot has exploded, or a contact sensor that the channel names is pressed.

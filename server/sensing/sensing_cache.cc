@@ -79,22 +79,34 @@ std::span<double> SensingCache::PlaceOf(int robot, const SceneSensing::Place& pl
 void SensingCache::Need(int robot, const SceneSensing::Place& place, std::size_t kept) const {
   std::atomic<std::uint8_t>& progress = buffers_->progress[place.first_kept + kept];
   std::uint8_t now = progress.load(std::memory_order_acquire);
-  if (now == kNobody && progress.compare_exchange_strong(now, kInTheMaking, std::memory_order_acquire)) {
-    const KeptSensor& sensor = scene_.type(robot).kept[kept];
-    if (sensor.has_list()) buffers_->lists[place.first_kept + kept].resize(sensor.count);
-    const std::span<double> values = PlaceOf(robot, place, kept);
-    const auto compute = [&]<typename Kind>(const Kind& kind) {
-      if constexpr (IsKept<Kind>) Compute(kind, sensor, *this, robot, values);
-    };
-    std::visit(compute, *sensor.kind);
-    progress.store(kReady, std::memory_order_release);
-    progress.notify_all();
-    return;
-  }
   while (now != kReady) {
-    progress.wait(now, std::memory_order_acquire);
-    now = progress.load(std::memory_order_acquire);
+    if (now == kInTheMaking) {
+      progress.wait(now, std::memory_order_acquire);
+      now = progress.load(std::memory_order_acquire);
+    } else if (progress.compare_exchange_strong(now, kInTheMaking, std::memory_order_acquire)) {
+      const auto leave = [&progress](std::uint8_t as) {
+        progress.store(as, std::memory_order_release);
+        progress.notify_all();
+      };
+      try {
+        Make(robot, place, kept);
+      } catch (...) {  // e.g. no more memory: the next reader tries
+        leave(kNobody);
+        throw;
+      }
+      return leave(kReady);
+    }
   }
+}
+
+void SensingCache::Make(int robot, const SceneSensing::Place& place, std::size_t kept) const {
+  const KeptSensor& sensor = scene_.type(robot).kept[kept];
+  if (sensor.has_list()) buffers_->lists[place.first_kept + kept].resize(sensor.count);
+  const std::span<double> values = PlaceOf(robot, place, kept);
+  const auto compute = [&]<typename Kind>(const Kind& kind) {
+    if constexpr (IsKept<Kind>) Compute(kind, sensor, *this, robot, values);
+  };
+  std::visit(compute, *sensor.kind);
 }
 
 ThingHit SensingCache::Cast(const Ray& ray_W, double max_range_m, int ignored_robot) const {

@@ -93,6 +93,7 @@ class SensingCache final : public FrameCache {
  private:
   /// Computes the values of a kept sensor unless they are there. One thread computes, others wait for it.
   void Need(int robot, const SceneSensing::Place& place, std::size_t kept) const;
+  void Make(int robot, const SceneSensing::Place& place, std::size_t kept) const;
   /// Where they are.
   std::span<double> PlaceOf(int robot, const SceneSensing::Place& place, std::size_t kept) const;
 

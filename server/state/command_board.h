@@ -147,6 +147,9 @@ class CommandBoard {
   void ClosedAll(ClientId client);
   /// The robots of a client in the scene's order; after the end of its input those that it has left.
   std::vector<SlotId> Team(ClientId client) const;
+  /// The run has ended, and stands until Configure(). Without lock.
+  void NoteRunEnded() { run_ended_.store(true, std::memory_order_release); }
+  bool run_ended() const { return run_ended_.load(std::memory_order_acquire); }
   /// Grows whenever a team loses or gets a robot and with each Configure(). Without lock.
   std::uint64_t team_revision() const { return team_revision_.load(std::memory_order_acquire); }
   /// Grows with each Configure(): slots may be others. Without lock.
@@ -393,6 +396,7 @@ class CommandBoard {
   FramePtr last_frame_ GUARDED_BY(mutex_);
   std::atomic<std::uint64_t> team_revision_{1};
   std::atomic<std::uint64_t> layout_revision_{1};
+  std::atomic<bool> run_ended_{false};
   std::function<void()> all_ready_hook_;  // constant after construction
 };
 

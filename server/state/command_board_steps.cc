@@ -119,6 +119,7 @@ void CommandBoard::Configure(const Scene& scene, StepEnd end, FramePtr frame, Na
   Completions completions;
   {
     const MutexLock lock(mutex_);
+    run_ended_.store(false, std::memory_order_release);
     stopping_ = false;
     why_stopping_.clear();
     last_frame_ = std::move(frame);

@@ -68,7 +68,7 @@ void DriveTable::Configure(const Scene& scene, bool keep_participants, std::span
     drive.robot = static_cast<std::uint32_t>(robot);
     drive.first_channel = static_cast<std::uint32_t>(actuator.first_channel);
     drive.channel_count = static_cast<std::uint32_t>(actuator.channel_count);
-    drive.has_module = !actuator.module.empty();
+    drive.has_module = !actuator.module.empty() || entry.model->is_only_observed();
     drive.driven =
         !entry.controller.empty() && !std::ranges::binary_search(unloaded, static_cast<int>(robot));
     drive.participates = !drive.driven && slot.may_participate;

@@ -70,6 +70,7 @@ struct RunStatus {
   StepLoad load;                   // in real time
   StepCosts costs = {};
   std::size_t undo = 0, redo = 0;  // edits of the world that can be taken back, or made again
+  std::uint64_t unsolved = 0;      // substeps in which joints and contacts were not solved exactly
   std::vector<std::string> frozen;
   std::set<std::string> frozen_before;  // before the last reset, restore or load, since the daemon started
 };

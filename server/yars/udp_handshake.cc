@@ -43,6 +43,7 @@ YarsUdpHandshake::YarsUdpHandshake(const YarsChannel& channel) : tree_{{kTagRobo
       }
     }
   }
+  sensor_count_ = value_order_.size();
   value_order_.insert(value_order_.end(), auxiliary.begin(), auxiliary.end());
 }
 
@@ -56,7 +57,9 @@ void YarsUdpHandshake::AppendBasic(std::string& datagram) {
   if (told_ >= tree_.size() || in_extended_) told_ = 0;
   in_extended_ = false;
   constexpr std::size_t kRoom = 12;  // for the last tags and a number
-  while (told_ < tree_.size() && datagram.size() + kRoom <= kUsable) PutInt(tree_[told_++].tag, datagram);
+  for (; told_ < tree_.size() && datagram.size() + kRoom <= kUsable; ++told_) {
+    if (tree_[told_].tag != kTagAuxiliary) PutInt(tree_[told_].tag, datagram);
+  }
   if (told_ < tree_.size()) PutInt(kTagMore, datagram);
 }
 

@@ -18,7 +18,8 @@ class YarsUdpHandshake {
   YarsUdpHandshake() = default;
   explicit YarsUdpHandshake(const YarsChannel& channel);
 
-  /// Appends the tags alone, as many as fit; the next call goes on, and after the last begins anew.
+  /// Appends the tags alone, those of auxiliary values left out, as many as fit; the next call goes on, and
+  /// after the last begins anew.
   void AppendBasic(std::string& datagram);
   /// From now on AppendExtended() begins anew.
   void BeginExtended();
@@ -31,6 +32,8 @@ class YarsUdpHandshake {
   /// Of motors and values in the order of the tags: their places in the channel's.
   const std::vector<std::size_t>& motor_order() const { return motor_order_; }
   const std::vector<std::size_t>& value_order() const { return value_order_; }
+  /// The first of them, which are not auxiliary.
+  std::size_t sensor_count() const { return sensor_count_; }
 
  private:
   struct Tag {
@@ -41,6 +44,7 @@ class YarsUdpHandshake {
 
   std::vector<Tag> tree_;
   std::vector<std::size_t> motor_order_, value_order_;
+  std::size_t sensor_count_ = 0;
   std::size_t told_ = 0;     // of tree_
   bool names_next_ = false;  // the name of tree_[told_ − 1]
   bool in_extended_ = false;

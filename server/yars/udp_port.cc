@@ -280,9 +280,7 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
       if (quits && !world_.quits()) return;
       const std::string driver = channel_.DriverBeside(*this);
       if (driver.empty()) return;
-      const std::string why = YarsDrivenText(robot_, driver);
-      action = quits ? YarsUdpTalk::Action{.datagrams = {YarsUdpTalk::Refusal(why)}, .trouble = why}
-                     : client_->talk.Done(ErrorReply(0, Error::kOwned, why));
+      action = client_->talk.Denied(std::move(action), YarsDrivenText(robot_, driver));
     }
   }
 

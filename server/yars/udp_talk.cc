@@ -101,11 +101,14 @@ YarsUdpTalk::Action YarsUdpTalk::Take(std::string_view datagram) {
 YarsUdpTalk::Action YarsUdpTalk::GoOn(Action action) {
   if (waits() || later_.empty()) return action;
   const std::string next = std::exchange(later_, {});
-  Action more = Begin(next);
-  more.datagrams.insert(more.datagrams.begin(), action.datagrams.begin(), action.datagrams.end());
-  more.leaves = more.leaves || action.leaves;
-  if (more.trouble.empty()) more.trouble = action.trouble;
-  return more;
+  return Joined(std::move(action), Begin(next));
+}
+
+YarsUdpTalk::Action YarsUdpTalk::Joined(Action first, Action then) {
+  then.datagrams.insert(then.datagrams.begin(), first.datagrams.begin(), first.datagrams.end());
+  then.leaves = then.leaves || first.leaves;
+  if (then.trouble.empty()) then.trouble = std::move(first.trouble);
+  return then;
 }
 
 YarsUdpTalk::Action YarsUdpTalk::Begin(std::string_view datagram) {
@@ -142,6 +145,7 @@ YarsUdpTalk::Action YarsUdpTalk::Handle(std::int32_t id, YarsReader& fields) {
     case kHandshake: {
       if (!end(0)) return Refuse(unfinished);
       if (std::optional<Action> answer = AnswerAgain()) return *std::move(answer);
+      knows_auxiliary_ = false;
       std::string datagram = Ints({kHandshakeAck});
       handshake_.AppendBasic(datagram);
       return Send({Finish(std::move(datagram))});
@@ -149,6 +153,7 @@ YarsUdpTalk::Action YarsUdpTalk::Handle(std::int32_t id, YarsReader& fields) {
     case kExtended:
       if (!end(0) && !end(1)) return Refuse(unfinished);
       if (std::optional<Action> answer = AnswerAgain()) return *std::move(answer);
+      knows_auxiliary_ = true;
       return Handshake(fields);
     case kSensors: {
       if (!end(1)) return Refuse(unfinished);
@@ -295,7 +300,7 @@ YarsUdpTalk::Action YarsUdpTalk::Answer(const Message& reply) {
   constexpr std::int32_t kAbort = 1;
   const std::int32_t state = reply.text == "aborted" ? kAbort : 0;
   const std::vector<std::size_t>& order = handshake_.value_order();
-  const std::size_t count = order.size();
+  const std::size_t count = knows_auxiliary_ ? order.size() : handshake_.sensor_count();
   std::vector<std::string> datagrams;
   std::size_t sent = 0;
   do {
@@ -315,6 +320,14 @@ YarsUdpTalk::Action YarsUdpTalk::Answer(const Message& reply) {
 }
 
 // --- the world
+
+YarsUdpTalk::Action YarsUdpTalk::Denied(Action action, const std::string& why) {
+  if (action.order->kind != YarsOrder::Kind::kQuit)
+    return Joined(std::move(action), Done(ErrorReply(0, Error::kOwned, why)));
+  action.datagrams.pop_back();  // its acknowledgement
+  action.leaves = false;
+  return Joined(std::move(action), Refuse(why));
+}
 
 YarsUdpTalk::Action YarsUdpTalk::Order(YarsOrder order, std::int32_t ack,
                                        std::optional<std::int32_t> failed) {

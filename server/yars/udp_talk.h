@@ -49,6 +49,8 @@ class YarsUdpTalk {
   Action Answer(const Message& reply);
   /// @pre an order is under way
   Action Done(const Message& reply);
+  /// Instead of an action with an order that may not be, because of `why`: what is said besides stays.
+  Action Denied(Action action, const std::string& why);
   /// The module has gone, and another one takes its place: what the last one has not answered is asked of
   /// this one, but a step is over.
   Action MoveOn();
@@ -76,11 +78,13 @@ class YarsUdpTalk {
   /// `numbers`, then −1 and the number of the request.
   std::string Finish(std::string datagram) const;
   static std::string Ints(std::initializer_list<std::int32_t> numbers);
-  /// Of a later step of the module's answer.
+  /// What waited for the end of `action`, after it.
   Action GoOn(Action action);
+  static Action Joined(Action first, Action then);
 
   YarsUdpHandshake handshake_;
   bool knows_channel_ = false;
+  bool knows_auxiliary_ = true;  // else the client shook hands without them
   Waiting waiting_ = Waiting::kNot;
   std::string current_, later_;           // datagrams: being worked on, and to be taken up then
   std::vector<std::string> last_answer_;  // to current_

@@ -96,7 +96,7 @@ class ChannelTest(unittest.TestCase):
         self.serve()
         tags = self.udp().handshake()
         self.assertEqual(tags[:2], [0, 100])
-        self.assertEqual((tags.count(200), tags.count(300), tags.count(400), tags.count(500)), (4, 3, 4, 2))
+        self.assertEqual((tags.count(200), tags.count(300), tags.count(400), tags.count(500)), (4, 3, 4, 0))
 
     def test_the_extended_handshake_tells_names_and_mappings(self):
         self.serve()
@@ -105,6 +105,7 @@ class ChannelTest(unittest.TestCase):
                          [(300, "left_motor", -1, 1), (300, "right_motor", -1, 1), (300, "wag", -1, 1)])
         self.assertEqual([one[1] for one in told if one[0] == 400],
                          ["ahead", "bumper", "left_motor_velocity", "wag_position"])
+        self.assertEqual([one[1] for one in told if one[0] == 500], ["place", "place"])
         self.assertIn((400, "ahead", 1, 0), told)
 
     def test_a_step_lasts_a_period_of_the_controller(self):

@@ -91,6 +91,8 @@ TEST_F(RunReportTest, SummaryNamesRobotsWhoseControllerFailed) {
 TEST_F(RunReportTest, SummarySaysHowMuchRealTimeWasLost) {
   run_.status.late_periods = 132;
   EXPECT_THAT(SummaryLine(run_), HasSubstr(", 132 steps skipped"));
+  run_.status.unsolved = 1;
+  EXPECT_THAT(SummaryLine(run_), HasSubstr(", 1 substep not solved exactly"));
   run_.status.late_periods = 1;
   EXPECT_THAT(SummaryLine(run_), HasSubstr(", 1 step skipped"));
 }

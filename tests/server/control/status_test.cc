@@ -22,6 +22,7 @@ TEST_F(SimulationModuleTest, StatusTellsEverything) {
   run.speed = 0;
   run.real_time_factor = std::nan("");
   run.frozen = {"BOX_1"};
+  run.unsolved = 3;
   run_.SetStatus(run);
   const json::object status = Status();
   EXPECT_EQ(status.at("version"), "1.2.3");
@@ -54,6 +55,7 @@ TEST_F(SimulationModuleTest, StatusTellsEverything) {
   EXPECT_TRUE(clients[0].at("name").is_null());
   EXPECT_EQ(clients[1].at("owner"), true);
   EXPECT_EQ(status.at("frozen").as_array().at(0), "BOX_1");
+  EXPECT_EQ(status.at("unsolved"), 3);
   EXPECT_EQ(status.at("events").as_array().at(0).at("text"), "robot1 has left the floor");
 }
 

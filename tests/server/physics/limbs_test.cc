@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "tests/server/physics/physics_scene.h"
 
@@ -120,6 +122,27 @@ TEST(LimbsTest, ThreadsDoNotChangeABit) {
     if (threads == 0) hash = now;
     EXPECT_EQ(now, hash) << threads;
   }
+}
+
+TEST(LimbsTest, WhatWasNotSolvedExactlyIsCounted) {
+  // Chips of 0.1 g under blocks of a thousand tons: numbers of 16 digits do not suffice.
+  PhysicsScene scene;
+  scene.robot_model = Block();
+  scene.AddRobot(0, 0);
+  for (int i = 0; i < 8; ++i)
+    scene.Add(Box{{0.1, 0.1, 0.1}}, At(0.15, 0, 0.05 + 0.1 * i), i % 2 == 0 ? 1e-4 : 1e6);
+  scene.RunFor(1);
+  const std::vector<std::string> unsolved = scene.world().TakeUnsolved();
+  ASSERT_FALSE(unsolved.empty());
+  EXPECT_EQ(unsolved.front(), "THING_1");
+  EXPECT_TRUE(scene.world().TakeUnsolved().empty());
+}
+
+TEST(LimbsTest, WhatIsSolvedExactlyIsNotCounted) {
+  PhysicsScene scene;
+  AddRow(scene, 3);
+  scene.RunFor(1);
+  EXPECT_TRUE(scene.world().TakeUnsolved().empty());
 }
 
 }  // namespace

@@ -32,6 +32,18 @@ TEST_F(StepperRestoreTest, ItGoesOnBitForBitFromAnyState) {
   }
 }
 
+TEST_F(StepperRestoreTest, AStateWhoseScoresDoNotFitIsRefused) {
+  Begin();
+  Steps(3);
+  SavedState state = *Save();
+  state.scores = {1, 2, 3};
+  const std::uint64_t before = StateHash(now());
+  const EditResult result = Do(edit::Restore{std::make_shared<SavedState>(state)});
+  EXPECT_EQ(result.error, Error::kNotPossible);
+  EXPECT_EQ(result.text, "this state cannot be restored: its scores do not fit those of the scenario");
+  EXPECT_EQ(StateHash(now()), before);
+}
+
 TEST_F(StepperRestoreTest, AResetEqualsAFreshStart) {
   for (const bool driven : {false, true}) {
     Begin(driven);

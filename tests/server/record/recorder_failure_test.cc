@@ -7,6 +7,7 @@
 #include <array>
 #include <atomic>
 #include <csignal>
+#include <stdexcept>
 
 #include "recorder_fixture.h"
 #include "server/record/run_chain.h"
@@ -63,6 +64,21 @@ TEST_F(RecorderTest, AFileThatMayNotGrowEndsTheRecordingNotTheProcess) {
   // What was committed can be read.
   EXPECT_GT(Ask(file_, "SELECT count(*) FROM step"), 10);
   EXPECT_EQ(AskText(file_, "PRAGMA integrity_check"), "ok");
+}
+
+TEST_F(RecorderTest, WhatItsThreadThrowsEndsTheRecordingNotTheProcess) {
+  RecorderOptions options = Options();
+  class Thrower final : public Clock {
+    Nanoseconds Now() const override { throw std::runtime_error("no more memory"); }
+  } thrower;
+  std::string told;
+  options.on_failure = [&told](const std::string& text) { told = text; };
+  Recorder recorder(options, thrower, NullLogger());
+  recorder.Begin(maker_.Start());
+  Steps(recorder, 1, 300, Mode::kLockstep);  // nobody waits for room
+  recorder.Close();
+  EXPECT_EQ(told.find("the recording ends: no more memory; "), 0u) << told;
+  EXPECT_EQ(recorder.status().failure, told);
 }
 
 /// While it lives no file can grow beyond `bytes`, as on a disk that is full.

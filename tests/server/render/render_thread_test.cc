@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "server/render/render_thread.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <future>
 #include <memory>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "tests/server/sensing/sample_frame.h"
@@ -53,6 +56,19 @@ TEST_F(RenderThreadTest, BeforeTheFirstFrameThereIsAClearError) {
   EXPECT_EQ(Ask(Small()).get().error, "the world is not there yet: ask again in a moment");
   Publish(1);
   EXPECT_EQ(Ask(Small()).get().error, "");
+}
+
+TEST_F(RenderThreadTest, WhatThrowsEndsThePicturesAndIsTold) {
+  Publish(1);
+  std::promise<std::string> told;
+  RenderOptions options;
+  options.on_failure = [&told](const std::string& text) { told.set_value(text); };
+  images_.Request(Small(), [](const ImageResult&) { throw std::runtime_error("no more memory"); });
+  std::future<ImageResult> with_it = Ask(Small());
+  RenderThread render(images_, frames_, clock_, options, NullLogger());
+  EXPECT_THAT(with_it.get().error, testing::HasSubstr("drawing has failed"));
+  EXPECT_THAT(told.get_future().get(), testing::HasSubstr("drawing has failed: no more memory. Start"));
+  EXPECT_THAT(Ask(Small()).get().error, testing::HasSubstr("drawing has failed: no more memory"));
 }
 
 TEST_F(RenderThreadTest, AStreamIsPacedByTheClockAndSinglePicturesAreNot) {

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <exception>
 #include <latch>
 #include <thread>
 #include <vector>
 
 #include "server/sensing/readings.h"
 #include "tests/server/model/sensor_of.h"
+#include "tests/server/sensing/mounted.h"
 #include "tests/server/sensing/sample_frame.h"
 
 namespace coopdyn {
@@ -51,6 +54,29 @@ TEST(SensingThreadsTest, FourThreadsAtOnceReadWhatOneReads) {
     }
     for (const auto& result : results) EXPECT_EQ(result, expected);
   }
+}
+
+TEST(SensingThreadsTest, AReadingThatCannotBeMadeHoldsNoReaderUp) {
+  LidarModel lidar;
+  lidar.columns = 4;
+  lidar.rows = -(1 << 30);  // 2^64 - 2^32 rays: more than a vector takes, so computing them throws
+  const auto frame = SampleWorld().Robot(At(0, 0), range_sensors::With(lidar)).MakeFrame();
+  std::latch start(4);
+  std::atomic<int> told = 0;
+  {
+    std::vector<std::jthread> threads;
+    for (int t = 0; t < 4; ++t) {
+      threads.emplace_back([&] {
+        start.arrive_and_wait();
+        try {
+          Scan(*frame, 0);
+        } catch (const std::exception&) {
+          ++told;
+        }
+      });
+    }
+  }
+  EXPECT_EQ(told, 4);
 }
 
 }  // namespace

@@ -85,8 +85,27 @@ TEST_F(YarsUdpTalkTest, AByteSaysOnlyWhoItIs) {
   EXPECT_FALSE(talk_.waits());
 }
 
-TEST_F(YarsUdpTalkTest, TheBasicHandshakeTellsTheTree) {
-  EXPECT_EQ(Answer(Ints({10, -1})), Ints({11, 0, 100, 200, 300, 300, 400, 400, 400, 500, -1}));
+TEST_F(YarsUdpTalkTest, TheBasicHandshakeTellsTheTreeWithoutAuxiliaryValues) {
+  EXPECT_EQ(Answer(Ints({10, -1})), Ints({11, 0, 100, 200, 300, 300, 400, 400, 400, -1}));
+}
+
+TEST_F(YarsUdpTalkTest, AuxiliaryValuesAreForWhoKnowsThem) {
+  // Clients that know only the basic handshake refuse values that it did not tell.
+  const auto values = [this] {
+    Send(StepOf({0, 0}));
+    const YarsUdpTalk::Action done = talk_.Answer(ValuesReply({1, 2, 3, 4}));
+    YarsReader reader(done.datagrams.at(0));
+    for (int i = 0; i < 3; ++i) reader.Int();
+    return reader.Int();
+  };
+  EXPECT_EQ(values(), 4) << "no handshake";
+  Send(Ints({10, -1}));
+  EXPECT_EQ(values(), 3);
+  Send(Ints({60, 0, 7, -1}));
+  talk_.Done(ReplyTo(command::kReset));
+  EXPECT_EQ(values(), 3) << "after an init";
+  Send(Ints({12, 82, -1}));
+  EXPECT_EQ(values(), 4);
 }
 
 TEST_F(YarsUdpTalkTest, TheExtendedHandshakeTellsRangesAndNames) {
@@ -168,6 +187,23 @@ TEST_F(YarsUdpTalkTest, AnotherRequestDuringAStepIsTakenUpAfterIt) {
   const YarsUdpTalk::Action done = talk_.Answer(ValuesReply({0, 0, 0, 0}));
   ASSERT_EQ(done.datagrams.size(), 2u);
   EXPECT_EQ(done.datagrams[1], Ints({1, -1}));
+}
+
+TEST_F(YarsUdpTalkTest, AnAnswerStaysWhenTheOrderBehindItIsDenied) {
+  for (const std::string& order : {Ints({50, 0, -1}), Ints({100, -1})}) {
+    Send(StepOf({0, 0}));
+    talk_.Take(order);
+    YarsUdpTalk::Action done = talk_.Answer(ValuesReply({0, 0, 0, 0}));
+    ASSERT_TRUE(done.order);
+    const YarsUdpTalk::Action denied = talk_.Denied(std::move(done), "eva drives it");
+    EXPECT_FALSE(denied.order);
+    EXPECT_FALSE(denied.leaves);
+    ASSERT_EQ(denied.datagrams.size(), 2u);
+    EXPECT_EQ(YarsReader(denied.datagrams[0]).Int(), 41);
+    EXPECT_EQ(denied.datagrams[1], YarsUdpTalk::Refusal("eva drives it"));
+    EXPECT_EQ(denied.trouble, "eva drives it");
+    EXPECT_FALSE(talk_.waits());
+  }
 }
 
 TEST_F(YarsUdpTalkTest, ARepeatedNumberGetsTheSameAnswerWithoutAnotherStep) {
