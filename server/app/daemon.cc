@@ -273,6 +273,7 @@ void Daemon::Stop() {
   if (std::exchange(stopped_, true)) return;
   run_.End(RunEnd::kSignal);  // unless there was another reason before
   controllers_.Interrupt();
+  if (robots_ != nullptr) robots_->Interrupt();
   // Ends every wait with an answer, which goes out before the robots close their connections.
   physics_.request_stop();
   bell_.Ring();

@@ -171,6 +171,7 @@ RecordingOptions Daemon::recording_options() {
   recording.folder = options_.record.folder;
   recording.what = options_.record.what;
   recording.pose_every = options_.record.every;
+  recording.durable = options_.record.durable;
   recording.draw = [this](ImageRequest request) { return images_.Draw(std::move(request)); };
   recording.duration_s = options_.run.duration_s.value_or(0);
   recording.version = kVersion;

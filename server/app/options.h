@@ -22,6 +22,7 @@ struct RecordOptions {
   std::string file;                // from the start; empty: not
   std::string folder = ".";        // of recordings that are started later
   std::optional<RecordWhat> what;  // empty: as many robots there are
+  bool durable = false;            // each step is on the disk before it is answered
   Nanoseconds every = 0;           // of poses and readings; 0: each step
   bool force = false;
   bool stop_on_failure = false;

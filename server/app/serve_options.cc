@@ -201,6 +201,10 @@ void AddRecording(CLI::App* sub, ServeOptions& serve) {
          "--record-every", [&serve](double given_s) { serve.record.every = std::llround(given_s * 1e9); },
          "Seconds between recorded poses and readings (commands and hashes are recorded with each step)")
       ->check(NumberIn(0, kMaxDuration_s, true));
+  sub->add_flag(
+      "--record-durable", serve.record.durable,
+      "Answer a step in lockstep and free mode only when the disk has it: neither a crash nor a power "
+      "cut loses it, and steps take as long as the disk");
   sub->add_flag("--force", serve.record.force,
                 "Replace the recording that --record names; record though the disk is too small");
   AddStopOrContinue(sub, "--on-record-failure", serve.record.stop_on_failure,

@@ -54,6 +54,7 @@ std::string RecordingDesk::MakeRecorder(const fs::path& file, bool force,
   options.file = file.string();
   options.what = options_.what;
   options.pose_every = options_.pose_every;
+  options.durable = options_.durable;
   options.draw = options_.draw;
   options.overwrite = force;
   options.version = options_.version;

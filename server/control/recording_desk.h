@@ -29,6 +29,7 @@ struct RecordingOptions {
   std::filesystem::path folder = ".";  // of recordings that have a bare name
   std::optional<RecordWhat> what;      // empty: DefaultRecordWhat()
   Nanoseconds pose_every = 0;          // poses and readings only so often; 0: each step
+  bool durable = false;                // each step is on the disk before it is answered
   DrawImage draw;                      // of cameras, if `what` has images
   double duration_s = 0;               // simulated time at which the run ends; 0: as the scenario says
   std::string version, command;        // for the file: of the program, its command line

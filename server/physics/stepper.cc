@@ -221,7 +221,7 @@ void Stepper::StepNow(Nanoseconds now) {
       keyframe = std::make_shared<SavedState>(simulation_->Save());
       keyframe->mode = mode_;
     }
-    journal_->Step(frame, mode_, std::move(keyframe));
+    journal_->Step(frame, mode_, std::move(keyframe), told);
   }
   if (!supervision.empty()) {
     Supervise(supervision);

@@ -45,6 +45,11 @@ void RecordQueue::WaitForRoom(std::size_t bytes) {
   }
 }
 
+bool RecordQueue::CostsTooMuch(Nanoseconds now) const {
+  return uncommitted_.size() > most_.steps ||
+         (!uncommitted_.empty() && now - uncommitted_.front() > most_.age);
+}
+
 void RecordQueue::PushBegin(QueuedBegin begin) {
   const SavedState& state = *begin.state;
   const std::size_t bytes = BytesOf(*state.frame) + ExtraBytes(state);
@@ -96,7 +101,20 @@ void RecordQueue::PushStep(QueuedStep step) {
     keyframe_ = step.frame->step;
     needs_keyframe_ = false;
   }
+  const bool may_wait = step.mode != Mode::kRealtime;
+  const Nanoseconds now = step.now;
+  uncommitted_.push_back(now);
   Push({std::move(step), std::exchange(lost_since_, 0), bytes});
+  while (may_wait && waits() && CostsTooMuch(now)) {
+    work_.NotifyOne();
+    committed_.Wait(mutex_);
+  }
+}
+
+void RecordQueue::ForgetUncommitted() {
+  uncommitted_.clear();
+  taken_ = 0;
+  committed_.NotifyAll();
 }
 
 void RecordQueue::LeaveOut() {
@@ -133,9 +151,22 @@ std::optional<QueuedItem> RecordQueue::Pop(bool may_sleep) {
   bytes_ -= item.bytes;
   beginning_ = std::holds_alternative<QueuedBegin>(item.what);
   if (beginning_) --begins_;
+  if (std::holds_alternative<QueuedStep>(item.what)) ++taken_;
   // Wakes the waiting thread when there is room for many steps, not for one.
   if (bytes_ <= max_bytes_ / 2) room_.NotifyAll();
   return item;
+}
+
+void RecordQueue::NoteCommitted() {
+  const MutexLock lock(mutex_);
+  uncommitted_.erase(uncommitted_.begin(), uncommitted_.begin() + static_cast<std::ptrdiff_t>(taken_));
+  taken_ = 0;
+  committed_.NotifyAll();
+}
+
+bool RecordQueue::HasMore() const {
+  const MutexLock lock(mutex_);
+  return !items_.empty();
 }
 
 bool RecordQueue::ended() const {
@@ -161,6 +192,7 @@ void RecordQueue::Stall(std::uint64_t lost) {
     items_.push_back(std::move(item));
   }
   lost_since_ += since;
+  ForgetUncommitted();
   room_.NotifyAll();
 }
 
@@ -180,6 +212,7 @@ void RecordQueue::Close() {
   closed_ = true;
   work_.NotifyAll();
   room_.NotifyAll();
+  committed_.NotifyAll();
 }
 
 void RecordQueue::Fail() {
@@ -189,6 +222,7 @@ void RecordQueue::Fail() {
   dropped.swap(items_);
   bytes_ = 0;
   begins_ = 0;
+  ForgetUncommitted();
   room_.NotifyAll();
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What waits to be recorded: from the holder of the step baton to the recorder's thread. Bounded by the
-// memory that it holds. Each side is one thread at a time.
+// memory that it holds, and by what a crash may cost. Each side is one thread at a time.
 #pragma once
 
 #include <cstddef>
@@ -15,10 +15,17 @@
 
 namespace coopdyn {
 
+/// What a crash may cost: no step of a run that can wait is answered while more than this is not committed.
+struct CrashCost {
+  std::size_t steps = 1000;       // 0: a step is answered when it is committed
+  Nanoseconds age = 200'000'000;  // wall clock: since the oldest of them
+};
+
 struct QueuedStep {
   FramePtr frame;
   Mode mode = Mode::kRealtime;
   SavedStatePtr keyframe;  // null: none
+  Nanoseconds now = 0;     // wall clock: when it ran
 };
 
 struct QueuedBegin {
@@ -36,7 +43,7 @@ struct QueuedItem {
 
 class RecordQueue {
  public:
-  explicit RecordQueue(std::size_t max_bytes) : max_bytes_(max_bytes) {}
+  explicit RecordQueue(std::size_t max_bytes, CrashCost most = {}) : max_bytes_(max_bytes), most_(most) {}
 
   // --- the holder of the baton
   /// Except in real time, it waits until the file before has begun. Ending and beginning a file takes longer
@@ -44,7 +51,8 @@ class RecordQueue {
   void PushBegin(QueuedBegin begin) EXCLUDES(mutex_);
   /// Whether the next step is to be a keyframe, if there is one every `every` steps.
   bool WantsKeyframe(std::uint64_t step, std::uint64_t every) EXCLUDES(mutex_);
-  /// In real time a step that finds no room is left out; in the other modes it waits for some.
+  /// In real time a step that finds no room is left out. In the other modes it waits for some, and returns
+  /// when a crash costs no more than it may.
   void PushStep(QueuedStep step) EXCLUDES(mutex_);
   /// An input that finds no room at all makes the next step a keyframe, so that it is not missed.
   void PushInput(RunInput input) EXCLUDES(mutex_);
@@ -53,6 +61,9 @@ class RecordQueue {
   // --- the recorder's thread
   /// The next item. Nothing: there was none for a short while, or, if `may_sleep`, the queue was ended().
   std::optional<QueuedItem> Pop(bool may_sleep) EXCLUDES(mutex_);
+  /// What was taken so far is committed.
+  void NoteCommitted() EXCLUDES(mutex_);
+  bool HasMore() const EXCLUDES(mutex_);
   /// Closed, and all was taken.
   bool ended() const EXCLUDES(mutex_);
   /// Nothing can be written for now: until GoOn() steps and inputs are left out, those that wait first, and
@@ -82,15 +93,20 @@ class RecordQueue {
   /// Input or event; false if there is no room.
   bool PushSmall(QueuedItem item) REQUIRES(mutex_);
   void WaitForRoom(std::size_t bytes) REQUIRES(mutex_);
+  bool CostsTooMuch(Nanoseconds now) const REQUIRES(mutex_);
   void LeaveOut() REQUIRES(mutex_);
+  void ForgetUncommitted() REQUIRES(mutex_);
 
   const std::size_t max_bytes_;
+  const CrashCost most_;
   mutable Mutex mutex_;
-  ConditionVariable work_, room_;
+  ConditionVariable work_, room_, committed_;
   std::deque<QueuedItem> items_ GUARDED_BY(mutex_);
   std::size_t bytes_ GUARDED_BY(mutex_) = 0;
-  int begins_ GUARDED_BY(mutex_) = 0;          // among items_
-  bool beginning_ GUARDED_BY(mutex_) = false;  // the recorder makes the file that it took last
+  std::deque<Nanoseconds> uncommitted_ GUARDED_BY(mutex_);  // when these steps ran, also those taken
+  std::size_t taken_ GUARDED_BY(mutex_) = 0;                // of uncommitted_
+  int begins_ GUARDED_BY(mutex_) = 0;                       // among items_
+  bool beginning_ GUARDED_BY(mutex_) = false;               // the recorder makes the file that it took last
   bool closed_ GUARDED_BY(mutex_) = false, failed_ GUARDED_BY(mutex_) = false;
   bool stalled_ GUARDED_BY(mutex_) = false;
   bool sleeping_ GUARDED_BY(mutex_) = false;        // the recorder, until it is told

@@ -35,7 +35,7 @@ class Recorder::Impl {
         clock_(clock),
         logger_(std::move(logger)),
         files_(options_),
-        queue_(options_.max_queue_bytes),
+        queue_(options_.max_queue_bytes, options_.durable ? CrashCost{.steps = 0} : CrashCost()),
         thread_([this] { Run(); }) {}
 
   ~Impl() { Close(); }
@@ -147,6 +147,7 @@ class Recorder::Impl {
   void WriteStep(QueuedStep& step, std::uint64_t lost_before) {
     const Frame& frame = *step.frame;
     last_ = {frame.step, frame.time_s()};
+    if (!std::exchange(is_dirty_, true)) dirty_since_ = step.now;
     ++taken_;
     NoteLost(lost_before);
     if (!writes() || !Check(writer_->AddStep(frame)) || !Check(writer_->AddImages(step.frame))) return;
@@ -207,6 +208,7 @@ class Recorder::Impl {
     if (writer_ == nullptr) return;
     std::string remark;
     if (!Check(writer_->Close(remark))) return;
+    queue_.NoteCommitted();
     if (!remark.empty()) logger_->warn("{}", remark);
     LetFileGo();
   }
@@ -224,14 +226,15 @@ class Recorder::Impl {
       return;
     }
     const Nanoseconds now = clock_.Now();
-    if (!is_dirty_) dirty_since_ = now;
-    is_dirty_ = true;
+    if (!std::exchange(is_dirty_, true)) dirty_since_ = now;
     // A full disk undoes the present transaction, so commit often enough.
     const bool many = writer_->steps() >= committed_steps_ + kStepsAtOnce;
-    if (now - dirty_since_ < options_.commit_every && !many) return;
+    const bool due = options_.durable ? !queue_.HasMore() : now - dirty_since_ >= options_.commit_every;
+    if (!due && !many) return;
     is_dirty_ = false;
     committed_steps_ = writer_->steps();
     if (!Check(writer_->Commit())) return;
+    queue_.NoteCommitted();
     committed_ = last_;
     events_.clear();
     const std::uint64_t bytes = writer_->bytes();
@@ -429,8 +432,8 @@ bool Recorder::WantsKeyframe(std::uint64_t step) {
   return impl_->queue().WantsKeyframe(step, impl_->options().keyframe_steps);
 }
 
-void Recorder::Step(const FramePtr& frame, Mode mode, SavedStatePtr keyframe) {
-  impl_->Step({frame, mode, std::move(keyframe)});
+void Recorder::Step(const FramePtr& frame, Mode mode, SavedStatePtr keyframe, Nanoseconds now) {
+  impl_->Step({frame, mode, std::move(keyframe), now});
 }
 
 void Recorder::Input(RunInput input) {

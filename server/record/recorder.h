@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Writes a run to a file while it goes on: a thread of its own behind a bounded queue. In lockstep and free
-// mode a full queue slows the run; in real time steps are left out, counted and said, and the next one
-// written is a keyframe, so that what follows can be verified. The same when there is no room: the run goes
-// on without being recorded, and the recording goes on when there is room again. Calls of RunJournal by the
-// holder of the step baton, the rest by any thread.
+// mode the run waits for a disk that does not keep up; in real time steps are left out, counted and said, and
+// the next one written is a keyframe, so that what follows can be verified. The same when there is no room:
+// the run goes on without being recorded, and the recording goes on when there is room again. Calls of
+// RunJournal by the holder of the step baton, the rest by any thread.
 #pragma once
 
 #include <cstddef>
@@ -27,10 +27,11 @@ struct RecorderOptions {
   Nanoseconds pose_every = 0;      // interval of poses and readings; 0: each step
   DrawImage draw;                  // of cameras, if `what` has images
   bool overwrite = false;          // `file` itself, if it is a recording
+  bool durable = false;            // each step is on the disk before it is answered, but for real time
   std::string version, command, started;
   std::size_t max_queue_bytes = std::size_t{64} << 20;
   std::uint64_t keyframe_steps = 500;
-  Nanoseconds commit_every = 200'000'000;             // wall clock: what a crash can cost
+  Nanoseconds commit_every = 100'000'000;             // wall clock; well below what a crash may cost
   Nanoseconds retry_every = kNanosecondsPerSecond;    // wall clock: how often it looks for room
   std::uint64_t room_bytes = std::uint64_t{4} << 20;  // free on the disk, at least
   /// Free bytes on the disk of `file`; for tests. Recorder's thread.
@@ -67,7 +68,7 @@ class Recorder final : public RunJournal {
 
   void Begin(const SavedStatePtr& state) override;
   bool WantsKeyframe(std::uint64_t step) override;
-  void Step(const FramePtr& frame, Mode mode, SavedStatePtr keyframe) override;
+  void Step(const FramePtr& frame, Mode mode, SavedStatePtr keyframe, Nanoseconds now) override;
   void Input(RunInput input) override;
   void Note(Event event) override;
 

@@ -58,6 +58,7 @@ class RecordingFiles {
     const RecordWhat what = options_.what.value_or(DefaultRecordWhat(state.frame->scene->robots.size()));
     options.header = HeaderOf(*state.frame, state.mode, what, options_.pose_every);
     options.draw = options_.draw;
+    options.durable = options_.durable;
     options.header.version = options_.version;
     options.header.command = options_.command;
     options.header.started = options_.started;

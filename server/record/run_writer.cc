@@ -135,8 +135,9 @@ bool RunWriter::Open(const SavedState& first) {
       "PRAGMA page_size = " + std::to_string(page_size) +
       "; PRAGMA application_id = " + std::to_string(kRunApplicationId) +
       "; PRAGMA user_version = " + std::to_string(kRunFormat) +
-      "; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; PRAGMA wal_autocheckpoint = " +
-      std::to_string(kWalBytes / page_size) + "; PRAGMA cache_size = -" + std::to_string(kCacheKiB);
+      "; PRAGMA journal_mode = WAL; PRAGMA synchronous = " + (options_.durable ? "FULL" : "NORMAL") +
+      "; PRAGMA wal_autocheckpoint = " + std::to_string(kWalBytes / page_size) + "; PRAGMA cache_size = -" +
+      std::to_string(kCacheKiB);
   if (options_.max_pages > 0) setup += "; PRAGMA max_page_count = " + std::to_string(options_.max_pages);
   setup += "; BEGIN";
   dirty_ = true;

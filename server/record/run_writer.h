@@ -22,6 +22,7 @@ namespace coopdyn {
 struct RunWriterOptions {
   RunHeader header;
   bool overwrite = false;      // a recording, or an empty file
+  bool durable = false;        // a commit survives a power cut too
   std::size_t page_size = 0;   // of SQLite; 0: what suits the rows
   std::int64_t max_pages = 0;  // beyond that the disk counts as full; 0: no such limit. For tests
   DrawImage draw;              // of cameras, if RecordWhat::images is on; null: there are none

@@ -50,6 +50,7 @@ class Robot {
   bool Register();
   /// YarpPorts::Open() if `name` is a port of one of its modules.
   void OpenYarpPort(const std::string& name, const std::string& asker);
+  bool RunsOn(const IoThread& io) const { return &io == &io_; }
   /// Closes all connections with a notice, in time for it to be written.
   void CloseConnections(const std::string& reason);
   /// Closes that connection with a notice, if it is one of this robot's.

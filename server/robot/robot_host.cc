@@ -173,13 +173,12 @@ std::string RobotHost::Apply(const Scene& scene, bool at_start) {
     }
   }
   // The leaving ones first: their names and ports may be wanted.
-  for (std::unique_ptr<Robot>& robot : before) {
-    if (robot == nullptr) continue;
-    const std::string reason = robot->name() + " is not in the new scenario";
-    const std::string why = places.contains(robot->name()) ? robot->name() + " has been edited" : reason;
-    Release(*robot, why);
-    Drop(std::move(robot), reason);
+  std::erase(before, nullptr);
+  const auto reason = [](const Robot& robot) { return robot.name() + " is not in the new scenario"; };
+  for (const std::unique_ptr<Robot>& robot : before) {
+    Release(*robot, places.contains(robot->name()) ? robot->name() + " has been edited" : reason(*robot));
   }
+  Drop(std::move(before), reason);
   const auto with_sockets =
       std::count_if(scene.robots.begin(), scene.robots.end(),
                     [this](const SceneRobot& robot) { return HasSockets(robot.entry); });
@@ -187,6 +186,7 @@ std::string RobotHost::Apply(const Scene& scene, bool at_start) {
   std::string error;
   for (std::size_t i = 0; i < scene.robots.size(); ++i) {
     const RobotEntry& entry = scene.robots[i].entry;
+    if (kept[i] == nullptr && interrupted_) continue;
     if (kept[i] == nullptr) {
       const bool own = own_threads && HasSockets(entry);
       IoThread& io = ThreadFor(scene, own);
@@ -210,12 +210,25 @@ std::string RobotHost::Apply(const Scene& scene, bool at_start) {
   return error;
 }
 
-void RobotHost::Drop(std::unique_ptr<Robot> robot, const std::string& reason) {
-  robot->CloseConnections(reason);
-  for (std::size_t i = 0; i < robot->module_count(); ++i) PlanFor(*robot, i).Release(robot->port(i));
-  const Robot* const gone = robot.get();
-  robot.reset();
-  std::erase_if(threads_, [gone](const Thread& thread) { return thread.only == gone; });
+void RobotHost::Drop(std::vector<std::unique_ptr<Robot>> robots,
+                     const std::function<std::string(const Robot&)>& reason) {
+  const auto on_its_thread = [this, &robots](const auto& act) {
+    for (const Thread& thread : threads_) {
+      thread.io->Call([&] {
+        for (std::unique_ptr<Robot>& robot : robots) {
+          if (robot != nullptr && robot->RunsOn(*thread.io)) act(robot);
+        }
+      });
+    }
+  };
+  std::set<const Robot*> gone;
+  on_its_thread([&](std::unique_ptr<Robot>& robot) { robot->CloseConnections(reason(*robot)); });
+  on_its_thread([&](std::unique_ptr<Robot>& robot) {
+    for (std::size_t i = 0; i < robot->module_count(); ++i) PlanFor(*robot, i).Release(robot->port(i));
+    gone.insert(robot.get());
+    robot.reset();
+  });
+  std::erase_if(threads_, [&gone](const Thread& thread) { return gone.contains(thread.only); });
 }
 
 void RobotHost::OpenYarpPort(const std::string& name, const std::string& asker) {
@@ -235,7 +248,7 @@ bool RobotHost::CloseClient(const std::string& robot, ClientId client, const std
 }
 
 void RobotHost::Stop(const std::string& reason) {
-  for (std::unique_ptr<Robot>& robot : std::exchange(robots_, {})) Drop(std::move(robot), reason);
+  Drop(std::exchange(robots_, {}), [&reason](const Robot& /*robot*/) { return reason; });
   threads_.clear();
 }
 

@@ -3,9 +3,11 @@
 // runs.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <string>
 #include <unordered_map>
@@ -55,6 +57,8 @@ class RobotHost {
   void OpenYarpPort(const std::string& name, const std::string& asker);
   /// Closes a connection to `robot` with a notice. False if there is no such robot.
   bool CloseClient(const std::string& robot, ClientId client, const std::string& reason);
+  /// From now on Apply() brings nothing up any more: the program ends. Any thread.
+  void Interrupt() { interrupted_ = true; }
   /// Closes all connections with a notice, takes all names away, ends the threads.
   void Stop(const std::string& reason = "the daemon is stopping");
   void SetSpin(std::chrono::microseconds spin);
@@ -94,11 +98,14 @@ class RobotHost {
   /// The channel listens on the port that its robot had before, or else on one of a robot that is gone.
   bool ListenAsBefore(Robot& robot, std::size_t module);
   std::string OpenModule(Robot& robot, std::size_t module, bool at_start);
-  void Drop(std::unique_ptr<Robot> robot, const std::string& reason);
+  /// Visits each thread twice, not each robot: with thousands of them that would take seconds.
+  void Drop(std::vector<std::unique_ptr<Robot>> robots,
+            const std::function<std::string(const Robot&)>& reason);
 
   const RobotServices services_;
   RobotHostOptions options_;
   PortPlan& ports_;
+  std::atomic<bool> interrupted_{false};
   std::vector<Thread> threads_;
   std::size_t next_of_pool_ = 0;
   std::vector<std::unique_ptr<Robot>> robots_;

@@ -21,9 +21,10 @@ class RunJournal {
   virtual void Begin(const SavedStatePtr& state) = 0;
   /// Whether the exact state after step `step` is wanted with Step().
   virtual bool WantsKeyframe(std::uint64_t step) = 0;
-  /// A step has run. `keyframe`: the state after it, if one was wanted, else null. In real time it never
-  /// waits; in the other modes it slows the run rather than lose a step.
-  virtual void Step(const FramePtr& frame, Mode mode, SavedStatePtr keyframe) = 0;
+  /// A step has run, at `now` by the wall clock, and is not answered yet. `keyframe`: the state after it, if
+  /// one was wanted, else null. In real time it never waits; in the other modes it slows the run rather than
+  /// lose a step.
+  virtual void Step(const FramePtr& frame, Mode mode, SavedStatePtr keyframe, Nanoseconds now) = 0;
   virtual void Input(RunInput input) = 0;
   virtual void Note(Event event) = 0;
 };

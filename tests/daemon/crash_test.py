@@ -14,6 +14,7 @@ from recording import SANITIZED, equal_steps, rows, tool
 SET_WHEEL_SPEEDS = 11
 KILLS = 6 if SANITIZED else 50
 LONGEST_S = 0.8
+FAST_STEPS = 5_000 if SANITIZED else 30_000
 
 
 class Victim:
@@ -66,6 +67,30 @@ class KillTest(unittest.TestCase):
             files = [Path(folder) / f"{k}.run" for k in range(KILLS)]
             lost = list(pool.map(self.kill_once, files, delays, range(KILLS)))
         print(f"{KILLS} kills: at most {max(lost):.3f} s of wall time lost, {sum(lost) / KILLS:.3f} s on average")
+
+    def kept_after(self, drive, *options):
+        """Drives a robot in lockstep with its `/motors`, kills the daemon at the last answer; the steps answered and kept."""
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "lesson.run"
+            with Daemon(scenario(1), "--record", file, *options, expect_exit=-9) as daemon:
+                answered = drive(daemon.text("/robot1/motors"))
+                daemon.process.kill()
+            return answered, equal_steps(file)
+
+    def test_killed_in_fast_lockstep_it_has_all_answered_steps_but_a_thousand(self):
+        answered, kept = self.kept_after(lambda motors: motors.must(f"ready {FAST_STEPS}").step)
+        self.assertEqual(answered, FAST_STEPS)
+        self.assertGreaterEqual(kept, answered - 1000)
+
+    def test_killed_in_fast_free_mode_it_has_all_answered_steps_but_a_thousand(self):
+        answered, kept = self.kept_after(lambda motors: motors.must(f"ready {FAST_STEPS}").step, "--mode", "free")
+        self.assertGreaterEqual(kept, answered - 1000)
+
+    def test_durable_it_has_every_answered_step(self):
+        for steps in (1, 2, 60):
+            answered, kept = self.kept_after(
+                lambda motors: [motors.must(f"set_wheel_speeds {k % 7} 3").step for k in range(steps)][-1], "--record-durable")
+            self.assertEqual((answered, kept), (steps, steps))
 
     def test_of_many_short_runs_all_but_the_last_two_are_there(self):
         with tempfile.TemporaryDirectory() as folder:

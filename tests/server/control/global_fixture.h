@@ -110,7 +110,7 @@ class GlobalModuleTest : public testing::Test {
       keyframe->frame = frame;
       keyframe->mode = Mode::kLockstep;
     }
-    journal_->Step(frame, Mode::kLockstep, keyframe);
+    journal_->Step(frame, Mode::kLockstep, keyframe, 0);
   }
   /// Sends a line, lets its edits be applied, and waits for the reply.
   Message Ask(FakeClient& client, const std::string& line) {

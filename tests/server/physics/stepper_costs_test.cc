@@ -17,7 +17,7 @@ class StepperCostsTest : public StepperRestoreTest {
     explicit SlowJournal(ManualClock& clock) : clock_(clock) {}
     void Begin(const SavedStatePtr&) override {}
     bool WantsKeyframe(std::uint64_t) override { return false; }
-    void Step(const FramePtr&, Mode, SavedStatePtr) override { clock_.Advance(3 * kMs); }
+    void Step(const FramePtr&, Mode, SavedStatePtr, Nanoseconds) override { clock_.Advance(3 * kMs); }
     void Input(RunInput) override {}
     void Note(Event) override {}
 

@@ -27,7 +27,7 @@ class Journal final : public RunJournal {
     asked.push_back(step);
     return step % 3 == 0;
   }
-  void Step(const FramePtr& frame, Mode mode, SavedStatePtr keyframe) override {
+  void Step(const FramePtr& frame, Mode mode, SavedStatePtr keyframe, Nanoseconds) override {
     frames.push_back(frame);
     std::string line = "step " + std::to_string(frame->step) + " " + ToString(mode);
     if (keyframe != nullptr) line += " key " + std::to_string(keyframe->controllers.size());

@@ -41,7 +41,7 @@ int RecordWithinLimit(const RecorderOptions& base, FrameMaker& maker) {
   recorder.Begin(maker.Start());
   for (std::uint64_t step = 1; step <= 5000; ++step) {
     const FramePtr frame = maker.Make(step);
-    recorder.Step(frame, Mode::kLockstep, ExactIf(recorder.WantsKeyframe(step), frame, Mode::kLockstep));
+    recorder.Step(frame, Mode::kLockstep, ExactIf(recorder.WantsKeyframe(step), frame, Mode::kLockstep), 0);
   }
   recorder.Close();
   const std::string failure = recorder.status().failure;

@@ -42,6 +42,11 @@ class GateClock final : public Clock {
     const MutexLock lock(mutex_);
     now_ += by;
   }
+  /// Whether the gate is closed or not.
+  Nanoseconds Peek() const {
+    const MutexLock lock(mutex_);
+    return now_;
+  }
 
  private:
   mutable Mutex mutex_;
@@ -73,7 +78,7 @@ class RecorderTest : public testing::Test {
   /// As the stepping thread does.
   void Step(Recorder& recorder, std::uint64_t step, Mode mode) {
     const FramePtr frame = maker_.Make(step);
-    recorder.Step(frame, mode, ExactIf(recorder.WantsKeyframe(step), frame, mode));
+    recorder.Step(frame, mode, ExactIf(recorder.WantsKeyframe(step), frame, mode), clock_.Peek());
   }
   void Steps(Recorder& recorder, std::uint64_t first, std::uint64_t last, Mode mode) {
     for (std::uint64_t step = first; step <= last; ++step) Step(recorder, step, mode);

@@ -29,6 +29,18 @@ TEST_F(RecorderTest, InLockstepAFullQueueSlowsTheRunAndNothingIsLost) {
   EXPECT_EQ(recorder.status().lost, 0U);
 }
 
+TEST_F(RecorderTest, DurableAStepIsAnsweredWhenItIsCommitted) {
+  RecorderOptions options = Options();
+  options.durable = true;
+  options.commit_every = kNanosecondsPerSecond;
+  Recorder recorder(options, clock_, NullLogger());
+  recorder.Begin(maker_.Start());
+  for (std::uint64_t step = 1; step <= 20; ++step) {
+    Step(recorder, step, step % 2 == 0 ? Mode::kLockstep : Mode::kFree);
+    EXPECT_EQ(Ask(file_, "SELECT max(step) FROM step"), static_cast<std::int64_t>(step));
+  }
+}
+
 TEST_F(RecorderTest, InRealTimeAFullQueueLosesStepsAndTheNextIsAKeyframe) {
   Recorder recorder(WithRoomFor(4), clock_, NullLogger());
   BeginAndHold(recorder, Mode::kRealtime);

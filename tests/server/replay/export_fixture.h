@@ -137,7 +137,7 @@ class ExportTest : public testing::Test {
       const bool keyframe = recorder.WantsKeyframe(step);
       std::vector<Setpoint> setpoints = ByChannel(wheels);
       run->Step(kDefaultStep, {setpoints, {}, commanded});
-      recorder.Step(run->frame(), Mode::kLockstep, keyframe ? save() : nullptr);
+      recorder.Step(run->frame(), Mode::kLockstep, keyframe ? save() : nullptr, 0);
       frames.push_back(run->frame());
     }
     for (const Event& event : make.events) recorder.Note(event);

@@ -316,6 +316,16 @@ TEST_F(RobotHostTest, StopTellsClientsAndTakesNamesAway) {
   EXPECT_EQ(host->thread_count(), 0u);
 }
 
+TEST_F(RobotHostTest, InterruptedItKeepsWhatIsThereAndBringsUpNoMore) {
+  const auto host = Start(Options());
+  host->Interrupt();
+  Load(SmallScenario(5));
+  EXPECT_EQ(host->Apply(scene(), false), "");
+  EXPECT_EQ(host->robots().size(), 2U);
+  EXPECT_TRUE(names_.Find("/robot1/motors"));
+  EXPECT_FALSE(names_.Find("/robot5/motors"));
+}
+
 TEST_F(RobotHostTest, OwnerIsClosedWithTheReason) {
   const auto host = Start(Options());
   TestClient client = Connect("/robot1/motors");
