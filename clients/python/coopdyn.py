@@ -178,19 +178,33 @@ _C = TypeVar("_C", bound=type)
 
 
 def _usage(example: str) -> Callable[[_F], _F]:
-    """Turns a call with wrong arguments into an error that says what to write."""
+    """A public call. With wrong arguments it raises an error that says what to write; from a second thread at the same time one
+    that says the rule. The traceback of an Error ends here: its text says all."""
 
     def decorate(function: _F) -> _F:
         @functools.wraps(function)
         def call(*args: Any, **kwargs: Any) -> Any:
+            session = getattr(args[0], "_session", None) if args else None
+            if session is not None and not session.in_use.acquire(False):
+                raise Error(5, "another thread uses this sim at this moment: use a sim, its robots and teams from one thread; let "
+                               "each other thread have its own coopdyn.connect()")
             try:
                 return function(*args, **kwargs)
+            except Error as e:
+                error: BaseException = e.with_traceback(None)
             except TypeError as e:
                 if e.__traceback__ is None or e.__traceback__.tb_next is not None:
                     raise  # of something inside
                 said = str(e)  # its counts include the object
                 why = "an argument is missing" if " missing " in said else "too many arguments" if " given" in said else said
-                raise Error(2, f"{why}: write {example}") from None
+                error = Error(2, f"{why}: write {example}")
+            finally:
+                if session is not None:
+                    session.in_use.release()
+            try:
+                raise error
+            finally:
+                del error  # it knows this frame, which must not know it
 
         return call  # type: ignore[return-value]
 
@@ -1969,6 +1983,7 @@ class _Session:
         self.scenario: Any = None  # its name, as it was when this world began
         self.told_to_step = False
         self.closed = False
+        self.in_use = threading.RLock()  # held by the thread whose public call is running; others are refused
         self.on_closed: Optional[Callable[[], Any]] = None  # ends the daemon that launch() has started
 
     def spin_s(self) -> float:
@@ -2012,13 +2027,14 @@ class _Session:
             return WorldReset(5, f"{which}, which has no {_list_of(gone)}; there are: {there}. Run your program again with these")
         return WorldReset(5, f"{which}: run your program again, or catch this to start over")
 
+    def is_new(self, status: Dict[str, Any]) -> bool:
+        """It is of a world that somebody else has reset or loaded."""
+        same = status.get("scenario") == self.scenario and status["step"] >= self.reached
+        return not same and status.get("playback") is None
+
     def behind(self, e: Error) -> Error:
         """What a team is told after an error: WorldReset if a scenario was loaded."""
-        if isinstance(e, WorldReset):
-            return e
-        status = self.status()
-        same = status.get("scenario") == self.scenario and status["step"] >= self.reached
-        return e if same or status.get("playback") is not None else self.world_reset("load")
+        return e if isinstance(e, WorldReset) or not self.is_new(self.status()) else self.world_reset("load")
 
     def status(self) -> Dict[str, Any]:
         """Of the whole, with one robot."""
@@ -2669,11 +2685,14 @@ class _Session:
         return cause
 
     def whom(self, held_up: bool = False) -> str:
-        """One line that says what the world waits for; with `held_up` empty if its steps go on."""
+        """One line that says what the world waits for; with `held_up` empty if its steps go on. WorldReset if it is another
+        world than the one whose step is awaited."""
         try:
             status = self.fresh_status()
         except Error as e:
             return f"no answer from the daemon ({e.text})"
+        if not self.watch and self.is_new(status):
+            raise self.world_reset()
         playback = status.get("playback")
         if playback and playback["step"] == playback["end_step"] and not (playback["playing"] or playback["growing"]):
             return "the recording has ended; sim.run() plays it again"
@@ -3822,6 +3841,7 @@ class Simulation:
         return self._session.steps
 
     @property
+    @_usage("sim.mode")
     def mode(self) -> str:
         """"realtime", "lockstep" or "free", asked now."""
         self._session.mode = self._session.control(_GET_TIME).params[0]
