@@ -2570,7 +2570,7 @@ class _Session:
     def collect(self, waiting: Dict[_Connection, Optional[_Driven]], timeout: Optional[float]) -> int:
         """Takes in the reply of every connection in `waiting`, which is empty then; returns the earliest step that they tell.
         The first error is raised."""
-        wait = _Wait(self, timeout, "the step did not come")
+        wait = _Wait(self, timeout, "the step did not come", in_step=any(link is not None for link in waiting.values()))
         spin_until = wait.now + self.spin_s()
         stepped: List[_Driven] = []
         earliest = sys.maxsize
@@ -2684,15 +2684,15 @@ class _Session:
                             cause = team.lost
         return cause
 
-    def whom(self, held_up: bool = False) -> str:
-        """One line that says what the world waits for; with `held_up` empty if its steps go on. WorldReset if it is another
-        world than the one whose step is awaited."""
+    def whom(self, held_up: bool = False, in_step: bool = False) -> str:
+        """One line that says what the world waits for; with `held_up` empty if its steps go on. With `in_step` it raises what the
+        step's reply would say if the world is another by now."""
         try:
             status = self.fresh_status()
         except Error as e:
             return f"no answer from the daemon ({e.text})"
-        if not self.watch and self.is_new(status):
-            raise self.world_reset()
+        if in_step and not self.watch and self.is_new(status):
+            raise WorldReset(5, "reset")  # give_up() makes it a text
         playback = status.get("playback")
         if playback and playback["step"] == playback["end_step"] and not (playback["playing"] or playback["growing"]):
             return "the recording has ended; sim.run() plays it again"
@@ -2793,10 +2793,13 @@ class _Session:
 
 class _Wait:
     """How long something may take: Error 11, "`what` within 5 s", after `timeout` seconds. While it lasts it says once, on
-    stderr, what the world waits for; with `held_up` only if its steps do not go on."""
+    stderr, what the world waits for; with `held_up` only if its steps do not go on. With `in_step` it raises WorldReset if the
+    world is another by now."""
 
-    def __init__(self, session: _Session, timeout: Optional[float], what: str, held_up: bool = False) -> None:
-        self.session, self.what, self.held_up = session, what, held_up
+    def __init__(
+        self, session: _Session, timeout: Optional[float], what: str, held_up: bool = False, in_step: bool = False
+    ) -> None:
+        self.session, self.what, self.held_up, self.in_step = session, what, held_up, in_step
         self.timeout = math.inf if timeout is None else _number(timeout, "timeout [s]")
         self.now = _clock.monotonic()
         self.deadline = self.now + self.timeout
@@ -2805,9 +2808,9 @@ class _Wait:
     def check(self) -> None:
         self.now = _clock.monotonic()
         if self.now >= self.deadline:
-            raise Error(11, f"{self.what} within {self.timeout:g} s; {self.session.whom()}")
+            raise Error(11, f"{self.what} within {self.timeout:g} s; {self.session.whom(in_step=self.in_step)}")
         if self.now >= self.notice_at:
-            whom = self.session.whom(self.held_up)
+            whom = self.session.whom(self.held_up, self.in_step)
             self.notice_at = math.inf if whom else self.now + _NOTICE_AFTER_S
             if whom:
                 print(f"coopdyn: {whom}", file=sys.stderr, flush=True)
