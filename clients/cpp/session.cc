@@ -323,10 +323,13 @@ WorldReset Session::NewWorld(const std::string& word) {
 
 void Session::ThrowIfLoaded(const Error& error) {
   if (dynamic_cast<const WorldReset*>(&error) != nullptr) return;
-  const Json status = Status();
+  if (IsNew(Status())) throw NewWorld(kLoad);
+}
+
+bool Session::IsNew(const Json& status) const {
   const bool same =
       status["scenario"].text() == scenario_ && status["step"].number() >= static_cast<double>(reached_);
-  if (!same && status["playback"].is_null()) throw NewWorld(kLoad);
+  return !same && status["playback"].is_null();
 }
 
 void Session::StartedAnew() {

@@ -85,8 +85,9 @@ class Session {
   /// again.
   [[noreturn]] void Lose(const Closed& closed, const std::string& label, const std::string& take_again,
                          std::optional<Error>& lost);
-  /// One line that says what the world waits for; with `held_up` empty if its steps go on.
-  std::string Whom(bool held_up = false) const;
+  /// One line that says what the world waits for; with `held_up` empty if its steps go on. With `in_step` it
+  /// throws what the step's reply would say if the world is another by now.
+  std::string Whom(bool held_up = false, bool in_step = false) const;
   /// Writes `stop` to the robots that this session drives, then closes everything. Does not wait.
   void Close();
   /// A daemon that launch() has started; it ends with this session.
@@ -110,6 +111,8 @@ class Session {
   /// Somebody has reset the world, or (if `word` is kLoad, or the scenario is another one) loaded a scenario:
   /// forgets what belongs to the old world, and says so.
   WorldReset NewWorld(const std::string& word = "");
+  /// The status is of a world that somebody else has reset or loaded.
+  bool IsNew(const Json& status) const;
   /// After an error of a team: throws WorldReset if a scenario was loaded.
   void ThrowIfLoaded(const Error& error);
 

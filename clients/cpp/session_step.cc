@@ -130,6 +130,7 @@ Session::Replies Session::Collect(std::vector<Waiting>& waiting, double timeout_
   Replies replies{{}, std::numeric_limits<std::int64_t>::max()};
   const Deadline spin_until = After(spin_s(), start), deadline = After(timeout_s, start);
   Deadline notice_at = After(kNoticeAfter_s, start), catch_up_at = Deadline::max();
+  const bool drives = waiting.front().link != nullptr || waiting.front().team != nullptr;
   std::vector<int> missing;
   /// True if the one that is kAtOnce further on has come.
   const auto glance = [&](const auto& fd_at, std::size_t count) {
@@ -145,10 +146,11 @@ Session::Replies Session::Collect(std::vector<Waiting>& waiting, double timeout_
     if (any) catch_up_at = After(kCatchUpAfter_s, now);
     if (!std::exchange(all, true) && !any) continue;
     if (now < spin_until) continue;
-    if (now >= deadline) throw Error(kTimedOut, "no answer within " + Written(timeout_s) + " s; " + Whom());
+    if (now >= deadline)
+      throw Error(kTimedOut, "no answer within " + Written(timeout_s) + " s; " + Whom(false, drives));
     if (now >= notice_at) {
       notice_at = Deadline::max();
-      std::cerr << "coopdyn: " << Whom() << std::endl;
+      std::cerr << "coopdyn: " << Whom(false, drives) << std::endl;
     }
     if (now >= catch_up_at) {
       catch_up_at = After(kCatchUpAfter_s, now);
@@ -255,13 +257,14 @@ void Session::GiveUp(std::vector<Waiting>& waiting, const Error& cause) {
   if (lost) std::rethrow_exception(lost);
 }
 
-std::string Session::Whom(bool held_up) const {
+std::string Session::Whom(bool held_up, bool in_step) const {
   Json status;
   try {
     status = FreshStatus();
   } catch (const Error& e) {
     return std::string("no answer from the daemon (") + e.what() + ")";
   }
+  if (in_step && !watch_ && IsNew(status)) throw WorldReset("reset");  // GiveUp() makes it a text
   const std::string& state = status["state"].text();
   const Json& playback = status["playback"];
   if (!playback.is_null() && playback["step"].number() == playback["end_step"].number() &&

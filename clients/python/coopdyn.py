@@ -178,19 +178,33 @@ _C = TypeVar("_C", bound=type)
 
 
 def _usage(example: str) -> Callable[[_F], _F]:
-    """Turns a call with wrong arguments into an error that says what to write."""
+    """A public call. With wrong arguments it raises an error that says what to write; from a second thread at the same time one
+    that says the rule. The traceback of an Error ends here: its text says all."""
 
     def decorate(function: _F) -> _F:
         @functools.wraps(function)
         def call(*args: Any, **kwargs: Any) -> Any:
+            session = getattr(args[0], "_session", None) if args else None
+            if session is not None and not session.in_use.acquire(False):
+                raise Error(5, "another thread uses this sim at this moment: use a sim, its robots and teams from one thread; let "
+                               "each other thread have its own coopdyn.connect()")
             try:
                 return function(*args, **kwargs)
+            except Error as e:
+                error: BaseException = e.with_traceback(None)
             except TypeError as e:
                 if e.__traceback__ is None or e.__traceback__.tb_next is not None:
                     raise  # of something inside
                 said = str(e)  # its counts include the object
                 why = "an argument is missing" if " missing " in said else "too many arguments" if " given" in said else said
-                raise Error(2, f"{why}: write {example}") from None
+                error = Error(2, f"{why}: write {example}")
+            finally:
+                if session is not None:
+                    session.in_use.release()
+            try:
+                raise error
+            finally:
+                del error  # it knows this frame, which must not know it
 
         return call  # type: ignore[return-value]
 
@@ -1969,6 +1983,7 @@ class _Session:
         self.scenario: Any = None  # its name, as it was when this world began
         self.told_to_step = False
         self.closed = False
+        self.in_use = threading.RLock()  # held by the thread whose public call is running; others are refused
         self.on_closed: Optional[Callable[[], Any]] = None  # ends the daemon that launch() has started
 
     def spin_s(self) -> float:
@@ -2012,13 +2027,14 @@ class _Session:
             return WorldReset(5, f"{which}, which has no {_list_of(gone)}; there are: {there}. Run your program again with these")
         return WorldReset(5, f"{which}: run your program again, or catch this to start over")
 
+    def is_new(self, status: Dict[str, Any]) -> bool:
+        """It is of a world that somebody else has reset or loaded."""
+        same = status.get("scenario") == self.scenario and status["step"] >= self.reached
+        return not same and status.get("playback") is None
+
     def behind(self, e: Error) -> Error:
         """What a team is told after an error: WorldReset if a scenario was loaded."""
-        if isinstance(e, WorldReset):
-            return e
-        status = self.status()
-        same = status.get("scenario") == self.scenario and status["step"] >= self.reached
-        return e if same or status.get("playback") is not None else self.world_reset("load")
+        return e if isinstance(e, WorldReset) or not self.is_new(self.status()) else self.world_reset("load")
 
     def status(self) -> Dict[str, Any]:
         """Of the whole, with one robot."""
@@ -2554,7 +2570,7 @@ class _Session:
     def collect(self, waiting: Dict[_Connection, Optional[_Driven]], timeout: Optional[float]) -> int:
         """Takes in the reply of every connection in `waiting`, which is empty then; returns the earliest step that they tell.
         The first error is raised."""
-        wait = _Wait(self, timeout, "the step did not come")
+        wait = _Wait(self, timeout, "the step did not come", in_step=any(link is not None for link in waiting.values()))
         spin_until = wait.now + self.spin_s()
         stepped: List[_Driven] = []
         earliest = sys.maxsize
@@ -2668,12 +2684,15 @@ class _Session:
                             cause = team.lost
         return cause
 
-    def whom(self, held_up: bool = False) -> str:
-        """One line that says what the world waits for; with `held_up` empty if its steps go on."""
+    def whom(self, held_up: bool = False, in_step: bool = False) -> str:
+        """One line that says what the world waits for; with `held_up` empty if its steps go on. With `in_step` it raises what the
+        step's reply would say if the world is another by now."""
         try:
             status = self.fresh_status()
         except Error as e:
             return f"no answer from the daemon ({e.text})"
+        if in_step and not self.watch and self.is_new(status):
+            raise WorldReset(5, "reset")  # give_up() makes it a text
         playback = status.get("playback")
         if playback and playback["step"] == playback["end_step"] and not (playback["playing"] or playback["growing"]):
             return "the recording has ended; sim.run() plays it again"
@@ -2774,10 +2793,13 @@ class _Session:
 
 class _Wait:
     """How long something may take: Error 11, "`what` within 5 s", after `timeout` seconds. While it lasts it says once, on
-    stderr, what the world waits for; with `held_up` only if its steps do not go on."""
+    stderr, what the world waits for; with `held_up` only if its steps do not go on. With `in_step` it raises WorldReset if the
+    world is another by now."""
 
-    def __init__(self, session: _Session, timeout: Optional[float], what: str, held_up: bool = False) -> None:
-        self.session, self.what, self.held_up = session, what, held_up
+    def __init__(
+        self, session: _Session, timeout: Optional[float], what: str, held_up: bool = False, in_step: bool = False
+    ) -> None:
+        self.session, self.what, self.held_up, self.in_step = session, what, held_up, in_step
         self.timeout = math.inf if timeout is None else _number(timeout, "timeout [s]")
         self.now = _clock.monotonic()
         self.deadline = self.now + self.timeout
@@ -2786,9 +2808,9 @@ class _Wait:
     def check(self) -> None:
         self.now = _clock.monotonic()
         if self.now >= self.deadline:
-            raise Error(11, f"{self.what} within {self.timeout:g} s; {self.session.whom()}")
+            raise Error(11, f"{self.what} within {self.timeout:g} s; {self.session.whom(in_step=self.in_step)}")
         if self.now >= self.notice_at:
-            whom = self.session.whom(self.held_up)
+            whom = self.session.whom(self.held_up, self.in_step)
             self.notice_at = math.inf if whom else self.now + _NOTICE_AFTER_S
             if whom:
                 print(f"coopdyn: {whom}", file=sys.stderr, flush=True)
@@ -3822,6 +3844,7 @@ class Simulation:
         return self._session.steps
 
     @property
+    @_usage("sim.mode")
     def mode(self) -> str:
         """"realtime", "lockstep" or "free", asked now."""
         self._session.mode = self._session.control(_GET_TIME).params[0]

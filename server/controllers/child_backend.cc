@@ -18,6 +18,7 @@ constexpr Nanoseconds kEndTime = 200 * kMillisecond;      // for the instances t
 constexpr Nanoseconds kLastWait = 100 * kMillisecond;     // for a step when the daemon ends
 constexpr int kMaxLosses = 8;                             // of the process with nobody to blame,
 constexpr int kCalmSteps = 100;                           // with fewer steps in between
+constexpr std::uint64_t kChangesAround = 3;               // of a worker's word, before and after its items
 constexpr std::size_t kFew = 512;  // steps of this many robots are taken in turns with the child on one core
 
 /// It said so itself, or it crashed near its limit: few programs check malloc() for NULL.
@@ -126,10 +127,13 @@ std::uint64_t ChildBackend::StuckWorkers(Nanoseconds now) {
   bool idle = true;
   for (std::size_t w = 0; w < static_cast<std::size_t>(std::min<int>(options_.threads, kMaxWorkers)); ++w) {
     const std::uint64_t word = areas_.out_header().workers[w].word.load(std::memory_order_acquire);
-    const bool works = ItemOf(word) != 0;
-    idle = idle && !works;
     WorkerWatch& watch = watch_[w];
-    watch.same_for = works && word == watch.word ? watch.same_for + passed : 0;
+    if (word != watch.word) ++watch.changes;
+    // It takes up each item once, and lets go of the last. What changes more often tells of no progress.
+    const bool overwritten = watch.changes > areas_.header().item_count + kChangesAround;
+    const bool works = ItemOf(word) != 0 || overwritten;
+    idle = idle && !works;
+    watch.same_for = works && (overwritten || word == watch.word) ? watch.same_for + passed : 0;
     watch.word = word;
     if (deadline > 0 && watch.same_for >= deadline) stuck |= std::uint64_t{1} << w;
   }
@@ -155,9 +159,13 @@ ChildBackend::Loss ChildBackend::Bury(std::uint64_t stuck_workers) {
   }
   std::sort(loss.suspects.begin(), loss.suspects.end());
   if (loss.hung) {
-    loss.why = stuck_workers != 0 ? fmt::format("did not return within {:g} s", ToSeconds(options_.deadline))
-                                  : fmt::format("gave no answer for {:g} s while no controller was at work",
-                                                ToSeconds(options_.silence));
+    const char* why = stuck_workers == 0 ? "gave no answer for {:g} s while no controller was at work"
+                      : loss.suspects.empty()
+                          ? "gave no answer for {:g} s, as a controller overwrites what it "
+                            "shares with the daemon"
+                          : "did not return within {:g} s";
+    loss.why =
+        fmt::format(fmt::runtime(why), ToSeconds(stuck_workers == 0 ? options_.silence : options_.deadline));
   } else if (RanOutOfMemory(end, header.memory_bytes)) {
     loss.why = fmt::format(
         "ran out of memory: all controllers together may use {} MiB (serve --controller-memory MIB allows "

@@ -81,6 +81,7 @@ class ChildBackend final : public Backend {
   };
   struct WorkerWatch {
     std::uint64_t word = 0;
+    std::uint64_t changes = 0;  // of the word, as far as they were seen
     Nanoseconds same_for = 0;
   };
 

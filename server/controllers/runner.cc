@@ -235,6 +235,8 @@ void Runner::TimedStep(std::uint32_t robot, Worker& worker) {
 }
 
 void Runner::Step(std::uint32_t robot, Worker& worker) {
+  // A process that was lost left nothing from which this one could bring it back.
+  if (instances_[robot] == nullptr) return Fail(robot, "had its state overwritten by another controller");
   Instance& instance = *instances_[robot];
   const RobotSetup& setup = areas_->setup(robot);
   if (header().step % setup.exchange_steps != 0) return StepOver(robot, worker);

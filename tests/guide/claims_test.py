@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The tests that docs/yars.md names for the claims of the YARS paper are there."""
+"""The tests that docs/yars.md names for the claims of the YARS paper are there; a figure is the same wherever it is told."""
 import re
 import unittest
 from pathlib import Path
@@ -20,6 +20,13 @@ class ClaimsTest(unittest.TestCase):
             for name in names:
                 found = re.search(rf"\b(def {name}\(|TEST(_F|_P)?\(\w+, {name}\))", sources)
                 self.assertTrue(found, f"claim {number}: there is no test {name}")
+
+    def test_what_a_step_of_a_robot_takes_is_as_in_the_benchmarks(self):
+        rows = re.findall(r"^\| (humanoid|hexapod|lwa) \|[^|]*\|[^|]*\| ([\d.]+) \|", (ROOT / "docs/benchmarks.md").read_text(), re.M)
+        measured = {robot: f"{float(us):.0f}" for robot, us in rows}
+        told = re.search(r"a humanoid's step took \d+ µs, now (\d+); a hexapod's \d+, now (\d+); an arm's \d+, now (\d+)",
+                         (ROOT / "docs/decisions.md").read_text())
+        self.assertEqual(told.groups(), (measured["humanoid"], measured["hexapod"], measured["lwa"]))
 
 
 if __name__ == "__main__":

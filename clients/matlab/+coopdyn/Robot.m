@@ -281,7 +281,7 @@ classdef Robot < coopdyn.internal.SensorCalls
       if isempty(chosen) || ~all(isfield(r.link.pushers, chosen))
         coopdyn.internal.fail(5, 'nothing is subscribed to; write r.subscribe(''distance'') first');
       end
-      wait = coopdyn.internal.Wait(r.session.address, options.timeout, ['no reading of ' strjoin(chosen, ', ')], true);
+      wait = coopdyn.internal.Wait(r.session, options.timeout, ['no reading of ' strjoin(chosen, ', ')], true);
       while true
         for k = 1:numel(chosen)
           c = r.link.pushers.(chosen{k});

@@ -177,7 +177,7 @@ classdef Simulation < coopdyn.internal.RunCalls
           'sim.load_scenario(''corridor'')']);
       end
       x = char(x);
-      if ~any(x == char(10)) && exist(x, 'file') == 2
+      if ~any(x == char(10)) && isfile(x)  % exist() finds formation.m, too
         [~, name, extension] = fileparts(x);
         x = [fileread(x) char(10) '# file: ' name extension char(10)];  % the last line tells the daemon its name
       end

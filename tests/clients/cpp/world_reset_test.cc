@@ -127,6 +127,16 @@ TEST(WorldReset, AStepThatWaitsIsEndedByItAndByALoad) {
   }
 }
 
+TEST(WorldReset, BetweenTwoStepsIsToldWhileTheNextStepWaitsForOthers) {
+  const auto daemon = ServerProcess::Real("classroom", {"--mode", "lockstep"});
+  auto sim = connect(daemon.server()), other = connect(daemon.server(), {.name = "other"});
+  auto robot = sim.robot("robot1");
+  DriveSteps(sim, robot, 2);
+  other.load_scenario("formation");
+  EXPECT_EQ(ResetOf([&] { DriveSteps(sim, robot, 1); }),
+            "scenario formation was loaded: run your program again, or catch this to start over");
+}
+
 TEST(WorldReset, ALoadWithoutTheRobotSaysWhichIsMissing) {
   const auto daemon = ServerProcess::Real("formation", {"--mode", "lockstep"});
   auto sim = connect(daemon.server()), other = connect(daemon.server(), {.name = "other"});

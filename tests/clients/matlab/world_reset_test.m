@@ -75,5 +75,13 @@ expect_error('coopdyn:no_such_name', @() two.set_velocity(0, 0), 'the scenario t
 other.run();
 sim.set_mode('realtime');
 drive_steps(sim, r, 2);
+% A load between two steps, while the next step waits for others.
+sim.set_mode('lockstep');
+sim.set_participants({'robot1'});
+drive_steps(sim, r, 2);
+other.load_scenario('formation');
+sim.set_mode('lockstep');
+r.set_velocity(0.1, 0);
+expect_error('coopdyn:reset', @() sim.step('timeout', 60), 'scenario formation was loaded', again);
 sim.close();
 disp('passed')

@@ -8,6 +8,7 @@ import socket
 import subprocess
 import sys
 import threading
+import traceback
 import unittest
 
 import harness
@@ -77,6 +78,54 @@ class RunningTwice(FakeTestCase):
         self.assertIsNone(daemon.robots[0].owner)
         sim.robot(1)
         self.assertIsNotNone(daemon.robots[0].owner)
+
+
+class TwoThreads(FakeTestCase):
+    def test_on_one_sim_at_the_same_time_are_told_the_rule(self):
+        daemon = self.start(mode=1, robots=2)
+        sim, other = self.connect(daemon), self.connect(daemon, name="other")
+        r, theirs = sim.robot(1), other.robot(2)
+        stepping = threading.Thread(target=sim.step)
+        stepping.start()
+        with daemon.lock:
+            self.assertTrue(daemon.lock.wait_for(lambda: daemon.robots[0].command is not None, 60))
+        for call in (r.get_pose, sim.step, sim.status, sim.close, r.sense, lambda: r.set_velocity(0, 0), lambda: sim.mode,
+                     lambda: sim.dt, lambda: sim.robot(1)):
+            self.assert_error(5, call, "another thread", "connect()")
+        self.assertEqual(sim.steps, 0)  # what was told last may be read
+        theirs.set_velocity(0.1, 0)
+        other.step(timeout=60)
+        stepping.join()
+        self.assertEqual(r.get_pose().forward, 0.0)
+
+    def test_one_after_the_other_may_use_a_sim(self):
+        sim = self.connect(self.start(mode=1))
+        r = sim.robot(1)
+        for _ in range(2):
+            thread = threading.Thread(target=lambda: (r.set_velocity(0.1, 0), sim.step(timeout=60)))
+            thread.start()
+            thread.join()
+        self.assertEqual((sim.steps, r.get_pose().forward), (2, 0.1))
+
+
+class Tracebacks(FakeTestCase):
+    def test_show_the_line_of_the_program_and_nothing_of_the_inside(self):
+        daemon = self.start(mode=1)
+        sim = self.connect(daemon)
+        r = sim.robot(1)
+        sim.step(timeout=60)
+        self.connect(daemon, name="other").reset()
+        r.set_velocity(0.1, 0)
+        for call in (lambda: sim.step(timeout=60), lambda: sim.robot(7), lambda: sim.set_mode("quick"), lambda: r.sense("pink"),
+                     lambda: r.get_target("pink"), lambda: coopdyn.connect("localhost:1"),
+                     lambda: r.set_velocity("fast", 0), lambda: r.set_velocity()):
+            shown = ""
+            try:
+                call()
+            except coopdyn.Error:
+                shown = traceback.format_exc()
+            self.assertEqual(shown.count("Traceback"), 1, shown)
+            self.assertEqual(shown.count('coopdyn.py", line'), 1, shown)
 
 
 class Interrupted(FakeTestCase):

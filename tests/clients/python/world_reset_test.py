@@ -183,6 +183,26 @@ class ALoad(DaemonTestCase):
             robots[0].set_velocity(0.1, 0)
             sim.step(timeout=60)
 
+    def test_between_two_steps_is_noticed_by_a_step_that_waits_for_others(self):
+        self.notices_after(0.1)
+        daemon = self.start("classroom", "--mode", "lockstep")
+        sim, other = self.connect(daemon), self.connect(daemon, name="other")
+        r = sim.robot("robot1")
+        for change, said in ((lambda: other.load_scenario("formation"), "scenario formation was loaded: run your program again"),
+                             (lambda: other.load_scenario("formation"), "was"), (other.reset, RESET)):
+            sim.set_participants(["robot1"])
+            r.set_velocity(0.1, 0)
+            sim.step(timeout=60)
+            other.set_participants([])
+            change()
+            r.set_velocity(0.1, 0)
+            with self.assertRaises(coopdyn.WorldReset) as caught:
+                sim.step(timeout=60)
+            self.assertIn(said, caught.exception.text)
+        sim.set_participants(["robot1"])
+        sim.step(timeout=60)
+        self.assertIn(sim.steps, (1, 2))  # the command that waited may still have run
+
     def test_of_another_scenario_with_the_robot_is_named_by_the_next_reading(self):
         daemon = self.start("formation", "--mode", "lockstep")
         sim, other = self.connect(daemon), self.connect(daemon, name="other")

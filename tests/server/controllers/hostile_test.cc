@@ -252,6 +252,21 @@ TEST(HostileTest, ItsCpuTimeCountsEvenWhenItIsDead) {
   EXPECT_GT(driven.host().child_cpu_s(), before_s);
 }
 
+TEST(HostileTest, OneThatOverwritesItsOutputsWithoutEndIsStopped) {
+  for (const int deed : {kOverwriteOutputs, kOverwriteOutputsBeside}) {
+    for (const int threads : {1, 3}) {
+      ControllerOptions options = TestOptions(false, threads);
+      options.deadline = kNanosecondsPerSecond / 4;
+      const Record record = RunFor(SwarmWith(deed), options);
+      ASSERT_FALSE(record.stopped.empty());
+      EXPECT_EQ(record.setpoints[19][kVictim], WheelSpeeds{});
+      if (deed == kOverwriteOutputs) {
+        EXPECT_THAT(record.stopped[0].why, HasSubstr("had its state overwritten by another controller"));
+      }
+    }
+  }
+}
+
 TEST(HostileTest, ACopyOfTheProcessIsGoneBeforeItDoesAnything) {
   const Record record = RunFor(SwarmWith(kFork), TestOptions(false));
   EXPECT_TRUE(record.stopped.empty());

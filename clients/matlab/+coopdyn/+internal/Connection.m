@@ -16,7 +16,7 @@ classdef Connection < handle
     hello
     buffer = zeros(1, 0, 'uint8')
     octave = false
-    fast = []    % the socket in Octave, whose read waits for what is asked for
+    fast = []    % the socket in Octave, whose read waits for what is asked for; at most 0.02 s
     sizes = 24 * ones(1, 1024)
     asked = 1
   end
@@ -77,26 +77,34 @@ classdef Connection < handle
     function send(c, command, bytes)
     % Writes a request whose reply is awaited by poll or receive.
       c.busy = true;
-      c.asked = min(command, 255) + 1;
+      c.asked = command + 1;
+      socket = c.fast;
       try
-        write(c.socket, bytes);
+        if isempty(socket)
+          write(c.socket, bytes);
+        else
+          __tcpclient_write__(socket, bytes);
+        end
       catch
         c.lost();
       end
     end
 
     function message = exchange(c, command, bytes)
-    % Writes a request and takes its reply, [] if it does not come at once: one write and one read of the right length.
+    % Writes a request and takes its reply, [] if it does not come at once.
+      c.send(command, bytes);
+      message = c.answer(command);
+    end
+
+    function message = answer(c, command)
+    % The reply to the request that was just sent, [] if it does not come at once: one read of the right length.
       socket = c.fast;
       if isempty(socket)
-        c.send(command, bytes);
         message = c.poll(true);
         return
       end
-      c.busy = true;
       try
-        write(socket, bytes);
-        bytes = read(socket, c.sizes(command + 1));
+        bytes = __tcpclient_read__(socket, c.sizes(command + 1), 20);  % what read() calls, which takes longer than the reply
       catch
         c.lost();
       end
@@ -115,7 +123,6 @@ classdef Connection < handle
           return
         end
       end
-      c.asked = command + 1;
       c.buffer = bytes;
       message = c.poll(false);
     end

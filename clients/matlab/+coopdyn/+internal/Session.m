@@ -59,7 +59,7 @@ classdef Session < handle
       cure = ': run your program again, or catch this to start over';
       if ~strcmp(word, 'load') && strcmp(s.scenario, before)
         s.started_anew();
-        error('coopdyn:reset', '%s', ['the world was reset' cure]);
+        coopdyn.internal.raise('coopdyn:reset', ['the world was reset' cure]);
       end
       gone = coopdyn.internal.loaded(s);
       which = 'a scenario was loaded';
@@ -70,19 +70,21 @@ classdef Session < handle
         cure = [', which has no ' coopdyn.internal.list_of(gone) '; there are: ' ...
                 coopdyn.internal.list_of(coopdyn.internal.robot_names(s)) '. Run your program again with these'];
       end
-      error('coopdyn:reset', '%s', [which cure]);
+      coopdyn.internal.raise('coopdyn:reset', [which cure]);
     end
 
     function raise_if_loaded(s, cause)
     % After an error of a team: coopdyn:reset if a scenario was loaded.
-      if ~strcmp(cause.identifier, 'coopdyn:reset')
-        status = s.brief_status();
-        another = isfield(status, 'scenario') && ~strcmp(char(status.scenario), s.scenario);
-        plays = isfield(status, 'playback') && ~isempty(status.playback);
-        if (another || status.step < s.reached) && ~plays
-          s.new_world('load');
-        end
+      if ~strcmp(cause.identifier, 'coopdyn:reset') && s.is_new(s.brief_status())
+        s.new_world('load');
       end
+    end
+
+    function yes = is_new(s, status)
+    % The status is of a world that somebody else has reset or loaded.
+      another = isfield(status, 'scenario') && ~strcmp(char(status.scenario), s.scenario);
+      plays = isfield(status, 'playback') && ~isempty(status.playback);
+      yes = (another || status.step < s.reached) && ~plays;
     end
 
     function note_scenario(s)

@@ -1,26 +1,29 @@
 % SPDX-License-Identifier: MIT
 classdef Wait < handle
 %WAIT How long something may take: an error, "what within 5 s", after `limit` seconds. While it lasts it says once what the
-%   world waits for; with held_up only if its steps do not go on.
+%   world waits for; with held_up only if its steps do not go on. With in_step it raises what the step's reply would say if
+%   the world is another by now.
   properties
     patient = false  % the next poll may wait a little, which sees a peer that is gone
     now_s = 0
   end
   properties (Access = private)
-    address
+    session
     limit
     what
     held_up
+    in_step
     started
     notice_s = 2
     checked_s = 0
   end
   methods
-    function w = Wait(address, limit, what, held_up)
-      w.address = address;
+    function w = Wait(session, limit, what, held_up, in_step)
+      w.session = session;
       w.limit = limit;
       w.what = what;
       w.held_up = nargin > 3 && held_up;
+      w.in_step = nargin > 4 && in_step && ~session.watch;
       w.started = tic;
     end
 
@@ -28,10 +31,10 @@ classdef Wait < handle
     % A millisecond; raises what is over, says what is due.
       w.now_s = toc(w.started);
       if w.now_s > w.limit
-        coopdyn.internal.fail(11, sprintf('%s within %g s; %s', w.what, w.limit, whom(w.address)));
+        coopdyn.internal.fail(11, sprintf('%s within %g s; %s', w.what, w.limit, whom(w.session, false, w.in_step)));
       end
       if w.now_s > w.notice_s
-        text = whom(w.address, w.held_up);
+        text = whom(w.session, w.held_up, w.in_step);
         w.notice_s = w.now_s + 2;
         if ~isempty(text)
           w.notice_s = Inf;
@@ -47,14 +50,17 @@ classdef Wait < handle
   end
 end
 
-function text = whom(address, held_up)
+function text = whom(session, held_up, in_step)
 % One line that says what the world waits for; with held_up empty if its steps go on: lockstep waits for its robots
 %   before every step, and less than 0.5 s is normal.
   try
-    status = coopdyn.internal.fresh_status(address);
+    status = coopdyn.internal.fresh_status(session.address);
   catch cause
     text = ['no answer from the daemon (' cause.message ')'];
     return
+  end
+  if in_step && session.is_new(status)
+    coopdyn.internal.raise('coopdyn:reset', 'reset');  % recover makes it a text
   end
   if isfield(status, 'playback') && ~isempty(status.playback)
     p = status.playback;
@@ -72,7 +78,7 @@ function text = whom(address, held_up)
   end
   text = '';
   awaiting = status.awaiting;
-  if nargin > 1 && held_up && (isempty(awaiting) || max([awaiting.seconds 0]) < 0.5)
+  if held_up && (isempty(awaiting) || max([awaiting.seconds 0]) < 0.5)
     return
   end
   if isempty(awaiting)

@@ -14,7 +14,7 @@ classdef WorldCalls < handle
           'sim.insert(''[BOX_*] | type box | size 0.5 0.5 0.5 | position 2 1'')']);
       end
       sections = char(sections);
-      if ~any(sections == '[') && exist(sections, 'file') == 2
+      if ~any(sections == '[') && isfile(sections)
         sections = fileread(sections);
       end
       names = strsplit(edit(sim, 140, [], sections), ' ');

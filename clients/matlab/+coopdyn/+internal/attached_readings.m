@@ -1,14 +1,21 @@
 % SPDX-License-Identifier: MIT
 function s = attached_readings(attached, reply)
 %ATTACHED_READINGS The readings of the modules `attached` out of a reply that carries them; targets as distance, bearing, ….
+  persistent none
+  if isempty(none)
+    none = struct('time', 0, 'step', 0, 'distances', zeros(1, 0), 'targets', zeros(1, 0), 'target', [], ...
+                  'pose', [], 'wheels', [], 'compass', [], 'support', [], 'joints', struct(), 'imu', [], ...
+                  'wrench', [], 'scan', [], 'contacts', coopdyn.internal.value(260, [], '', []), 'sonar', zeros(1, 0), ...
+                  'infrared', zeros(1, 0), 'light', zeros(1, 0), 'battery', [], 'odometry', []);
+  end
+  s = none;
   data = reply.data;
-  s = struct('time', data(end - 1), 'step', data(end), 'distances', zeros(1, 0), 'targets', zeros(1, 0), 'target', [], ...
-             'pose', [], 'wheels', [], 'compass', [], 'support', [], 'joints', struct(), 'imu', [], ...
-             'wrench', [], 'scan', [], 'contacts', coopdyn.internal.value(260, [], '', []), 'sonar', zeros(1, 0), ...
-             'infrared', zeros(1, 0), 'light', zeros(1, 0), 'battery', [], 'odometry', []);
+  params = reply.params;
+  s.time = data(end - 1);
+  s.step = data(end);
   at = 0;
   for k = 1:numel(attached)
-    n = reply.params(k + 1);
+    n = params(k + 1);
     part = data(at + 1:at + n);
     at = at + n;
     switch attached{k}

@@ -1,10 +1,17 @@
 % SPDX-License-Identifier: MIT
-function earliest = collect(s, connections, links, limit)
-%COLLECT Takes in the reply of every connection; the earliest step that they tell. The first error is raised.
+function earliest = collect(s, connections, links, limit, come)
+%COLLECT Takes in the reply of every connection but the first `come`, which have it; the earliest step that they tell. The
+%   first error is raised.
+  if nargin < 5
+    come = 0;
+  end
   earliest = Inf;
-  waiting = 1:numel(connections);
-  stepped = [];
+  waiting = come + 1:numel(connections);
+  stepped = 1:come;
   stepped_s = Inf;
+  if come > 0
+    stepped_s = 0;
+  end
   wait = [];
   patient = true;  % the next poll may wait a little: one such poll a round
   while true
@@ -36,7 +43,7 @@ function earliest = collect(s, connections, links, limit)
       return
     end
     if isempty(wait)
-      wait = coopdyn.internal.Wait(s.address, limit, 'the step did not come');
+      wait = coopdyn.internal.Wait(s, limit, 'the step did not come', false, ~isempty(links{1}));
     end
     wait.rest();
     patient = wait.patient;

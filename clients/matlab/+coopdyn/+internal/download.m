@@ -13,7 +13,7 @@ function download(session, path, file, what, limit)
     if coopdyn.internal.is_octave()
       [~, ok, message] = urlwrite(url, part);
       if ~ok
-        error('coopdyn:not_possible', '%s', message);
+        coopdyn.internal.raise('coopdyn:not_possible', message);
       end
     else
       websave(part, url, weboptions('Timeout', limit));

@@ -9,5 +9,5 @@ function fail(code, text)
   elseif code >= 1 && code <= numel(names)
     name = names{code};
   end
-  error(['coopdyn:' name], '%s', text);
+  coopdyn.internal.raise(['coopdyn:' name], text);
 end

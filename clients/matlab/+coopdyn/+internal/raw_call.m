@@ -72,7 +72,7 @@ end
 
 function message = await_one(session, c, limit)
 % The reply, which may have to wait for a step.
-  wait = coopdyn.internal.Wait(session.address, limit, ['no answer from ' c.module]);
+  wait = coopdyn.internal.Wait(session, limit, ['no answer from ' c.module]);
   message = c.poll(true);
   while isempty(message)
     wait.rest();

@@ -4,14 +4,11 @@ function step_all(s, n, limit, commanded, bytes)
   s.require_open();
   connections = {};
   links = {};
-  for k = 1:numel(s.links)
-    link = s.links{k};
-    link.unstepped = 0;
-  end
   if ~s.watch
     settled = {};
-    for k = 1:numel(s.teams)
-      team = s.teams{k};
+    teams = s.teams;
+    for k = 1:numel(teams)
+      team = teams{k};
       try
         team.settle(s);
         settled{end + 1} = team; %#ok<AGROW>
@@ -21,9 +18,12 @@ function step_all(s, n, limit, commanded, bytes)
         end
       end  % else the others go on without one that is lost, or whose robots are another's after a load
     end
-    s.drop_lost_teams();
-    for k = 1:numel(s.links)
-      link = s.links{k};
+    if ~isempty(teams)
+      s.drop_lost_teams();
+    end
+    driven = s.links;
+    for k = 1:numel(driven)
+      link = driven{k};
       c = link.motors;
       if link.drives && isempty(link.sent) && ~c.busy && ~isempty(c.socket) || link.takes_part(s)
         links{end + 1} = link; %#ok<AGROW>
@@ -40,20 +40,37 @@ function step_all(s, n, limit, commanded, bytes)
     connections = {s.connection('/simulation')};
   end
   since = s.reached + 1;
+  count = numel(links);
+  numbers = zeros(1, count);
   try
-    for k = 1:numel(links)
+    for k = 1:count
       link = links{k};
-      c = connections{k};
       if isempty(link)
-        c.send(2, coopdyn.internal.encode(2, n, []));
+        number = 2;
+        frame = coopdyn.internal.encode(2, n, []);
       elseif nargin > 3 && link.is_team && link.number == commanded.number
-        c.send(110, bytes);
+        number = 110;
+        frame = bytes;
       else
         [number, frame] = link.frame(n);
-        c.send(number, frame);
       end
+      connections{k}.send(number, frame);
+      numbers(k) = number;
     end
-    earliest = coopdyn.internal.collect(s, connections, links, limit);
+    % The request of the last sets off the step: most often the replies are here at once.
+    earliest = Inf;
+    come = 0;
+    while come < count && ~isempty(links{come + 1})
+      reply = connections{come + 1}.answer(numbers(come + 1));
+      if isempty(reply)
+        break
+      end
+      come = come + 1;
+      earliest = min(earliest, links{come}.stepped(s, reply));
+    end
+    if come < count
+      earliest = min(earliest, coopdyn.internal.collect(s, connections, links, limit, come));
+    end
   catch cause
     coopdyn.internal.recover(s, connections, links, cause);
   end

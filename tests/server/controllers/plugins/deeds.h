@@ -29,6 +29,8 @@ enum Deed {
   kShrinkAreas,  // what it shares with the daemon
   kGrowAreas,
   kWriteInputs,
+  kOverwriteOutputs,        // over and over
+  kOverwriteOutputsBeside,  // from a thread that it starts
   kLeakWithNew,
   kLeakWithMalloc,
   // In save():

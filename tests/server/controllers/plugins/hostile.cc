@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <stdexcept>
+#include <thread>
 
 #include "clients/plugin/cpp_controller.h"
 #include "tests/server/controllers/plugins/deeds.h"
@@ -82,6 +83,23 @@ void OverwriteInputs(const coopdyn_readings& readings) {
   }
   auto* page = reinterpret_cast<char*>(reinterpret_cast<std::uintptr_t>(readings.distance_m) & ~(kPage - 1));
   if (mprotect(page, kPage, PROT_READ | PROT_WRITE) == 0) std::memset(page, 0, kPage);
+}
+
+/// Counts in every byte that it shares with the daemon and may write, without end.
+[[noreturn]] void OverwriteOutputs() {
+  std::FILE* maps = std::fopen("/proc/self/maps", "r");
+  char* begin = nullptr;
+  char* end = nullptr;
+  char line[512];
+  while (maps != nullptr && std::fgets(line, sizeof(line), maps) != nullptr) {
+    unsigned long first = 0, last = 0;
+    char access[8] = "";
+    if (std::sscanf(line, "%lx-%lx %7s", &first, &last, access) != 3) continue;
+    if (std::strcmp(access, "rw-s") != 0 || std::strstr(line, "/memfd:") == nullptr) continue;
+    begin = reinterpret_cast<char*>(first);
+    end = reinterpret_cast<char*>(last);
+  }
+  for (char value = 1;; ++value) std::memset(begin, value, static_cast<std::size_t>(end - begin));
 }
 
 struct State {
@@ -161,6 +179,11 @@ void Misbehave(int deed, const coopdyn_readings& readings, coopdyn_command& comm
     case kWriteInputs:
       OverwriteInputs(readings);
       command.forward_m_s = std::nan("");
+      break;
+    case kOverwriteOutputs:
+      OverwriteOutputs();
+    case kOverwriteOutputsBeside:
+      std::thread(OverwriteOutputs).detach();
       break;
     case kLeakWithNew:
       for (;;) std::memset(new char[1 << 20], 1, 1 << 20);
