@@ -15,42 +15,29 @@ function ok = transport(varargin)
     error('there is no team here; run the daemon with: coopdyn serve transport');
   end
   n = numel(names);
-  front = cell(1, n);
-  back = cell(1, n);
-  front_geometry = cell(1, n);
-  back_geometry = cell(1, n);
-  for k = 1:n
-    front{k} = sim.robot([names{k} '_leader']);
-    back{k} = sim.robot([names{k} '_helper']);
-    r = front{k};
-    front_geometry{k} = r.get_geometry();
-    r = back{k};
-    back_geometry{k} = r.get_geometry();
-  end
-  leader_speed = zeros(1, n);
-  helper_speed = zeros(1, n);
+  team = sim.team([strcat(names, '_leader') strcat(names, '_helper')]);  % all through one connection, a row for each
+  team.select('distances', 'targets', 'support', 'pose');
+  [~, front] = ismember(strcat(names, '_leader'), team.names);
+  [~, back] = ismember(strcat(names, '_helper'), team.names);
+  geometry = geometry_of(team.names);
+  speed = zeros(2 * n, 1);
   arrived = inf(1, n);
   dt = sim.dt;
-  start = sim.time;
-  now = start;
-  while now - start < p.time_limit && any(now - arrived <= p.settle | isinf(arrived))
-    for k = 1:n
-      r = front{k};
-      s = r.sense();
-      target = s.targets(mod(k - 1, numel(s.targets)) + 1);
-      [leader_speed(k), v, w] = lead(p, front_geometry{k}, leader_speed(k), target, s.distances, s.support, dt);
-      r.set_velocity(v, w);
-      if target.distance < p.reached && isinf(arrived(k))
-        arrived(k) = s.time;
-        fprintf('%s arrived: %.2f %.2f at t = %.2f s\n', names{k}, s.pose.x, s.pose.y, s.time);
-      end
-      r = back{k};
-      s = r.sense();
-      [helper_speed(k), v, w] = help_carry(p, back_geometry{k}, helper_speed(k), s.distances, s.support, dt);
-      r.set_velocity(v, w);
-      now = s.time;
+  s = team.read();
+  start = s.time;
+  V = zeros(2 * n, 2);
+  while s.time - start < p.time_limit && any(s.time - arrived <= p.settle | isinf(arrived))
+    goal = 2 * mod((1:n) - 1, size(s.targets, 2) / 2) + 1;  % the column of its distance
+    goal = sub2ind(size(s.targets), front, goal);
+    target = [s.targets(goal).' s.targets(goal + size(s.targets, 1)).'];
+    [speed(front), V(front, :)] = lead(p, rows(geometry, front), speed(front), target, s.distances(front, :), ...
+                                       s.support(front, :), dt);
+    [speed(back), V(back, :)] = help_carry(p, rows(geometry, back), speed(back), s.distances(back, :), s.support(back, :), dt);
+    for k = find(target(:, 1).' < p.reached & isinf(arrived))
+      arrived(k) = s.time;
+      fprintf('%s arrived: %.2f %.2f at t = %.2f s\n', names{k}, s.pose(front(k), 1:2), s.time);
     end
-    sim.step();
+    s = team.step(V);
   end
   for k = find(isinf(arrived))
     fprintf('%s did not arrive in %g s\n', names{k}, p.time_limit);
@@ -98,62 +85,69 @@ function p = parameters()
   p.time_limit = 180.0;        % [s] simulated
 end
 
-function [speed, v, w] = lead(p, geometry, speed, target, distances, load, dt)
-% Speed and turn rate to the target, as fast as the load follows.
-  if target.distance < p.reached
-    speed = 0;
-    v = 0;
-    w = 0;
-    return
+function geometry = geometry_of(names)
+% Where the distance sensors of these robots look and how wide [rad], a row for each.
+  sim = coopdyn.connect('watch', true);
+  for k = 1:numel(names)
+    r = sim.robot(names{k});
+    g = r.get_geometry();
+    geometry.bearing(k, :) = g.bearing;
+    geometry.opening(k, :) = g.opening;
   end
-  [away, potential, free] = obstacles(p, geometry, distances, p.leader_obstacle, p.leader_decay, load.angle + pi);
-  turn = clamp(p.target_strength * sin(target.bearing) + p.bias + away, -p.leader_turn, p.leader_turn);
-  near = atan(8 * potential) / pi;  % -1/2: nothing near ahead, 1/2: much
-  by_target = min(p.leader_speed, target.distance / p.time_to_target) * max(0.1, cos(target.bearing / 2));
-  by_obstacles = min(p.leader_speed, free / p.time_to_contact);
-  by_load = clamp((p.slack + along(load)) / p.ease, 0, 1);
-  wanted = by_load * ((0.5 - near) * by_target + (0.5 + near) * min(by_target, by_obstacles));
-  speed = wanted + (speed - wanted) * exp(-p.relaxation * dt);
-  v = speed * by_load;
-  w = turn + unfold(p, load.angle);
+  sim.close();
 end
 
-function [speed, v, w] = help_carry(p, geometry, speed, distances, load, dt)
-% Speed and turn rate that follow the load; `speed`: what the leader seems to drive along the bar.
-  away = obstacles(p, geometry, distances, p.helper_obstacle, p.helper_decay, load.angle);
-  across = load.y * cos(load.angle) - load.x * sin(load.angle);
-  turn = p.bar_strength * sin(load.angle) + p.across * across + away + unfold(p, load.angle);
+function some = rows(geometry, which)
+  some.bearing = geometry.bearing(which, :);
+  some.opening = geometry.opening(which, :);
+end
+
+function [speed, V] = lead(p, geometry, speed, target, distances, load, dt)
+% Speeds and turn rates to the targets (distance, bearing), as fast as the loads (x, y, angle) follow.
+  [away, potential, free] = obstacles(p, geometry, distances, p.leader_obstacle, p.leader_decay, load(:, 3) + pi);
+  turn = clamp(p.target_strength * sin(target(:, 2)) + p.bias + away, -p.leader_turn, p.leader_turn);
+  near = atan(8 * potential) / pi;  % -1/2: nothing near ahead, 1/2: much
+  by_target = min(p.leader_speed, target(:, 1) / p.time_to_target) .* max(0.1, cos(target(:, 2) / 2));
+  by_obstacles = min(p.leader_speed, free / p.time_to_contact);
+  by_load = clamp((p.slack + along(load)) / p.ease, 0, 1);
+  wanted = by_load .* ((0.5 - near) .* by_target + (0.5 + near) .* min(by_target, by_obstacles));
+  far = target(:, 1) >= p.reached;  % the others stand
+  speed = far .* (wanted + (speed - wanted) * exp(-p.relaxation * dt));
+  V = [speed .* by_load, far .* (turn + unfold(p, load(:, 3)))];
+end
+
+function [speed, V] = help_carry(p, geometry, speed, distances, load, dt)
+% Speeds and turn rates that follow the loads; `speed`: what the leaders seem to drive along the bars.
+  angle = load(:, 3);
+  away = obstacles(p, geometry, distances, p.helper_obstacle, p.helper_decay, angle);
+  across = load(:, 2) .* cos(angle) - load(:, 1) .* sin(angle);
+  turn = p.bar_strength * sin(angle) + p.across * across + away + unfold(p, angle);
   speed = clamp(speed + p.follow_integral * along(load) * dt, -p.helper_speed, p.helper_speed);
-  wanted = (speed + p.follow * along(load)) / max(0.5, cos(load.angle));
-  v = clamp(wanted, -p.helper_speed, p.helper_speed);
-  w = clamp(turn, -p.helper_turn, p.helper_turn);
+  wanted = (speed + p.follow * along(load)) ./ max(0.5, cos(angle));
+  V = [clamp(wanted, -p.helper_speed, p.helper_speed), clamp(turn, -p.helper_turn, p.helper_turn)];
 end
 
 function [turn, potential, free] = obstacles(p, geometry, distances, strength, decay, mate)
 % What is seen at the bearing `mate` is the other robot of the team.
-  off = mod(geometry.bearing - mate + pi, 2 * pi) - pi;
-  is_mate = abs(off) < p.mate_width & distances > p.team_distance - 2 * p.robot_radius - p.mate_near;
-  sees = isfinite(distances) & ~is_mate;
-  d = distances(sees);
-  psi = geometry.bearing(sees);
-  weight = strength * exp(-d / decay);
-  width = atan(tan(geometry.opening(sees) / 2) + p.robot_radius ./ (p.robot_radius + d));
+  psi = geometry.bearing;
+  off = mod(psi - mate + pi, 2 * pi) - pi;
+  distances(abs(off) < p.mate_width & distances > p.team_distance - 2 * p.robot_radius - p.mate_near) = inf;
+  weight = strength * exp(-distances / decay);  % 0 where nothing is
+  width = atan(tan(geometry.opening / 2) + p.robot_radius ./ (p.robot_radius + distances));
   gauss = exp(-psi.^2 ./ (2 * width.^2));
-  turn = -sum(weight .* psi .* gauss);
-  potential = sum(weight .* width.^2 .* (gauss - exp(-0.5)));
-  free = min([inf, d(abs(psi) <= p.ahead)]);
+  turn = -sum(weight .* psi .* gauss, 2);
+  potential = sum(weight .* width.^2 .* (gauss - exp(-0.5)), 2);
+  distances(abs(psi) > p.ahead) = inf;
+  free = min(distances, [], 2);
 end
 
 function a = along(load)
-  a = load.x * cos(load.angle) + load.y * sin(load.angle);
+  a = load(:, 1) .* cos(load(:, 3)) + load(:, 2) .* sin(load(:, 3));
 end
 
 function turn = unfold(p, angle)
 % Turns back towards the bar if the heading is too far from it.
-  turn = 0;
-  if abs(angle) > p.fold
-    turn = p.fold_strength * (angle - sign(angle) * p.fold);
-  end
+  turn = p.fold_strength * sign(angle) .* max(0, abs(angle) - p.fold);
 end
 
 function value = clamp(value, low, high)

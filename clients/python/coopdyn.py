@@ -21,7 +21,8 @@ In real time it is sent at once, and `sim.step()` waits for the next step.
 Everything goes through one port of the daemon (10000 by default). Units are m, rad, s, m/s, rad/s; headings and
 bearings are 0 ahead, left positive, in (-pi, pi]. What goes wrong raises `coopdyn.Error` with `.code` and `.text`. If
 another client resets the world or loads a scenario, the next reading, command or step raises `coopdyn.WorldReset`, once.
-Use a `sim` and its robots from one thread. On a command line: `python3 coopdyn.py doctor|hello [SERVER]`.
+Use a `sim` and its robots from one thread; what calls from another at the same time gets an error.
+On a command line: `python3 coopdyn.py doctor|hello [SERVER]`.
 """
 from __future__ import annotations
 

@@ -4,6 +4,7 @@ Each test starts this file again inside `unshare --net`, where nothing of the ma
 """
 import json
 import os
+import re
 import socket
 import subprocess
 import sys
@@ -85,6 +86,33 @@ class StrangerScenes(unittest.TestCase):
             self.assertEqual(daemon.status()["state"], "paused")
             daemon.text("/simulation").must("run")  # from loopback nobody asks
             stranger.close()
+
+    def scene_first_programs(self):
+        guide = (CLIENT.parents[1] / "docs" / "guide.md").read_text().split("\n## The student\n")[1]
+        octave = ["octave", "--no-gui", "--norc", "--quiet", "--eval"]
+        path = f"addpath('{CLIENT.parent / 'matlab'}'); "
+        with Daemon(None, "--host", "0.0.0.0", "--token", "chalk-and-board", "--mode", "lockstep", name="classroom") as daemon:
+            def ran(kind, body):
+                program = [sys.executable, "-c", body] if kind == "python" else [*octave, path + body]
+                env = {**os.environ, "COOPDYN_SERVER": f"{OUTER}:{daemon.names[1]}", "PYTHONPATH": str(CLIENT)}
+                done = subprocess.run(program, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                                      timeout=3 * LIMIT_S)
+                return done.returncode, done.stdout
+
+            for kind, reset, token in (
+                ("python", "import coopdyn; coopdyn.connect(%s).reset()", 'token="TOKEN"'),
+                ("matlab", "sim = coopdyn.connect(%s); sim.reset();", "'token', 'TOKEN'"),
+            ):
+                first = re.search(rf"^```{kind}\n(.*?)^```", guide, re.M | re.S).group(1)
+                code, said = ran(kind, first)
+                self.assertEqual(code, 0, said)
+                self.assertRegex(said, r"at t = \d")
+                code, said = ran(kind, reset % "")
+                self.assertNotEqual(code, 0)
+                self.assertIn(f"connect(..., {token})", said)
+                self.assertIn('connect(..., {.token = "TOKEN"}) in C++', said)
+                code, said = ran(kind, reset % token.replace("TOKEN", "chalk-and-board"))
+                self.assertEqual(code, 0, said)
 
     def scene_guesses(self):
         with Daemon(scenario(1, mode="realtime"), "--host", "0.0.0.0", "--token", "chalk-and-board") as daemon:
@@ -225,6 +253,9 @@ class StrangerScenes(unittest.TestCase):
 class NetworkTest(unittest.TestCase):
     def test_strangers_change_the_world_only_with_the_token(self):
         inside("world")
+
+    def test_the_first_programs_of_the_guide_run_from_another_machine_and_a_refusal_names_the_token(self):
+        inside("first_programs")
 
     def test_wrong_tokens_are_slowed_down_and_logged(self):
         inside("guesses")
