@@ -79,8 +79,7 @@ void NameTable::SetExternalPorts(int first, int last, std::function<bool(int)> i
 
 bool NameTable::IsExternalPort(int port) const {
   MutexLock lock(mutex_);
-  return std::any_of(entries_.begin(), entries_.end(),
-                     [port](const auto& item) { return item.second.external && item.second.port == port; });
+  return external_ports_.contains(port);
 }
 
 bool NameTable::AddOwn(const std::string& name, int port, AdoptFunction adopt, NameKind kind) {
@@ -88,7 +87,7 @@ bool NameTable::AddOwn(const std::string& name, int port, AdoptFunction adopt, N
   const auto it = entries_.find(name);
   if (it != entries_.end()) {
     if (!it->second.external) return false;
-    --externals_;
+    ForgetPortLocked(it->second);
   }
   NameEntry entry;
   entry.name = name;
@@ -187,7 +186,7 @@ NameTable::Change NameTable::Register(const std::string& name, const std::string
   entry.port = port != 0 ? port : FreePortLocked();
   if (entry.port == 0) return {"no free port"};
   entries_.emplace(entry.name, entry);
-  ++externals_;
+  external_ports_.insert(entry.port);
   return {{}, entry};
 }
 
@@ -197,8 +196,8 @@ NameTable::Change NameTable::Unregister(std::string_view name, const NameAsker& 
   if (it == entries_.end()) return {};
   if (std::string problem = RightProblem(it->second, asker); !problem.empty()) return {problem};
   Change change{{}, it->second};
+  ForgetPortLocked(it->second);
   entries_.erase(it);
-  --externals_;
   return change;
 }
 
@@ -263,13 +262,17 @@ void NameTable::Forget(Nanoseconds now) {
   for (auto it = entries_.begin(); it != entries_.end();) {
     const NameEntry& entry = it->second;
     if (entry.external && now - entry.used >= kForgottenAfter) {
+      ForgetPortLocked(entry);
       it = entries_.erase(it);
-      --externals_;
       continue;
     }
     if (entry.external) next_forgotten_ = std::min(next_forgotten_, entry.used + kForgottenAfter);
     ++it;
   }
+}
+
+void NameTable::ForgetPortLocked(const NameEntry& entry) {
+  external_ports_.erase(external_ports_.find(entry.port));
 }
 
 std::string NameTable::RoomProblemLocked(const std::string& registrar, std::size_t names,
@@ -286,7 +289,7 @@ std::string NameTable::RoomProblemLocked(const std::string& registrar, std::size
   if (!registrar.empty() && (its_names > kMaxOfAddress || its_bytes > kMaxBytesOfAddress)) {
     return "too many names or properties of this address: unregister some";
   }
-  if (externals_ + names > kMaxExternal || all_bytes > kMaxExternalBytes) return "too many names";
+  if (external_ports_.size() + names > kMaxExternal || all_bytes > kMaxExternalBytes) return "too many names";
   return {};
 }
 

@@ -116,6 +116,8 @@ class NameTable {
  private:
   const NameEntry* FindLocked(std::string_view name) const REQUIRES(mutex_);
   int FreePortLocked() const REQUIRES(mutex_);
+  /// Of an external name, which goes.
+  void ForgetPortLocked(const NameEntry& entry) REQUIRES(mutex_);
   /// Why there may be no `bytes` more in `names` more names of `registrar`; empty: there may.
   std::string RoomProblemLocked(const std::string& registrar, std::size_t names, std::size_t bytes) const
       REQUIRES(mutex_);
@@ -123,8 +125,8 @@ class NameTable {
   mutable Mutex mutex_;
   std::map<std::string, NameEntry, std::less<>> entries_ GUARDED_BY(mutex_);
   std::set<Subscription> subscriptions_ GUARDED_BY(mutex_);
-  std::size_t externals_ GUARDED_BY(mutex_) = 0;
-  Nanoseconds next_forgotten_ GUARDED_BY(mutex_) = 0;  // not before that is one forgotten
+  std::multiset<int> external_ports_ GUARDED_BY(mutex_);  // one for each external name
+  Nanoseconds next_forgotten_ GUARDED_BY(mutex_) = 0;     // not before that is one forgotten
   int first_port_ GUARDED_BY(mutex_);
   int last_port_ GUARDED_BY(mutex_);
   std::function<bool(int)> is_free_ GUARDED_BY(mutex_);  // empty: all are

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <ctime>
+
 namespace coopdyn {
 namespace {
 
@@ -26,6 +28,30 @@ TEST(NameTable, GivesFreePortsOfItsRangeOnly) {
   table.Unregister("/b", {});
   EXPECT_FALSE(table.IsExternalPort(12001));
   EXPECT_EQ(table.Register("/c", "", "", 0, {"127.0.0.1"}).entry.port, 12001);
+}
+
+/// CPU time, s, to ask 2,000 times for a port beside so many own names.
+double AskingTime_s(int names) {
+  NameTable table;
+  for (int i = 0; i < names; ++i) table.AddOwn("/robot" + std::to_string(i) + "/motors", 10002 + i, nullptr);
+  table.Register("/a", "tcp", "10.0.0.9", 5, {""});
+  const std::clock_t begin = std::clock();
+  for (int port = 10000; port < 12000; ++port) EXPECT_FALSE(table.IsExternalPort(port));
+  return static_cast<double>(std::clock() - begin + 1) / CLOCKS_PER_SEC;
+}
+
+TEST(NameTable, ManyOwnNamesDoNotSlowTheQuestionForAPort) {
+  EXPECT_LT(AskingTime_s(20'000), 20 * AskingTime_s(20));
+}
+
+TEST(NameTable, APortIsForeignAsLongAsAnExternalNameHasIt) {
+  NameTable table;
+  table.Register("/a", "tcp", "10.0.0.9", 17001, {""});
+  table.Register("/b", "tcp", "10.0.0.9", 17001, {""});
+  table.Unregister("/a", {});
+  EXPECT_TRUE(table.IsExternalPort(17001));
+  table.AddOwn("/b", 10002, nullptr);
+  EXPECT_FALSE(table.IsExternalPort(17001));
 }
 
 TEST(NameTable, GivesNoPortThatAnotherProgramHolds) {
