@@ -52,7 +52,7 @@ classdef Connection < handle
         coopdyn.internal.not_a_daemon(c.address, said);
       end
       c.socket = socket;
-      if c.octave
+      if c.octave && exist('__tcpclient_read__')  % of instrument-control
         c.fast = socket;
       end
       c.busy = true;
