@@ -320,9 +320,9 @@ void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
       "A run that ends by its scenario stands until it is reset; with --duration, --steps, --summary or\n"
       "--no-net the program ends with it. SIGTERM, SIGINT and SIGHUP end the run in order;\n"
       "SIGUSR1 logs how it stands, writes --summary and goes on.");
-  sub->add_option(
-         "scenario", serve.scenario,
-         "A .scenario, .world, .sdf or .xml file, a bare name on the search path, or - (standard input)")
+  sub->add_option("scenario", serve.scenario,
+                  "A .scenario, .world, .sdf, .urdf or .xml file, a bare name on the search path, or - "
+                  "(standard input)")
       ->capture_default_str();
   sub->add_option_function<std::string>(
          "--mode", [&serve](const std::string& word) { serve.run.mode = ParseMode(word); },

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Finds the file that a scenario's name means, and reads it by its kind: scenario, world, SDF world or
-// experiment.
+// Finds the file that a scenario's name means, and reads it by its kind: scenario, world, SDF world,
+// robot or experiment.
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -18,6 +18,17 @@
 namespace coopdyn {
 
 namespace {
+
+/// A robot's model, SDF or URDF, not a world.
+bool IsModel(const std::string& text, const std::filesystem::path& file) {
+  return ToLower(file.extension().string()) == ".urdf" ||
+         (text.find("<world") == std::string::npos && text.find("<model") != std::string::npos);
+}
+
+/// A world with that robot alone.
+std::string ModelAsScenario(const std::filesystem::path& file) {
+  return "[WORLD]\nfile empty.world\n\n[ROBOT_1]\ntype ./" + file.filename().string() + "\n";
+}
 
 /// A .world as a scenario without robots.
 std::shared_ptr<const Scenario> WorldAsScenario(const std::string& text, const std::string& file,
@@ -70,6 +81,9 @@ std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibra
   std::shared_ptr<const Scenario> scenario;
   if (text && IsExperiment(*text, file)) {
     scenario = ReadScenario(WithSettings(*text, settings, found), file, robots, false, found, seed);
+  } else if (text && Trim(*text).starts_with('<') && IsModel(*text, *path)) {
+    scenario =
+        ReadScenario(WithSettings(ModelAsScenario(*path), settings, found), file, robots, false, found, seed);
   } else if (text && Trim(*text).starts_with('<')) {  // Gazebo's worlds may end in .world, too
     if (const std::optional<SdfWorld> world = ReadSdfWorld(file, robots.path(), found)) {
       for (const auto& [name, model] : world->models) robots.Add(model->type, model);

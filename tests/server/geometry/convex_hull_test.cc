@@ -12,18 +12,18 @@
 namespace coopdyn {
 namespace {
 
-double Random(std::mt19937& bits) {
+double UpToOne(std::mt19937& bits) {
   return 2.0 * static_cast<double>(bits()) / 4294967295.0 - 1;
 }
 
 /// Points of a disc of radius 1 m, turned somehow and rounded to floats as files have them.
 std::vector<Vector3> Disc(double thickness_m, unsigned seed) {
   std::mt19937 bits(seed);
-  Eigen::Quaterniond turn(Random(bits), Random(bits), Random(bits), Random(bits));
+  Eigen::Quaterniond turn(UpToOne(bits), UpToOne(bits), UpToOne(bits), UpToOne(bits));
   turn.normalize();
   std::vector<Vector3> points;
   for (int i = 0; i < 4000; ++i) {
-    const double angle = std::numbers::pi * Random(bits);
+    const double angle = std::numbers::pi * UpToOne(bits);
     const Vector3 p(std::cos(angle), std::sin(angle), thickness_m * (i % 2 - 0.5));
     points.push_back((turn * p).cast<float>().cast<double>());
   }
