@@ -19,15 +19,9 @@ namespace coopdyn {
 
 namespace {
 
-/// A robot's model, SDF or URDF, not a world.
-bool IsModel(const std::string& text, const std::filesystem::path& file) {
-  return ToLower(file.extension().string()) == ".urdf" ||
-         (text.find("<world") == std::string::npos && text.find("<model") != std::string::npos);
-}
-
-/// A world with that robot alone.
-std::string ModelAsScenario(const std::filesystem::path& file) {
-  return "[WORLD]\nfile empty.world\n\n[ROBOT_1]\ntype ./" + file.filename().string() + "\n";
+/// A world with the robot of a URDF file alone.
+std::string UrdfAsScenario(const std::filesystem::path& file) {
+  return "[WORLD]\nfile empty.world\n\n[ROBOT_1]\ntype ./" + file.filename().string() + "\nposition 0 0\n";
 }
 
 /// A .world as a scenario without robots.
@@ -81,9 +75,9 @@ std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibra
   std::shared_ptr<const Scenario> scenario;
   if (text && IsExperiment(*text, file)) {
     scenario = ReadScenario(WithSettings(*text, settings, found), file, robots, false, found, seed);
-  } else if (text && Trim(*text).starts_with('<') && IsModel(*text, *path)) {
+  } else if (text && ToLower(path->extension().string()) == ".urdf") {
     scenario =
-        ReadScenario(WithSettings(ModelAsScenario(*path), settings, found), file, robots, false, found, seed);
+        ReadScenario(WithSettings(UrdfAsScenario(*path), settings, found), file, robots, false, found, seed);
   } else if (text && Trim(*text).starts_with('<')) {  // Gazebo's worlds may end in .world, too
     if (const std::optional<SdfWorld> world = ReadSdfWorld(file, robots.path(), found)) {
       for (const auto& [name, model] : world->models) robots.Add(model->type, model);
