@@ -170,7 +170,7 @@ def number(value):
 
 
 def write(folder, results, older):
-    """Returns what is told of it. `older`: lines that do not say all that their runs were made of; they are named only."""
+    """Returns the words about it. `older`: lines that do not say all inputs of their runs: only named, not counted."""
     rows = summarise(results)
     write_csv(folder, results, rows)
     try:

@@ -155,7 +155,8 @@ std::optional<fs::path> SearchPath::FindScenario(const std::string& name) const 
   if (file.find('/') != std::string::npos) {
     if (auto found = ExistingFile(file)) return found;
   }
-  for (const std::string& candidate : WithExtensions(file, {".scenario", ".world", ".sdf", ".xml", ".urdf"})) {
+  for (const std::string& candidate :
+       WithExtensions(file, {".scenario", ".world", ".sdf", ".xml", ".urdf"})) {
     if (const auto found = ExistingFile(candidate)) return found;
     if (absolute) continue;
     if (const auto found = ExistingFile(folders, {".", "scenarios", "worlds"}, candidate)) return found;
