@@ -22,12 +22,13 @@ constexpr int kSilence_s =
     60;  // a process that may use less CPU time is stuck, or others keep it from the CPU
 constexpr const char* kConvert = "write it anew, for example with Blender";
 
-/// coopdyn-files in the folder of this program or, for tests, in one above.
+/// coopdyn-files in the folder of this program or, for tests, in the build's folder above: nobody else's.
 std::filesystem::path FilesProgram() {
   std::error_code code;
-  std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe", code).parent_path();
-  for (; folder.has_relative_path(); folder = folder.parent_path()) {
-    if (std::filesystem::exists(folder / kFilesProgram, code)) return folder / kFilesProgram;
+  const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe", code).parent_path();
+  for (std::filesystem::path folder = own; folder.has_relative_path(); folder = folder.parent_path()) {
+    const bool is_ours = folder == own || std::filesystem::exists(folder / "CMakeCache.txt", code);
+    if (is_ours && std::filesystem::exists(folder / kFilesProgram, code)) return folder / kFilesProgram;
   }
   return {};
 }
