@@ -141,13 +141,16 @@ std::optional<Message> Connection::TryRead() {
   }
 }
 
-Message Connection::Receive(double timeout_s, double spin_s) {
+Message Connection::Receive(double timeout_s, Polling* polling) {
   Deadline now = Clock::now();
-  const Deadline deadline = After(timeout_s, now), spin_until = After(spin_s, now);
+  const Deadline deadline = After(timeout_s, now);
+  if (polling) polling->Start(now);
   while (true) {
-    if (std::optional<Message> reply = TryRead()) return std::move(*reply);
+    std::optional<Message> reply = TryRead();
     now = Clock::now();
-    if (now < spin_until) continue;
+    const bool polls = polling && polling->Goes(now);
+    if (reply) return std::move(*reply);
+    if (polls) continue;
     if (now >= deadline) {
       Close();
       throw Error(kTimedOut, "no answer from " + module_ + " within " + Written(timeout_s) +
@@ -157,9 +160,9 @@ Message Connection::Receive(double timeout_s, double spin_s) {
   }
 }
 
-Message Connection::Ask(Request request, double spin_s) {
+Message Connection::Ask(Request request, Polling* polling) {
   Send(request.command, std::move(request.params), request.data, std::move(request.text));
-  return Checked(Receive(request.timeout_s, spin_s));
+  return Checked(Receive(request.timeout_s, polling));
 }
 
 void Connection::FinishSending() {

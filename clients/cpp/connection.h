@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "clients/cpp/address.h"
+#include "clients/cpp/polling.h"
 #include "protocol/message.h"
 
 namespace coopdyn::client {
@@ -59,10 +60,10 @@ class Connection {
   /// The reply if it has come, error replies included; readings pushed before it go to `pushes`. Throws
   /// Closed, and Error 7 for what is no message.
   std::optional<Message> TryRead();
-  /// Waits for the reply; polls for `spin_s` before it blocks. Throws Error 11 after `timeout_s`, and Closed.
-  Message Receive(double timeout_s, double spin_s);
+  /// Waits for the reply; polls before it blocks, if there is a `polling`. Throws Error 11 after `timeout_s`, and Closed.
+  Message Receive(double timeout_s, Polling* polling);
   /// Sends a request and returns its reply. Throws an error reply as Error.
-  Message Ask(Request request, double spin_s = 0);
+  Message Ask(Request request, Polling* polling = nullptr);
   /// Ends the sending side after what was sent, so that nothing of it is lost.
   void FinishSending();
   /// Waits until the daemon has answered all and closed, at most until `deadline`.

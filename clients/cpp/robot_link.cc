@@ -173,7 +173,7 @@ void RobotLink::Settle() {
     return;
   }
   try {
-    const Message reply = motors->Receive(kRequestTimeout_s, 0);
+    const Message reply = motors->Receive(kRequestTimeout_s, nullptr);
     sent.reset();
     session.Note(Checked(reply));
   } catch (const Closed& e) {
@@ -268,7 +268,7 @@ Message RobotLink::Read(const std::string& module, Request request) {
     Settle();
     const std::int64_t since = session.reached();
     try {
-      return session.Fresh(motors->Ask(std::move(request), session.spin_s()), since);
+      return session.Fresh(motors->Ask(std::move(request), session.polling()), since);
     } catch (const Closed& e) {
       Lose(e);
     }
@@ -339,7 +339,7 @@ Message RobotLink::Sense() {
   Connection& connection = AttachedConnection(attached[0]);
   const std::int64_t since = session.reached();
   try {
-    return session.Fresh(connection.Ask({command::kGetTime}, session.spin_s()), since);
+    return session.Fresh(connection.Ask({command::kGetTime}, session.polling()), since);
   } catch (const Closed& e) {
     if (!motors && !e.by_load()) throw;
     Lose(e);

@@ -26,9 +26,13 @@ bool CarriesMode(std::int32_t id) {
 
 }  // namespace
 
-double Session::spin_s() const {
-  if (const char* given = std::getenv("COOPDYN_SPIN")) return std::max(0.0, std::atof(given)) * 1e-6;
-  return mode_ == kLockstep && links_.size() + teams_.size() <= 4 ? 50e-6 : 0;
+Polling* Session::polling() {
+  if (const char* given = std::getenv("COOPDYN_SPIN")) {
+    polling_.set_spin(std::max(0.0, std::atof(given)) * 1e-6);
+  } else {
+    polling_.set_spin(mode_ == kLockstep && links_.size() + teams_.size() <= 4 ? 50e-6 : 0);
+  }
+  return &polling_;
 }
 
 void Session::RequireOpen() const {
@@ -130,7 +134,7 @@ Json Session::Describe(const std::string& module) {
 Message Session::Ask(Connection& connection, const Request& request) {
   if (connection.is_open() && !connection.busy()) {
     try {
-      return Note(connection.Ask(request, spin_s()));
+      return Note(connection.Ask(request, polling()));
     } catch (const Closed&) {
     }
   }

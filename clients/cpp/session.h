@@ -33,9 +33,9 @@ class Session {
   std::int64_t reached() const { return reached_; }
   int mode() const { return mode_; }
   void set_mode(int mode) { mode_ = mode; }
-  /// Seconds of polling before a wait, from COOPDYN_SPIN [µs]; by default 50 µs in lockstep with up to four
+  /// The polling before a wait: for as long as COOPDYN_SPIN [µs] says, by default 50 µs in lockstep with up to four
   /// robots.
-  double spin_s() const;
+  Polling* polling();
   void RequireOpen() const;
   void RequireDriving() const;
 
@@ -152,6 +152,7 @@ class Session {
   std::vector<std::shared_ptr<RobotLink>> links_;
   std::vector<std::shared_ptr<TeamLink>> teams_;
   int mode_ = 0;
+  Polling polling_;
   double time_ = 0;
   std::int64_t steps_ = 0, reached_ = 0;
   std::string scenario_;  // its name, as it was when this world began

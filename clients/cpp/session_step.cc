@@ -128,7 +128,7 @@ bool Session::TakeAllIn(std::vector<Waiting>& waiting, bool all, std::vector<int
 Session::Replies Session::Collect(std::vector<Waiting>& waiting, double timeout_s) {
   const Deadline start = Clock::now();
   Replies replies{{}, std::numeric_limits<std::int64_t>::max()};
-  const Deadline spin_until = After(spin_s(), start), deadline = After(timeout_s, start);
+  const Deadline deadline = After(timeout_s, start);
   Deadline notice_at = After(kNoticeAfter_s, start), catch_up_at = Deadline::max();
   const bool drives = waiting.front().link != nullptr || waiting.front().team != nullptr;
   std::vector<int> missing;
@@ -139,13 +139,15 @@ Session::Replies Session::Collect(std::vector<Waiting>& waiting, double timeout_
   // The request of the last set off the step: its reply comes first.
   bool all = waiting.size() <= kFew ||
              !glance([&](std::size_t i) { return waiting[i].connection->fd(); }, waiting.size() - 1);
+  polling()->Start(Clock::now());
   while (true) {
     const bool any = TakeAllIn(waiting, all, missing, replies);
-    if (missing.empty()) return replies;
     const Deadline now = Clock::now();
+    const bool polls = polling_.Goes(now);
+    if (missing.empty()) return replies;
     if (any) catch_up_at = After(kCatchUpAfter_s, now);
     if (!std::exchange(all, true) && !any) continue;
-    if (now < spin_until) continue;
+    if (polls) continue;
     if (now >= deadline)
       throw Error(kTimedOut, "no answer within " + Written(timeout_s) + " s; " + Whom(false, drives));
     if (now >= notice_at) {

@@ -140,7 +140,7 @@ Message TeamLink::Ask(std::int32_t command, std::vector<std::int32_t> params) {
   Settle();
   const std::int64_t since = session.reached();
   try {
-    return session.Fresh(connection.Ask({command, std::move(params)}, session.spin_s()), since);
+    return session.Fresh(connection.Ask({command, std::move(params)}, session.polling()), since);
   } catch (const Closed& e) {
     Lose(e);
   } catch (const Error& e) {

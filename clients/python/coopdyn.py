@@ -907,6 +907,38 @@ def _spin_s(lockstep: bool, robots: int) -> float:
         raise Error(4, f"COOPDYN_SPIN is {given!r}; write microseconds, e.g. 50") from None
 
 
+class _Polling:
+    """Polls for a while at the start of each wait: that saves the wake-up while a core is free. Where others want the core,
+    polls use up the client's share of it, and the kernel takes the core away for milliseconds. So once the client lost it
+    meanwhile, polling pauses: twice as long each time, if that happens soon after a pause."""
+
+    _LOST_S = 0.5e-3
+    _SOON_S = 0.2
+    _LEAST_PAUSE_S = 10e-3
+    _MOST_PAUSE_S = 1.0
+
+    def __init__(self) -> None:
+        self.spin_s = 0.0
+        self.until = self.looked_at = self.resumes_at = -math.inf
+        self.pause_s = self._LEAST_PAUSE_S
+
+    def start(self, now: float) -> bool:
+        """A wait begins: True if the caller is to look at the sockets at once."""
+        self.until = now + self.spin_s if now >= self.resumes_at else now
+        self.looked_at = now
+        return now < self.until
+
+    def goes(self, now: float) -> bool:
+        """After each look at the sockets: True if the caller is to look again at once."""
+        if self.looked_at < self.until and now - self.looked_at > self._LOST_S:
+            soon = now - self.resumes_at < self._SOON_S
+            self.pause_s = min(2 * self.pause_s, self._MOST_PAUSE_S) if soon else self._LEAST_PAUSE_S
+            self.resumes_at = now + self.pause_s
+            self.until = now
+        self.looked_at = now
+        return now < self.until
+
+
 def _wait_readable(sockets: Sequence[socket.socket], timeout_s: float) -> bool:
     """Waits until one of the sockets has something, or the time is over: False then."""
     if hasattr(select, "poll"):
@@ -1164,33 +1196,35 @@ class _Connection:
             return False
         return True
 
-    def receive(self, timeout: float, spin_s: float = 0.0) -> Message:
+    def receive(self, timeout: float, polling: Optional[_Polling] = None) -> Message:
         """The reply. Error 11 after `timeout` seconds; the connection is closed then, so never read on."""
         message = self.try_read()
         if message is not None:
             return message
         now = _clock.monotonic()
-        deadline, spin_until = now + timeout, now + spin_s
+        deadline = now + timeout
+        polls = polling is not None and polling.start(now)
         while True:
             assert self.sock is not None
-            if now >= spin_until:
+            if not polls:
                 _wait_readable((self.sock,), deadline - now)
             message = self.try_read()
+            now = _clock.monotonic()
+            polls = polling is not None and polling.goes(now)
             if message is not None:
                 return message
-            now = _clock.monotonic()
             if now >= deadline:
                 self.close()
                 raise Error(11, f"no answer from {self.module} within {timeout:g} s; is the daemon stopped or overloaded?")
 
     def request(
         self, command: int, params: Sequence[int] = (), data: Sequence[float] = (), text: str = "",
-        timeout: float = _REQUEST_TIMEOUT_S, spin_s: float = 0.0,
+        timeout: float = _REQUEST_TIMEOUT_S, polling: Optional[_Polling] = None,
     ) -> Message:
         """Sends a request and returns its reply; an error reply is raised. Anything but a reply closes the connection."""
         self.send(encode(command, params, data, text))
         try:
-            reply = self.receive(timeout, spin_s)
+            reply = self.receive(timeout, polling)
         except BaseException:
             self.close()
             raise
@@ -1984,11 +2018,14 @@ class _Session:
         self.scenario: Any = None  # its name, as it was when this world began
         self.told_to_step = False
         self.closed = False
+        self.polls = _Polling()
         self.in_use = threading.RLock()  # held by the thread whose public call is running; others are refused
         self.on_closed: Optional[Callable[[], Any]] = None  # ends the daemon that launch() has started
 
-    def spin_s(self) -> float:
-        return _spin_s(self.mode == _LOCKSTEP, len(self.links) + len(self.teams))
+    def polling(self) -> _Polling:
+        """The polling before a wait."""
+        self.polls.spin_s = _spin_s(self.mode == _LOCKSTEP, len(self.links) + len(self.teams))
+        return self.polls
 
     def note(self, reply: Message) -> Message:
         """Takes time and step out of a reply, and the mode if it carries one."""
@@ -2084,7 +2121,7 @@ class _Session:
             self.settle(link)
             since = self.reached
             try:
-                return self.fresh(link.motors.request(command, params, data, text, spin_s=self.spin_s()), since)
+                return self.fresh(link.motors.request(command, params, data, text, polling=self.polling()), since)
             except _Closed as e:
                 raise self.lose(link, e) from None
         sends = module == "neighbours" and not self.watch  # what a robot sends is its driver's to say
@@ -2114,11 +2151,11 @@ class _Session:
     ) -> Message:
         if connection.sock is not None and not connection.busy:
             try:
-                return self.note(connection.request(command, params, data, text, spin_s=self.spin_s()))
+                return self.note(connection.request(command, params, data, text, polling=self.polling()))
             except _Closed:
                 pass
         connection.open(self.address.timeout)
-        return self.note(connection.request(command, params, data, text, spin_s=self.spin_s()))
+        return self.note(connection.request(command, params, data, text, polling=self.polling()))
 
     # --- driving ---
     def drive(self, robot: str) -> _Link:
@@ -2508,7 +2545,7 @@ class _Session:
         """A request that is answered at once."""
         connection, since = self.settle_team(team), self.reached
         try:
-            return self.fresh(connection.request(command, params, spin_s=self.spin_s()), since)
+            return self.fresh(connection.request(command, params, polling=self.polling()), since)
         except _Closed as e:
             raise self.lose(team, e) from None
         except Error as e:
@@ -2572,7 +2609,6 @@ class _Session:
         """Takes in the reply of every connection in `waiting`, which is empty then; returns the earliest step that they tell.
         The first error is raised."""
         wait = _Wait(self, timeout, "the step did not come", in_step=any(link is not None for link in waiting.values()))
-        spin_until = wait.now + self.spin_s()
         stepped: List[_Driven] = []
         earliest = sys.maxsize
         catch_up_at = math.inf
@@ -2584,6 +2620,7 @@ class _Session:
 
         # Else only up to the first that has not come. The request of the last set off the step: its reply comes first.
         every = len(waiting) <= _FEW or not glance(len(waiting) - 1)
+        self.polling().start(_clock.monotonic())
         while True:
             before = len(waiting)
             for connection, link in list(waiting.items()):
@@ -2606,10 +2643,11 @@ class _Session:
                     link.reply = reply
                 elif link is not None and link.attached and reply.params[0] == _LOCKSTEP:
                     link.carried = reply
+            polls = self.polls.goes(_clock.monotonic())
             if not waiting:
                 return earliest
             progress, every = len(waiting) < before, True
-            if _clock.monotonic() < spin_until:
+            if polls:
                 continue
             wait.check()
             if wait.now >= catch_up_at:
@@ -3197,7 +3235,7 @@ class Robot:
         session = self._session
         connection, since = self._attached_connection(link, link.attached), session.reached
         try:
-            return session.fresh(connection.request(_GET_TIME, spin_s=session.spin_s()), since)
+            return session.fresh(connection.request(_GET_TIME, polling=session.polling()), since)
         except _Closed as e:
             if connection is link.motors or e.notice.endswith(_NOT_IN_SCENARIO):
                 raise session.lose(link, e) from None

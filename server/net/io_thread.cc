@@ -2,6 +2,7 @@
 #include "server/net/io_thread.h"
 
 #include <pthread.h>
+#include <sys/resource.h>
 
 #include <exception>
 #include <future>
@@ -11,6 +12,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 
+#include "server/net/polling.h"
 #include "server/net/turn.h"
 
 namespace coopdyn {
@@ -31,6 +33,13 @@ void RunLogged(const Logger& logger, const std::string& name, Work&& work) {
   } catch (...) {
     logger->error("{}: an exception of unknown type", name);
   }
+}
+
+/// How often the kernel has taken the core from this thread.
+std::int64_t CoreLosses() {
+  rusage usage{};
+  ::getrusage(RUSAGE_THREAD, &usage);
+  return usage.ru_nivcsw;
 }
 
 void PostTo(asio::io_context& context, std::function<void()> work) {
@@ -107,13 +116,20 @@ void IoThread::Run() {
   thread_id_ = std::this_thread::get_id();
   pthread_setname_np(pthread_self(), name_.substr(0, kThreadNameBytes).c_str());
   const auto work_guard = asio::make_work_guard(*context_);
-  auto active_at = steady_clock::now();
+  Polling polling;
   while (!stop_) {
     RunLogged(logger_, name_, [&] {
       const std::chrono::nanoseconds spin{spin_ns_.load(std::memory_order_relaxed)};
-      const bool polls = spin.count() > 0 && steady_clock::now() - active_at < spin;
-      if ((polls ? context_->poll() : context_->run_one()) > 0 && spin.count() > 0)
-        active_at = steady_clock::now();
+      if (spin.count() <= 0) {
+        context_->run_one();
+        return;
+      }
+      const auto start = steady_clock::now();
+      const bool polls = polling.Pays(start, spin);
+      const bool ran = (polls ? context_->poll() : context_->run_one()) > 0;
+      const auto now = steady_clock::now();
+      if (ran) polling.NoteActivity(now);
+      if (polls && now - start > Polling::kLongPoll) polling.NoteLongPoll(now, CoreLosses());
     });
   }
   ended_ = true;
