@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <thread>
 
 #include "clients/cpp/address.h"
 
@@ -29,7 +30,9 @@ class Polling {
       until_ = now;
     }
     looked_at_ = now;
-    return now < until_;
+    if (now >= until_) return false;
+    std::this_thread::yield();
+    return true;
   }
 
  private:

@@ -936,7 +936,10 @@ class _Polling:
             self.resumes_at = now + self.pause_s
             self.until = now
         self.looked_at = now
-        return now < self.until
+        if now >= self.until:
+            return False
+        os.sched_yield()
+        return True
 
 
 def _wait_readable(sockets: Sequence[socket.socket], timeout_s: float) -> bool:
