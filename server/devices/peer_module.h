@@ -87,9 +87,7 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
     OnAnswered(request, done);
   }
 
-  void OnTakesMore(Connection& /*connection*/) final {
-    const StepInbox::Scope scope(inbox_);  // hands out the frames that nobody was woken for
-  }
+  void OnTakesMore(Connection& /*connection*/) final { inbox_.TakesMore(); }
 
   void OnInputEnded(Connection& connection) final {
     const StepInbox::Scope scope(inbox_);

@@ -80,10 +80,10 @@ class StepInbox::Mailbox {
   }
 
   /// Appends all to `queue`; false if there was nothing, and then, with `leave`, no longer busy. `patient`:
-  /// frames need not wake the owner then.
+  /// frames alone are nothing, and need not wake the owner.
   bool TakeInto(std::deque<Item>& queue, bool leave, bool patient) {
     const MutexLock lock(mutex_);
-    if (items_.empty()) {
+    if (items_.size() == (patient ? frames_ : 0)) {
       if (leave) busy_on_ = {};
       patient_ = patient;
       return false;
@@ -220,12 +220,17 @@ void StepInbox::Deliver(const FramePtr& frame, int dropped) {
 
 FramePtr StepInbox::Current() {
   FramePtr latest = frames_.Latest();
-  if (observer_ == 0 || latest == nullptr) return latest;
+  if (observer_ == 0 || latest == nullptr || patient_) return latest;
   HandleFrames();
   // A frame is published before its observers are called: its pushes are made now, the observer's call is
   // then ignored.
   if (seen_ == nullptr || IsLater(*latest, *seen_)) Deliver(latest, 0);
   return latest;
+}
+
+void StepInbox::TakesMore() {
+  const Scope scope(*this);
+  patient_ = false;
 }
 
 std::optional<StepResult> StepInbox::TakeOwn() {

@@ -68,11 +68,13 @@ class StepInbox {
     StepInbox& inbox_;
   };
 
-  /// The newest frame. With subscriptions, the pushes up to its step have been made. Null before the first
-  /// one.
+  /// The newest frame. With subscriptions, the pushes up to its step have been made, unless no listener takes
+  /// any. Null before the first one.
   FramePtr Current();
+  /// A listener that took no frames takes them again: hands out those that have waited for it.
+  void TakesMore();
   /// The result for the request that the present Scope is for, if the step has run inside this Scope. With
-  /// subscriptions, the pushes up to its step have been made.
+  /// subscriptions, the pushes up to its step have been made, unless no listener takes any.
   std::optional<StepResult> TakeOwn();
   /// What to hand to the board: it brings the result to `listener` on this thread.
   StepDone Waiter(StepListener& listener, ClientId client);
@@ -112,7 +114,7 @@ class StepInbox {
   std::vector<StepListener*> listeners_;    // the subscribed ones
   std::uint64_t observer_ = 0;              // key at the board; 0: none
   FramePtr seen_;                           // the last one delivered; only while there is an observer
-  bool patient_ = false;                    // no listener takes anything now
+  bool patient_ = false;                    // no listener takes anything now: frames wait in the mailbox
   std::deque<Item> queue_;
   std::size_t next_ = 0;  // of queue_
   int depth_ = 0;

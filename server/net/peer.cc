@@ -18,6 +18,9 @@ constexpr int kKeepInterval_s = 5;
 constexpr int kKeepCount = 3;
 constexpr std::uint32_t kSilent_ms = 20'000;
 constexpr int kUnansweredProbes = 3;
+// What the kernel keeps beyond what the peer has room for. Else it takes some MB for a peer that does not
+// read, one push at a time, which costs as much as a step.
+constexpr int kUnsentBytes = 64 << 10;
 constexpr int kLocalSendBytes = 1 << 20;  // the kernel gives as much of it as net.core.wmem_max allows
 
 /// `get`: getpeername or getsockname.
@@ -105,6 +108,7 @@ void SetClientSocketOptions(int fd) {
   if (IsLocal(fd)) SetOption(fd, SOL_SOCKET, SO_SNDBUF, kLocalSendBytes);
   if (!IsTcp(fd)) return;
   SetOption(fd, IPPROTO_TCP, TCP_NODELAY, 1);
+  SetOption(fd, IPPROTO_TCP, TCP_NOTSENT_LOWAT, kUnsentBytes);
   SetOption(fd, SOL_SOCKET, SO_KEEPALIVE, 1);
   SetOption(fd, IPPROTO_TCP, TCP_KEEPIDLE, kKeepIdle_s);
   SetOption(fd, IPPROTO_TCP, TCP_KEEPINTVL, kKeepInterval_s);

@@ -153,6 +153,8 @@ TEST_F(StepInboxTest, WhoTakesNothingIsNotWokenAndGetsTheNewestFramesLater) {
   for (std::size_t i = 0; i < StepInbox::kMaxFrames + 6; ++i) world_.Step();
   EXPECT_TRUE(posted_.empty());
   { const StepInbox::Scope scope(*inbox_); }
+  EXPECT_EQ(log_.size(), 1u);
+  inbox_->TakesMore();
   EXPECT_EQ(log_.size(), 1 + StepInbox::kMaxFrames);
   EXPECT_EQ(log_[1], "frame 8");
   EXPECT_EQ(log_.back(), "frame 71");
@@ -166,8 +168,19 @@ TEST_F(StepInboxTest, WhoTakesSomethingAgainIsWokenForEachFrame) {
   RunPosted();
   world_.Step();
   takes_ = true;
-  { const StepInbox::Scope scope(*inbox_); }
+  inbox_->TakesMore();
   EXPECT_EQ(log_, (std::vector<std::string>{"frame 1", "frame 2"}));
+  world_.Step();
+  EXPECT_EQ(posted_.size(), 1u);
+}
+
+TEST_F(StepInboxTest, WhoTakesSomethingAgainIsWokenAlsoIfNoFrameWaited) {
+  takes_ = false;
+  inbox_->Subscribe(*this);
+  world_.Step();
+  RunPosted();
+  takes_ = true;
+  inbox_->TakesMore();
   world_.Step();
   EXPECT_EQ(posted_.size(), 1u);
 }

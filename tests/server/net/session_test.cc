@@ -244,6 +244,20 @@ TEST_F(SessionTest, DropsTheOldestPushesOfAReaderThatDoesNotReadAndSaysHowMany) 
   EXPECT_EQ(after_gap, 64);
 }
 
+TEST_F(SessionTest, TheKernelKeepsLittleForAReaderThatDoesNotRead) {
+  constexpr int kPushes = 20'000;
+  TestClient client = Connect();
+  client.Send("CDS1" + Frame(ScriptedEndpoint::kEcho));
+  client.Frame();
+  thread_.Call([&] {
+    Connection* connection = endpoint_.connections().begin()->second;
+    for (int i = 1; i <= kPushes; ++i) connection->Push(ScriptedEndpoint::PushOf(i), 0);
+  });
+  int sent = 0;
+  while (sent < kPushes && client.Frame().text.empty()) ++sent;
+  EXPECT_LT(sent, kPushes / 4);
+}
+
 TEST_F(SessionTest, HttpGets400AndIsClosed) {
   TestClient client = Connect();
   client.Send("POST /x HTTP/1.1\r\nHost: localhost:10002\r\nContent-Length: 7\r\n\r\necho 1\n");
