@@ -137,13 +137,15 @@ class WatchdogTest(unittest.TestCase):
     def test_set_changes_it_while_the_run_goes_on(self):
         with Daemon(real_time("off")) as daemon:
             self.drive(daemon)
-            daemon.text("/world").must("set robot1 watchdog 0.5s")
+            for change in ("watchdog 0.5s", "color red"):
+                daemon.text("/world").must(f"set robot1 {change}")
             until(lambda: robot(daemon)["watchdog_stopped"])
 
 
 class RecordedTest(RecordingTestCase):
     def test_the_stop_is_an_input_that_verify_repeats(self):
-        with Daemon(real_time("0.5s"), "--record", self.file) as daemon:
+        with Daemon(real_time("off"), "--record", self.file) as daemon:
+            daemon.text("/world").must("set robot1 watchdog 0.5s")
             client = daemon.text("/robot1/motors")
             client.must("set_velocity 0.2 0.5")
             until(lambda: robot(daemon)["watchdog_stopped"])

@@ -9,13 +9,14 @@ namespace {
 
 class SilenceTest : public CommandBoardTest {
  protected:
-  /// Robot 1, with two modules, drives in `mode` at (2, 2); its client says nothing from now on.
+  /// Robot 1 drives in `mode` at (2, 2); its client says nothing from now on.
   void Drive(const Client& client, std::optional<double> watchdog_s, Mode mode = Mode::kRealtime,
              std::optional<LossPolicy> on_disconnect = {}) {
     RobotEntry entry = MakeRobot("robot1");
     entry.watchdog_s = watchdog_s;
     entry.on_disconnect = on_disconnect;
     UseEntries({entry});
+    board_.InputEnded(slot("robot1"), owner().id);
     board_.SetMode(mode, now_);
     board_.Command(slot("robot1"), client, Wheels(2, 2), {}, Note("client"));
     Step();
@@ -94,6 +95,7 @@ TEST_F(SilenceTest, OnlyRealTimeIsWatched) {
     EXPECT_EQ(StepAfter(10), kDrives) << ToString(mode);
   }
   board_.SetMode(Mode::kRealtime, now_);
+  EXPECT_EQ(Step(), kDrives);
   EXPECT_EQ(StepAfter(0.9), kDrives) << "silence before does not count";
   EXPECT_EQ(StepAfter(0.1), kStands);
 }
