@@ -336,9 +336,10 @@ void Stepper::NoteLostClients() {
     for (std::size_t i = 0; i < robots.size() && i < kNamed; ++i) names += (i > 0 ? ", " : "") + robots[i];
     if (robots.size() > kNamed) names += " and " + std::to_string(robots.size() - kNamed) + " more";
     if (silent > 0) {
-      AddEvent("warning", SilentText(client, silent) + ": " + names + (robots.size() > 1 ? " are" : " is") +
-                              " stopped until its next command ('watchdog' of the scenario says after how "
-                              "long, or off)");
+      const char* until =
+          robots.size() > 1 ? " are stopped until their next command" : " is stopped until its next command";
+      AddEvent("warning", SilentText(client, silent) + ": " + names + until +
+                              " ('watchdog' of the scenario says after how long, or off)");
     } else {
       AddEvent("info", "lost client " + client + ": " + names + " " + what);
     }
