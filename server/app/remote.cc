@@ -2,6 +2,7 @@
 #include <array>
 #include <boost/json.hpp>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -102,6 +103,15 @@ json::array ArrayAt(const json::object& object, const char* key) {
   return value != nullptr && value->is_array() ? value->as_array() : json::array();
 }
 
+/// `, silent for 12 s, stopped until its next command`; empty if its client talks.
+std::string SilenceOf(const json::object& robot) {
+  const double silent_s = std::floor(NumberAt(robot, "silent_s"));
+  std::string text = silent_s < 1 ? "" : fmt::format(", silent for {:.0f} s", silent_s);
+  const json::value* stopped = robot.if_contains("watchdog_stopped");
+  if (stopped != nullptr && *stopped == true) text += ", stopped until its next command";
+  return text;
+}
+
 void PrintRobots(const json::array& robots) {
   constexpr std::size_t kListed = 40;
   for (std::size_t i = 0; i < robots.size(); ++i) {
@@ -113,7 +123,7 @@ void PrintRobots(const json::array& robots) {
     const bool moves = moving != nullptr && *moving == true;
     const std::string free = moves ? "nobody drives it, still moving" : "free";
     Print("{:<16} {:<10} {}\n", WordAt(robot, "name"), WordAt(robot, "type"),
-          owner == "-" || owner.empty() ? free : "driven by " + owner);
+          owner == "-" || owner.empty() ? free : "driven by " + owner + SilenceOf(robot));
   }
 }
 

@@ -25,7 +25,7 @@ json::value Text(const std::string& text) {
 }
 
 /// `owner`: of the robot; null: the board has no such robot.
-json::object RobotJson(const SceneRobot& robot, const Owner* owner, const NameTable& names) {
+json::object RobotJson(const SceneRobot& robot, const Owner* owner, const NameTable& names, Nanoseconds now) {
   json::array modules;
   for (const ModuleModel& module : robot.entry.model->modules()) {
     const std::string path = "/" + robot.entry.name + "/" + module.name;
@@ -33,14 +33,17 @@ json::object RobotJson(const SceneRobot& robot, const Owner* owner, const NameTa
     modules.push_back({{"name", path}, {"type", module.type}, {"port", entry ? entry->port : 0}});
   }
   const bool owned = owner != nullptr && (owner->id != 0 || owner->driven);
-  return {{"name", robot.entry.name},
-          {"type", robot.entry.model->type},
-          {"modules", std::move(modules)},
-          {"owner", owned ? Text(owner->name) : nullptr},
-          {"controller", owner != nullptr && owner->driven ? Text(robot.entry.controller.name) : nullptr},
-          {"participates", owner != nullptr && owner->participates},
-          {"dropped", owner != nullptr && owner->dropped},
-          {"still_moving", owner != nullptr && owner->still_moving}};
+  return {
+      {"name", robot.entry.name},
+      {"type", robot.entry.model->type},
+      {"modules", std::move(modules)},
+      {"owner", owned ? Text(owner->name) : nullptr},
+      {"controller", owner != nullptr && owner->driven ? Text(robot.entry.controller.name) : nullptr},
+      {"participates", owner != nullptr && owner->participates},
+      {"dropped", owner != nullptr && owner->dropped},
+      {"still_moving", owner != nullptr && owner->still_moving},
+      {"silent_s", owner != nullptr && owner->heard ? json::value(ToSeconds(now - *owner->heard)) : nullptr},
+      {"watchdog_stopped", owner != nullptr && owner->silenced}};
 }
 
 json::value PlaybackJson(const std::optional<PlaybackStatus>& playback) {
@@ -69,11 +72,12 @@ std::string SimulationModule::StatusText(const Frame& frame, std::size_t first, 
     owner_of.emplace(owner.robot, &owner);
     if (owner.id != 0) owning.insert(owner.id);
   }
+  const Nanoseconds now = services_.clock.Now();
   json::array robots;
   for (std::size_t i = first - 1; i < scene.robots.size() && robots.size() < count; ++i) {
     const auto owner = owner_of.find(scene.robots[i].entry.name);
     robots.push_back(
-        RobotJson(scene.robots[i], owner == owner_of.end() ? nullptr : owner->second, services_.names));
+        RobotJson(scene.robots[i], owner == owner_of.end() ? nullptr : owner->second, services_.names, now));
   }
   json::array clients;
   std::size_t client_count = 0;
@@ -85,8 +89,7 @@ std::string SimulationModule::StatusText(const Frame& frame, std::size_t first, 
   }
   json::array awaiting;
   std::size_t awaiting_count = 0;
-  for (const Awaited& awaited :
-       services_.board.Awaiting(services_.clock.Now(), kMaxAwaited, &awaiting_count)) {
+  for (const Awaited& awaited : services_.board.Awaiting(now, kMaxAwaited, &awaiting_count)) {
     awaiting.push_back({{"robot", awaited.robot},
                         {"why", awaited.why},
                         {"seconds", awaited.seconds},

@@ -57,6 +57,7 @@ class SwarmModule final : public PeerModule<TeamPeer> {
   std::optional<Message> Answer(Peer& peer, const Message& request) override;
   Message Stepped(Peer& peer, const StepResult& result) override;
   void BeforePush(Peer& peer, const Frame& frame) override;
+  void Heard(const Peer& peer, Nanoseconds now) override { board().NoteHeardAll(peer.id(), now); }
   void InputEnded(ClientId client) override { board().InputEndedAll(client); }
   void Closed(ClientId client) override { board().ClosedAll(client); }
 

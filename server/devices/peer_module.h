@@ -56,6 +56,7 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
     peer.client.client.peer = connection.peer();
     peer.client.client.input_ended = connection.input_ended();
     peer.client.client.input_end = connection.input_end();
+    peer.client.client.is_remote = !connection.trusted();
     peer.client.trusted = connection.trusted();
     services_.roster.Add({connection.id(), path_, connection.peer(), {}});
   }
@@ -74,6 +75,7 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
     }
     peer->client.client.input_ended = connection.input_ended();
     if (peer->client.client.party != connection.party()) peer->client.client.party = connection.party();
+    if (board().is_real_time()) Heard(*peer, services_.clock.Now());
     peer->command = request.command;
     peer->text.clear();
     peer->reply = std::move(reply);
@@ -138,6 +140,8 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
   }
   /// Who has replaced a client whose wait ended so; empty if that is not told.
   virtual std::string NewOwner() { return {}; }
+  /// In real time, before Answer(): tells the board that the client lives.
+  virtual void Heard(const Peer& /*peer*/, Nanoseconds /*now*/) {}
   /// Before the subscriptions of `peer` are served.
   virtual void BeforePush(Peer& /*peer*/, const Frame& /*frame*/) {}
   /// The client sends no more; its connection is gone.

@@ -117,6 +117,7 @@ void RobotSections::ReadShared(SectionReader& reader, RobotEntry& entry) {
                        "model, or leave the line out");
   }
   Take(reader.YesNo("sockets"), entry.sockets);
+  entry.watchdog_s = ReadWatchdog(reader);
 }
 
 void RobotSections::ReadLosses(SectionReader& reader, RobotEntry& entry) {
@@ -131,6 +132,10 @@ void RobotSections::ReadLosses(SectionReader& reader, RobotEntry& entry) {
                      "'on_deadline' has no effect without 'deadline', for example: deadline 2s");
   }
   Take(reader.Choice<LossPolicy>("on_disconnect", kLossPolicyWords), entry.on_disconnect);
+  if (entry.watchdog_s.value_or(0) > 0 && entry.goes_on_alone()) {
+    reader.WarningAt("watchdog", std::string("'watchdog' has no effect with 'on_disconnect ") +
+                                     ToString(*entry.on_disconnect) + "', by which the robot goes on alone");
+  }
 }
 
 void RobotSections::ReadWaitsFor(SectionReader& reader, RobotEntry& entry) {
@@ -167,7 +172,7 @@ void RobotSections::CheckDriver(SectionReader& reader, const RobotEntry& entry) 
   };
   if (reader.Has("sync") && entry.sync) contradicts("sync");
   if (reader.Has("waits_for")) contradicts("waits_for");
-  for (const char* key : {"deadline", "on_disconnect"}) {
+  for (const char* key : {"deadline", "on_disconnect", "watchdog"}) {
     if (!reader.Has(key)) continue;
     reader.WarningAt(key, std::string("'") + key + "' has no effect as long as the controller drives '" +
                               entry.name + "'");

@@ -61,6 +61,7 @@ struct SimulationOptions {
   std::optional<double> speed;       // ≤ 0: no limit
   std::optional<double> duration_s;  // simulated
   double gravity_m_s2 = 9.81;        // downwards
+  std::optional<double> watchdog_s;  // of robots that say nothing else, as RobotEntry::watchdog_s
   ControllerChoice supervisor;       // a controller of the world
   /// Names of YARP's readers, or what they begin with ("/my/controller"), for which lockstep waits.
   std::vector<std::string> waits_for;
@@ -80,11 +81,17 @@ struct RobotEntry {
   /// Empty, the default: lockstep waits; in realtime and free the robot stops if the client had said `hello`,
   /// else its set-points stay.
   std::optional<LossPolicy> on_disconnect;
+  /// Wall clock: in real time a robot stops when its client has been silent for so long; 0: never.
+  std::optional<double> watchdog_s;
   Fidelity fidelity = Fidelity::kFull;
   ControllerChoice controller;  // empty: clients drive it
   bool sockets = true;
   SourceLine where;
 
+  /// It keeps its set-points when its client is lost.
+  bool goes_on_alone() const {
+    return on_disconnect == LossPolicy::kWait || on_disconnect == LossPolicy::kHold;
+  }
   /// The actuator modules that must have a command for each step of lockstep.
   std::vector<std::string> awaited_modules() const;
   /// Takes part in lockstep unless told otherwise.

@@ -199,6 +199,7 @@ class ScenarioReader {
     options.duration_s = reader.Number("duration", Quantity::kTime, 0, kMaxDuration_s);
     if (options.duration_s && *options.duration_s <= 0)
       reader.ErrorAt("duration", "'duration' must be above 0 s");
+    options.watchdog_s = ReadWatchdog(reader);
     constexpr double kMaxGravity = 1000;
     if (const auto gravity = reader.Number("gravity", Quantity::kPlain, -kMaxGravity, kMaxGravity)) {
       options.gravity_m_s2 = *gravity;

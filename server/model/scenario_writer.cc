@@ -36,6 +36,11 @@ class Lines {
     Add("texture", texture.name);
     Add("texture_size", {texture.width_m, texture.height_m});
   }
+  void AddWatchdog(const std::optional<double>& watchdog_s) {
+    if (!watchdog_s) return;
+    if (*watchdog_s > 0) return Add("watchdog", {*watchdog_s});
+    Add("watchdog", "off");
+  }
   std::string Take() { return std::move(text_); }
 
  private:
@@ -118,6 +123,7 @@ std::string WriteRobot(const RobotEntry& robot, std::size_t number, const std::s
   }
   if (robot.on_disconnect) lines.Add("on_disconnect", ToString(*robot.on_disconnect));
   if (!robot.sockets) lines.Add("sockets", "no");
+  lines.AddWatchdog(robot.watchdog_s);
   return lines.Take();
 }
 
@@ -138,6 +144,7 @@ std::string WriteSimulation(const SimulationOptions& simulation, double ambient_
   lines.Add("seed", std::to_string(simulation.seed));
   if (simulation.speed) lines.Add("speed", {*simulation.speed});
   if (simulation.duration_s) lines.Add("duration", {*simulation.duration_s});
+  lines.AddWatchdog(simulation.watchdog_s);
   lines.Add("gravity", {simulation.gravity_m_s2});
   if (ambient_light > 0) lines.Add("ambient_light", {ambient_light});
   if (!simulation.waits_for.empty()) {

@@ -139,6 +139,8 @@ class Textures;
 Floor ReadFloor(SectionReader& reader, Textures& textures, std::optional<double>& ambient_light);
 /// `ambient_light` of [FLOOR] or [SIMULATION].
 std::optional<double> ReadAmbientLight(SectionReader& reader);
+/// `watchdog` of [SIMULATION], [ROBOT_n] or [SWARM_n], s; 0: off.
+std::optional<double> ReadWatchdog(SectionReader& reader);
 /// Reads a [LIGHT_n]; nothing with an error.
 std::optional<PointLight> ReadLight(SectionReader& reader);
 /// The most that a scenario may have with its world.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <utility>
 
@@ -74,6 +75,21 @@ Floor ReadFloor(SectionReader& reader, Textures& textures, std::optional<double>
 
 std::optional<double> ReadAmbientLight(SectionReader& reader) {
   return reader.Number("ambient_light", Quantity::kPlain, 0, kMaxLightPower);
+}
+
+std::optional<double> ReadWatchdog(SectionReader& reader) {
+  constexpr const char* kKey = "watchdog";
+  constexpr double kMin_s = 0.1, kMax_s = 1e6;
+  const std::optional<std::string> text = reader.Text(kKey);
+  if (!text) return std::nullopt;
+  if (ToLower(*text) == "off") return 0.0;
+  if (std::isdigit(static_cast<unsigned char>(text->front())) != 0)
+    return reader.Number(kKey, Quantity::kTime, kMin_s, kMax_s);
+  reader.ErrorAt(kKey,
+                 "'watchdog' says how long a robot's client may be silent, for example 'watchdog 2s', or is "
+                 "'off', not '" +
+                     *text + "'");
+  return std::nullopt;
 }
 
 std::optional<PointLight> ReadLight(SectionReader& reader) {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "server/state/score_keeper.h"
@@ -24,6 +25,10 @@ constexpr Nanoseconds kLookAgain = 250'000'000;
 /// meanwhile, and at most this many, as its subscribers would lose frames.
 constexpr Nanoseconds kTurnHere = 500'000;
 constexpr int kStepsHere = 32;
+
+std::string SilentText(const std::string& client, Nanoseconds silent) {
+  return fmt::format("{} has been silent for {:.1f} s", client, ToSeconds(silent));
+}
 
 }  // namespace
 
@@ -185,6 +190,10 @@ Nanoseconds Stepper::StepIfDue(Nanoseconds now) {
 
 void Stepper::StepNow(Nanoseconds now) {
   const std::uint64_t before = frame().step;
+  if (mode_ == Mode::kRealtime && now >= watches_at_) {
+    boards_.commands.StopSilent(now);
+    watches_at_ = now + kStatusEvery;
+  }
   StepInputs inputs;
   inputs.setpoints = boards_.commands.Latch(before + 1);
   inputs.messages = boards_.commands.LatchedMessages();
@@ -305,22 +314,35 @@ void Stepper::TellEnded() {
 
 void Stepper::NoteLostClients() {
   constexpr std::size_t kNamed = 4;
-  std::map<std::pair<std::string, LossPolicy>, std::vector<std::string>> by_client;
+  std::map<std::tuple<std::string, LossPolicy, Nanoseconds>, std::vector<std::string>> by_client;
   for (const LostClient& lost : boards_.commands.LatchedLosses()) {
     const std::string& robot = simulation_->scene().robots[lost.robot].entry.name;
+    std::vector<std::string>& robots = by_client[{lost.client, lost.policy, lost.silent}];
+    if (!robots.empty() && robots.back() == robot) continue;  // another of its modules
+    robots.push_back(robot);
     WriteInput(frame().step, ClientLost{robot, lost.policy});
-    by_client[{lost.client, lost.policy}].push_back(robot);
-    if (lost.policy != LossPolicy::kHold) NoteStopped(robot, "client", "lost its client " + lost.client);
+    if (lost.silent > 0) {
+      NoteStopped(robot, "watchdog", SilentText(lost.client, lost.silent));
+    } else if (lost.policy != LossPolicy::kHold) {
+      NoteStopped(robot, "client", "lost its client " + lost.client);
+    }
   }
   for (const auto& [key, robots] : by_client) {
-    const auto& [client, policy] = key;
+    const auto& [client, policy, silent] = key;
     const char* what = policy == LossPolicy::kHold   ? "set-points held"
                        : policy == LossPolicy::kStop ? "stopped"
                                                      : "dropped";
     std::string names;
     for (std::size_t i = 0; i < robots.size() && i < kNamed; ++i) names += (i > 0 ? ", " : "") + robots[i];
     if (robots.size() > kNamed) names += " and " + std::to_string(robots.size() - kNamed) + " more";
-    AddEvent("info", "lost client " + client + ": " + names + " " + what);
+    if (silent > 0) {
+      const char* until =
+          robots.size() > 1 ? " are stopped until their next command" : " is stopped until its next command";
+      AddEvent("warning", SilentText(client, silent) + ": " + names + until +
+                              " ('watchdog' of the scenario says after how long, or off)");
+    } else {
+      AddEvent("info", "lost client " + client + ": " + names + " " + what);
+    }
   }
 }
 

@@ -223,6 +223,7 @@ class Stepper {
   RateMeter rate_ GUARDED_BY(baton_);
   RunStatus status_ GUARDED_BY(baton_);
   Nanoseconds status_at_ GUARDED_BY(baton_) = 0;
+  Nanoseconds watches_at_ GUARDED_BY(baton_) = 0;  // the next look for silent clients
   Nanoseconds rests_from_ GUARDED_BY(baton_) = 0;  // the end of the step before; 0: it does not count
   PhaseTimes times_before_ GUARDED_BY(baton_);     // AllTimes() when costs began anew
   bool has_deadlines_ GUARDED_BY(baton_) = false;

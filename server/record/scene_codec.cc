@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // EncodeScene() and DecodeScene() of state_codec.h.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <type_traits>
@@ -15,7 +16,8 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::uint8_t kSceneVersion = 3, kWithoutTextures = 2;
+// A scene without watchdogs is written as it always was.
+constexpr std::uint8_t kSceneVersion = 4, kWithoutWatchdogs = 3, kWithoutTextures = 2;
 // Least bytes of each, so that a count cannot ask for more memory than there are bytes.
 constexpr std::size_t kObjectBytes = 100, kRobotBytes = 146, kTargetBytes = 60, kLightBytes = 65;
 
@@ -102,8 +104,10 @@ bool Fits(const Scene& scene) {
 std::vector<std::byte> EncodeScene(const Scene& scene) {
   std::vector<std::byte> bytes;
   ByteWriter writer(bytes);
-  writer.Number(kSceneVersion);
-  CodeScene(writer, scene, {});
+  const bool has_watchdogs = std::ranges::any_of(
+      scene.robots, [](const SceneRobot& robot) { return robot.entry.watchdog_s.has_value(); });
+  writer.Number(has_watchdogs ? kSceneVersion : kWithoutWatchdogs);
+  CodeScene(writer, scene, {.watchdogs = has_watchdogs});
   return bytes;
 }
 
@@ -113,9 +117,10 @@ std::shared_ptr<const Scene> DecodeScene(std::span<const std::byte> bytes,
   auto scene = std::make_shared<Scene>();
   ByteReader reader(bytes);
   const std::uint64_t version = reader.Low(1);
-  if (version != kSceneVersion && version != kWithoutTextures) return nullptr;
+  if (version < kWithoutTextures || version > kSceneVersion) return nullptr;
   const bool has_textures = version != kWithoutTextures;
-  CodeScene(reader, *scene, {scenario.get(), &model, texture ? &texture : nullptr, has_textures});
+  CodeScene(reader, *scene,
+            {scenario.get(), &model, texture ? &texture : nullptr, has_textures, version == kSceneVersion});
   if (!reader.finished() || !Fits(*scene)) return nullptr;
   for (SceneRobot& robot : std::exchange(scene->robots, {})) AddRobot(*scene, std::move(robot));
   scene->scenario = scenario;

@@ -36,6 +36,9 @@ class RobotModule final : public PeerModule<ModulePeer> {
   std::optional<Message> Answer(Peer& peer, const Message& request) override;
   Message Stepped(Peer& peer, const StepResult& result) override;
   std::string NewOwner() override;
+  void Heard(const Peer& peer, Nanoseconds now) override {
+    board().NoteHeard(slot_, peer.client.client, now);
+  }
   void InputEnded(ClientId client) override;
   void Closed(ClientId client) override;
 

@@ -13,8 +13,8 @@ namespace coopdyn {
 
 namespace {
 
-// A change without drive trains is written as it always was.
-constexpr std::uint8_t kVersion = 2, kWithoutTrains = 1;
+// A change without watchdogs, or without drive trains as well, is written as it always was.
+constexpr std::uint8_t kVersion = 3, kWithoutWatchdogs = 2, kWithoutTrains = 1;
 // Least bytes of each.
 constexpr std::size_t kObjectBytes = 100, kRobotBytes = 130, kTargetBytes = 60, kLightBytes = 65;
 
@@ -80,8 +80,10 @@ std::string EncodeChange(const WorldChange& change) {
   ByteWriter writer(bytes);
   const bool has_trains =
       std::ranges::any_of(change.robots, [](const PutRobot& put) { return !put.drive_trains.empty(); });
-  writer.Number(has_trains ? kVersion : kWithoutTrains);
-  CodeChange(writer, change, {}, has_trains);
+  const bool has_watchdogs = std::ranges::any_of(
+      change.robots, [](const PutRobot& put) { return put.entry.watchdog_s.has_value(); });
+  writer.Number(has_watchdogs ? kVersion : has_trains ? kWithoutWatchdogs : kWithoutTrains);
+  CodeChange(writer, change, {.watchdogs = has_watchdogs}, has_watchdogs || has_trains);
   return ToBase64(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }
 
@@ -90,9 +92,11 @@ std::optional<WorldChange> DecodeChange(std::string_view text, const SceneContex
   if (!bytes) return std::nullopt;
   ByteReader reader(std::as_bytes(std::span(*bytes)));
   const std::uint64_t version = reader.Low(1);
-  if (version != kVersion && version != kWithoutTrains) return std::nullopt;
+  if (version < kWithoutTrains || version > kVersion) return std::nullopt;
   WorldChange change;
-  CodeChange(reader, change, context, version == kVersion);
+  SceneContext said = context;
+  said.watchdogs = version == kVersion;
+  CodeChange(reader, change, said, version != kWithoutTrains);
   constexpr std::size_t kPadding = 2;  // of base64
   if (!reader.ok() || reader.left() > kPadding) return std::nullopt;
   return change;

@@ -36,8 +36,9 @@ void CommandBoard::TakeOwnership(std::size_t index, const Client& client) {
   if (drive.owner != client.id) {
     drive.owner = client.id;
     slot.owner = client;
+    slot.heard.reset();
     slot.former.id = 0;
-    drive.loses_client = drive.abandoned = false;
+    drive.loses_client = drive.abandoned = drive.silenced = false;
     if (client.is_team) NoteTeams();
   }
 }
@@ -45,6 +46,7 @@ void CommandBoard::TakeOwnership(std::size_t index, const Client& client) {
 void CommandBoard::Disown(std::size_t index) {
   if (table_.slot(index).owner.is_team) NoteTeams();
   table_.drive(index).owner = 0;
+  table_.drive(index).silenced = false;
   table_.slot(index).owner = {};
 }
 
@@ -378,10 +380,13 @@ std::vector<CommandBoard::Owner> CommandBoard::Owners() const {
     Owner owner{table_.slot(shown).robot, drive.owner, table_.Who(shown)};
     owner.is_team = table_.slot(shown).owner.is_team;
     owner.driven = drive.driven;
+    if (is_real_time() && drive.owner != 0 && !playing_) owner.heard = table_.slot(shown).heard;
+    if (owner.heard) owner.heard = std::max(*owner.heard, silence_from_);
     for (std::size_t i = first; i < end; ++i) {
       const Drive& each = table_.drive(i);
       owner.participates |= each.participates && !each.dropped;
       owner.dropped |= each.dropped;
+      owner.silenced |= each.silenced;
       owner.still_moving |= each.owner == 0 && !each.driven && !playing_ && table_.Moves(i);
     }
     owners.push_back(std::move(owner));

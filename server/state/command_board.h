@@ -88,6 +88,7 @@ struct LostClient {
   std::size_t robot = 0;  // index into the scene
   std::string client;     // its name, else peer
   LossPolicy policy = LossPolicy::kStop;
+  Nanoseconds silent = 0;  // it is there, but has said nothing for so long; 0: it has gone
 };
 
 /// The requests of all connections and what came of them. Any thread: one lock guards all but what the
@@ -125,6 +126,12 @@ class CommandBoard {
   void InputEnded(SlotId slot, ClientId client);
   /// The connection is gone, and its last request has arrived: `on_disconnect` acts once that has run.
   void Closed(SlotId slot, ClientId client);
+  /// `client` has said something on a module of the slot's robot: whoever it speaks for there is not silent.
+  void NoteHeard(SlotId slot, const Client& client, Nanoseconds now);
+  /// Likewise on a connection to /swarm: of all that it owns.
+  void NoteHeardAll(ClientId client, Nanoseconds now);
+  /// Whether silence counts. Without lock.
+  bool is_real_time() const { return is_real_time_.load(std::memory_order_relaxed); }
   /// The robot broadcasts `message` in the next step; a later call replaces it. While a client drives the
   /// robot, only connections with that client's name may send. Nobody may send for a driver without a name.
   Verdict Send(SlotId slot, const Client& client, const RobotMessage& message);
@@ -178,9 +185,11 @@ class CommandBoard {
     std::string name;  // client name, else peer; or `controller diffuse`, with id 0
     bool participates = false;
     bool dropped = false;
-    bool is_team = false;       // owned through /swarm
-    bool driven = false;        // by a loaded controller
-    bool still_moving = false;  // nobody drives it, and its set-points in force are not zero
+    bool is_team = false;                   // owned through /swarm
+    bool driven = false;                    // by a loaded controller
+    bool still_moving = false;              // nobody drives it, and its set-points in force are not zero
+    bool silenced = false;                  // its watchdog has stopped it: until its next command
+    std::optional<Nanoseconds> heard = {};  // in real time: when its client said something last
   };
   /// Of all robots in the scene's order: who owns the first of its actuator modules that is owned.
   std::vector<Owner> Owners() const;
@@ -252,6 +261,9 @@ class CommandBoard {
   void IgnoreWait();
   /// Fires the deadlines of awaited robots that have passed.
   std::vector<FiredDeadline> FireDeadlines(Nanoseconds now);
+  /// In real time, before Latch(): stops the robots that still move though their clients have been silent for
+  /// as long as their watchdogs allow. They are among its losses.
+  void StopSilent(Nanoseconds now);
   /// When the next deadline of an awaited robot fires; INT64_MAX: never.
   Nanoseconds NextDeadline() const;
   /// Ends all waits with kStopping; later ones end at once, and commands are refused, until Configure().
@@ -342,8 +354,11 @@ class CommandBoard {
   /// What on_disconnect, or its default, makes of a robot whose client is lost.
   void ApplyLoss(std::size_t index) REQUIRES(mutex_);
   /// Stops a robot without its program.
-  void StopAbandoned(std::size_t index) REQUIRES(mutex_);
-  void NoteLoss(std::size_t index, LossPolicy policy) REQUIRES(mutex_);
+  /// `silent`: as in LostClient.
+  void StopAbandoned(std::size_t index, Nanoseconds silent = 0) REQUIRES(mutex_);
+  void NoteLoss(std::size_t index, LossPolicy policy, Nanoseconds silent = 0) REQUIRES(mutex_);
+  /// What `client` is heard for among the slots of a robot.
+  void HearOn(std::size_t robot, const Client& client, Nanoseconds now) REQUIRES(mutex_);
   void EndAllWaits(StepEnd end, Completions& completions) REQUIRES(mutex_);
   /// Corrects the count of awaited robots after a change of a slot; true if that made the last one ready.
   /// `now`: read when it is first needed, then the same for all changes of one request.
@@ -379,6 +394,7 @@ class CommandBoard {
   std::size_t awaited_ GUARDED_BY(mutex_) = 0;        // participants that are not ready
   std::size_t calls_at_once_ GUARDED_BY(mutex_) = 0;  // the most that one step had to answer
   Nanoseconds waiting_since_ GUARDED_BY(mutex_) = 0;
+  Nanoseconds silence_from_ GUARDED_BY(mutex_) = 0;  // silence before that does not count
   struct WaitTimes {
     Nanoseconds waited = 0, alone = 0;
   };
@@ -397,6 +413,7 @@ class CommandBoard {
   std::atomic<std::uint64_t> team_revision_{1};
   std::atomic<std::uint64_t> layout_revision_{1};
   std::atomic<bool> run_ended_{false};
+  std::atomic<bool> is_real_time_{false};
   std::function<void()> all_ready_hook_;  // constant after construction
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The part of the board that is about clients that leave: who is gone and no longer in the way of others, and
-// what becomes of the robots.
+// The part of the board that is about clients that leave, or fall silent: who is gone and no longer in the
+// way of others, and what becomes of the robots.
+#include <algorithm>
 #include <utility>
 
 #include "server/state/command_board.h"
@@ -97,15 +98,57 @@ void CommandBoard::ApplyLoss(std::size_t index) {
   }
 }
 
-void CommandBoard::StopAbandoned(std::size_t index) {
+void CommandBoard::StopAbandoned(std::size_t index, Nanoseconds silent) {
   table_.drive(index).abandoned = false;
   if (!table_.Moves(index)) return;
   table_.Stop(index);
-  NoteLoss(index, LossPolicy::kStop);
+  table_.drive(index).silenced = silent > 0;
+  NoteLoss(index, LossPolicy::kStop, silent);
 }
 
-void CommandBoard::NoteLoss(std::size_t index, LossPolicy policy) {
-  losses_.push_back({table_.drive(index).robot, table_.slot(index).former.shown(), policy});
+void CommandBoard::NoteLoss(std::size_t index, LossPolicy policy, Nanoseconds silent) {
+  const Slot& slot = table_.slot(index);
+  losses_.push_back(
+      {table_.drive(index).robot, (silent > 0 ? slot.owner : slot.former).shown(), policy, silent});
+}
+
+// --- clients that live, but say nothing
+
+void CommandBoard::HearOn(std::size_t robot, const Client& client, Nanoseconds now) {
+  for (std::size_t i = table_.first_slot(robot); i < table_.first_slot(robot + 1); ++i) {
+    if (table_.drive(i).owner != 0 && client.SpeaksFor(table_.slot(i).owner)) table_.slot(i).heard = now;
+  }
+}
+
+void CommandBoard::NoteHeard(SlotId id, const Client& client, Nanoseconds now) {
+  const MutexLock lock(mutex_);
+  const std::size_t index = table_.Find(id);
+  if (index != kNoSlot) HearOn(table_.drive(index).robot, client, now);
+}
+
+void CommandBoard::NoteHeardAll(ClientId client, Nanoseconds now) {
+  const MutexLock lock(mutex_);
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    if (table_.drive(i).owner == client) table_.slot(i).heard = now;
+  }
+}
+
+void CommandBoard::StopSilent(Nanoseconds now) {
+  constexpr double kRemoteWatchdog_s = 5;
+  const MutexLock lock(mutex_);
+  if (mode_ != Mode::kRealtime) return;
+  for (std::size_t i = 0; i < table_.size(); ++i) {  // who waits for steps of its own is not silent
+    const DriveTable::Drive& drive = table_.drive(i);
+    if (drive.pending && drive.owner != 0) HearOn(drive.robot, table_.slot(i).owner, now);
+  }
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    if (table_.drive(i).owner == 0) continue;
+    Slot& slot = table_.slot(i);
+    if (!slot.heard) slot.heard = now;
+    const double limit_s = slot.watchdog_s.value_or(slot.owner.is_remote ? kRemoteWatchdog_s : 0);
+    const Nanoseconds silent = now - std::max(*slot.heard, silence_from_);
+    if (limit_s > 0 && ToSeconds(silent) >= limit_s) StopAbandoned(i, silent);
+  }
 }
 
 }  // namespace coopdyn

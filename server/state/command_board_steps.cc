@@ -147,7 +147,8 @@ void CommandBoard::Configure(const Scene& scene, StepEnd end, FramePtr frame, Na
 void CommandBoard::SetMode(Mode mode, Nanoseconds now) {
   const MutexLock lock(mutex_);
   mode_ = mode;
-  waiting_since_ = now;
+  is_real_time_.store(mode == Mode::kRealtime, std::memory_order_relaxed);
+  waiting_since_ = silence_from_ = now;
   waits_from_ = 0;
   if (mode == Mode::kLockstep) return;
   // Lockstep waited for their programs; now they would drive on without.
@@ -308,7 +309,7 @@ void CommandBoard::FinishStep(const FramePtr& frame, Nanoseconds now) {
 
 void CommandBoard::RestartWaiting(Nanoseconds now) {
   const MutexLock lock(mutex_);
-  waiting_since_ = now;
+  waiting_since_ = silence_from_ = now;
   waits_from_ = 0;
 }
 

@@ -17,6 +17,13 @@ void Merge(std::span<const Setpoint> commanded, std::span<Setpoint> channels) {
 
 }  // namespace
 
+bool Client::SpeaksFor(const Client& owner) const {
+  if (id == owner.id || IsAllyOf(owner)) return true;
+  const auto host = [](const Client& client) { return client.peer.substr(0, client.peer.rfind(':')); };
+  if (owner.name.empty()) return name.empty() && host(*this) == host(owner);
+  return name == owner.name || name.starts_with(owner.name + ":");
+}
+
 std::vector<DriveTable::Leaving> DriveTable::Revise(const Scene& scene, std::span<const int> unloaded) {
   DriveTable old = *this;
   Configure(scene, true, unloaded);
@@ -62,6 +69,8 @@ void DriveTable::Configure(const Scene& scene, bool keep_participants, std::span
     slot.deadline_s = entry.deadline_s;
     slot.on_deadline = entry.on_deadline;
     slot.on_disconnect = entry.on_disconnect;
+    slot.watchdog_s = entry.watchdog_s ? entry.watchdog_s : scene.scenario->simulation.watchdog_s;
+    if (entry.goes_on_alone()) slot.watchdog_s = 0;
     slot.may_be_awaited = std::ranges::find(awaited, actuator.module) != awaited.end();
     slot.may_participate = entry.sync && slot.may_be_awaited;
     Drive drive;
@@ -84,6 +93,7 @@ void DriveTable::Configure(const Scene& scene, bool keep_participants, std::span
       if (!drive.driven) {
         drive.owner = old.drives_[before].owner;
         slot.owner = same.owner;
+        slot.heard = same.heard;
         slot.former = same.former;
         if (keep_participants) drive.participates = old.drives_[before].participates;
       }
@@ -170,6 +180,7 @@ ClientId DriveTable::TakeOver(std::size_t index, const Client& client) {
   }
   if (client.name.empty() || owner.name != client.name || owner.is_team != client.is_team) return 0;
   owner = client;
+  slots_[index].heard.reset();
   return std::exchange(drive.owner, client.id);
 }
 
@@ -178,6 +189,7 @@ void DriveTable::SetPending(std::size_t index, ClientId client, std::span<const 
   Drive& drive = drives_[index];
   drive.excused = drive.dropped = drive.abandoned = false;
   if (!setpoints.empty()) {
+    drive.silenced = false;
     const bool adds = drive.pending && drive.has_setpoint && !drive.latched;
     if (adds) {
       Merge(setpoints, Of(index, commanded_));

@@ -33,11 +33,15 @@ struct Client {
   bool is_team = false;      // a connection to /swarm: its name takes over only from such ones
   std::string party = {};    // Connection::party()
   std::shared_ptr<InputEnd> input_end = {};  // null: it has ended when `input_ended` says so
+  bool is_remote = false;                    // neither of this machine nor the page
 
   const std::string& shown() const { return !name.empty() ? name : party.empty() ? peer : party; }
   bool has_ended() const { return input_ended || (input_end != nullptr && input_end->is_known()); }
   /// They act as one.
   bool IsAllyOf(const Client& other) const { return !party.empty() && party == other.party; }
+  /// It is a connection of the program that `owner` is one of, as far as one can tell: by its name, which may
+  /// go on with `:`, without names by its address.
+  bool SpeaksFor(const Client& owner) const;
 };
 
 struct StepResult;
@@ -71,6 +75,7 @@ class DriveTable {
     bool dropped = false;       // by policy drop: takes no part until its next command
     bool driven = false;        // by a loaded controller
     bool has_module = false;    // else nobody can command it
+    bool silenced = false;      // its watchdog has stopped it: until its next command
 
     bool is_awaited() const { return participates && !dropped && !excused && !pending; }
   };
@@ -80,13 +85,15 @@ class DriveTable {
 
     SlotId id = 0;
     std::string robot, type, module;
-    Client owner;            // of Drive::owner
-    Client former;           // its input has ended, its requests may still run; id 0: it was lost
-    std::string controller;  // while driven
-    StepDone done;           // of what is pending; null: answered already
+    Client owner;                      // of Drive::owner
+    std::optional<Nanoseconds> heard;  // when the owner said something last; nothing: it has just come
+    Client former;                     // its input has ended, its requests may still run; id 0: it was lost
+    std::string controller;            // while driven
+    StepDone done;                     // of what is pending; null: answered already
     std::optional<double> deadline_s;
     LossPolicy on_deadline = LossPolicy::kHold;
     std::optional<LossPolicy> on_disconnect;
+    std::optional<double> watchdog_s;    // its robot's or the scenario's; 0: none
     bool may_be_awaited = false;         // its robot's entry does not leave it out of `waits_for`
     bool may_participate = false;        // by its entry, were it not for the controller
     std::uint32_t message = kNoMessage;  // index into the messages for the next step

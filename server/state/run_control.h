@@ -97,7 +97,8 @@ struct Logged {
 
 /// A robot that does not do what it was to do.
 struct StoppedRobot {
-  std::string by;  // controller: it failed; deadline: its client was late; client: it was lost
+  std::string by;  // controller: it failed; deadline: its client was late; client: it was lost;
+                   // watchdog: its client was silent
   std::uint64_t step = 0;
   double time_s = 0;
   std::string why;

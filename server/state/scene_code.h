@@ -19,6 +19,7 @@
 namespace coopdyn {
 
 inline constexpr std::uint8_t kNoPolicy = 255;  // instead of an optional word
+inline constexpr double kNotSaid = -1;          // instead of an optional time
 
 /// The robot model of a type; null if there is none.
 using FindModel = std::function<std::shared_ptr<const RobotModel>(const std::string& type)>;
@@ -32,6 +33,7 @@ struct SceneContext {
   const FindModel* model = nullptr;
   const FindTexture* texture = nullptr;  // null: pictures of files are left out
   bool textures = true;                  // the bytes have them
+  bool watchdogs = false;                // likewise
 };
 
 void CodePose(auto& codec, auto& X) {
@@ -202,6 +204,13 @@ void CodeEntry(Codec& codec, auto& entry, const SceneContext& context) {
   CodeController(codec, entry.controller, context);
   codec.Bool(entry.sockets);
   CodeWhere(codec, entry.where);
+  if (context.watchdogs) {
+    double watchdog_s = entry.watchdog_s.value_or(kNotSaid);
+    codec.AtLeast(kNotSaid, watchdog_s);
+    if constexpr (Codec::kReads) {
+      if (watchdog_s >= 0) entry.watchdog_s = watchdog_s;
+    }
+  }
   if constexpr (Codec::kReads) {
     if (has_deadline) entry.deadline_s = deadline_s;
     if (on_disconnect == kNoPolicy) return;

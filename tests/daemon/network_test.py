@@ -87,6 +87,18 @@ class StrangerScenes(unittest.TestCase):
             daemon.text("/simulation").must("run")  # from loopback nobody asks
             stranger.close()
 
+    def scene_silence(self):
+        with Daemon(scenario(2, mode="realtime"), "--host", "0.0.0.0", "--token", "chalk-and-board") as daemon:
+            stranger, near = Stranger(daemon, "/robot1/motors"), daemon.text("/robot2/motors")
+            stranger.must("hello ana chalk-and-board")
+            for motors in (near, stranger):
+                motors.must("set_velocity 0.2 0")
+            robots = until(lambda: (told := daemon.status()["robots"])[0]["watchdog_stopped"] and told)
+            self.assertGreaterEqual(robots[0]["silent_s"], 5)
+            self.assertFalse(robots[1]["watchdog_stopped"])
+            self.assertGreater(min(daemon.text("/robot2/motors").must("get_wheels").data[2:4]), 1)
+            stranger.close()
+
     def scene_first_programs(self):
         guide = (CLIENT.parents[1] / "docs" / "guide.md").read_text().split("\n## The student\n")[1]
         octave = ["octave", "--no-gui", "--norc", "--quiet", "--eval"]
@@ -253,6 +265,9 @@ class StrangerScenes(unittest.TestCase):
 class NetworkTest(unittest.TestCase):
     def test_strangers_change_the_world_only_with_the_token(self):
         inside("world")
+
+    def test_a_silent_client_of_another_machine_stops_its_robot_after_five_seconds(self):
+        inside("silence")
 
     def test_the_first_programs_of_the_guide_run_from_another_machine_and_a_refusal_names_the_token(self):
         inside("first_programs")

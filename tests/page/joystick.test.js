@@ -39,6 +39,15 @@ test('the pad drives ahead while it is pulled, and lets go of the robot after', 
   await free();
 });
 
+test('a pad that is held still says that somebody is there', async () => {
+  await press(0, 0.9);
+  await moves();
+  const silent = async () => (await daemon.status()).robots[0].silent_s;
+  await eventually(async () => await silent() > 0.3);
+  await eventually(async () => await silent() < 0.2);
+  await page.mouse.up();
+});
+
 test('pulled to the left the robot turns left', async () => {
   await press(-0.9, 0);
   await eventually(async () => (await speeds())[1] > 0.2);

@@ -347,6 +347,25 @@ test('a robot that moves without anybody who drives it says so, in at most two l
   assert.ok(lines <= 2, `${lines} lines`);
 });
 
+test('a silent client is shown beside its robot, and what the watchdog did', async () => {
+  daemon = await startDaemon('classroom');
+  page = await newPage();
+  let stopped = false;
+  await page.routeWebSocket(/\/ws$/, (socket) => {
+    const server = socket.connectToServer();
+    server.onMessage((message) => {
+      const status = typeof message === 'string' ? JSON.parse(message) : {};
+      if (status.type !== 'status') return socket.send(message);
+      Object.assign(status.status.robots[0], {owner: 'ana', silent_s: 12.7, watchdog_stopped: stopped});
+      socket.send(JSON.stringify(status));
+    });
+  });
+  await page.goto(daemon.url);
+  await hasText(page, '.card .owner', /^ana, silent for 12 s$/);
+  stopped = true;
+  await hasText(page, '.card .owner.warning', /^ana, silent for 12 s, stopped until its next command$/);
+});
+
 test('the API answers scripts', async () => {
   daemon = await startDaemon('classroom');
   const reply = await call(daemon.url, {id: 1, module: '/robot1/pose', command: 'get_pose'});

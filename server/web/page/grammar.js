@@ -3,6 +3,7 @@
 
 const COLORS = ['red', 'green', 'blue', 'yellow', 'magenta', 'cyan', 'orange', 'purple', 'brown', 'pink'];
 const YES_NO = ['yes', 'no'];
+const watchdog = ['in real time a robot stops when its client is silent for so long', 'watchdog 2s', ['off']];
 const pose = {
   position: ['x y [z], m', 'position 1 0.5'],
   orientation: ['yaw, or roll pitch yaw; rad, or with a unit', 'orientation 90deg'],
@@ -15,6 +16,7 @@ const driven = {
   fidelity: ['how exactly it is simulated', 'fidelity rolling', ['full', 'rolling', 'planar']],
   controller: ['a loaded controller and its options', 'controller diffuse speed=0.2'],
   sockets: ['ports of its own', 'sockets yes', YES_NO],
+  watchdog,
 };
 const texture = {
   texture: ['a picture, or checker or grid', 'texture checker', ['checker', 'grid']],
@@ -31,6 +33,7 @@ export const GRAMMAR = {
     seed: ['of all that is random', 'seed 1'],
     speed: ['simulated seconds per second; 0: no limit', 'speed 2'],
     duration: ['the run ends then, s', 'duration 60'],
+    watchdog,
     gravity: ['downwards, m/s²', 'gravity 9.81'],
     ambient_light: ['what light sensors read without lamps', 'ambient_light 0.2'],
     angles: ['unit of angles without one', 'angles deg', ['rad', 'deg']],

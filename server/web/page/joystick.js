@@ -6,6 +6,7 @@ import {tab} from './layout.js';
 
 const CHANNEL = 'joystick';
 const PERIOD_MS = 50;      // at most twenty commands a second
+const ALIVE_MS = 500;      // while it is held still: the robot's watchdog hears that somebody is there
 const DEAD = 0.12;         // of a gamepad's stick
 const MOST_TURN = 2.5;     // rad/s
 const USUAL = {linear: 0.5, angular: 1.5};  // where a robot does not tell its limits
@@ -42,6 +43,7 @@ class Driver {
   #sentAt = -Infinity;
   #named = false;
   #drives = false;
+  #alive = 0;  // the timer of the next sign of life
 
   constructor(connection, module, onReply) {
     this.#connection = connection;
@@ -95,8 +97,16 @@ class Driver {
     this.#sentAt = performance.now();
     const reply = await this.#call({command, data});
     this.#drives = reply.error === 0;
+    if (this.#drives) this.#stayAlive();
     if (reply.error !== 0) this.#named = this.#named && reply.error !== -1;
     this.#onReply(reply);
+  }
+
+  #stayAlive() {
+    clearTimeout(this.#alive);
+    this.#alive = setTimeout(async () => {
+      if (this.#drives && (await this.#call({command: 'ping'})).error === 0) this.#stayAlive();
+    }, ALIVE_MS);
   }
 
   async #letGo() {

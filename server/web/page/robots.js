@@ -47,11 +47,14 @@ class Card {
     this.#off = off;
     const owner = robot.owner ?? '';
     const astray = !owner && robot.still_moving === true;
+    const stopped = robot.watchdog_stopped === true;
+    const silence = (robot.silent_s >= 1 ? `, silent for ${Math.floor(robot.silent_s)} s` : '') +
+      (stopped ? ', stopped until its next command' : '');
     const excuse = robot.participates === false ? ' (not waited for)' : '';
-    this.#owner.title = owner;
-    setText(this.#owner, (owner || (astray ? 'nobody drives it, still moving' : 'nobody drives it')) + excuse);
+    this.#owner.title = owner && owner + silence;
+    setText(this.#owner, (owner ? owner + silence : astray ? 'nobody drives it, still moving' : 'nobody drives it') + excuse);
     this.#owner.classList.toggle('quiet', !owner && !astray);
-    this.#owner.classList.toggle('warning', astray);
+    this.#owner.classList.toggle('warning', astray || stopped);
     this.#release.hidden = !owner;
     this.#type = robot.type ?? '';
     this.#modules = robot.modules ?? [];

@@ -73,6 +73,28 @@ TEST_F(SimulationModuleTest, StatusTellsWhichRobotsMoveThoughNobodyDrivesThem) {
   EXPECT_FALSE(moving(1));
 }
 
+TEST_F(SimulationModuleTest, StatusTellsForHowLongAClientIsSilentInRealTime) {
+  auto scenario = std::make_shared<Scenario>(*SmallScenario(2));
+  scenario->simulation.watchdog_s = 2;
+  world_.Load(scenario, Mode::kRealtime);
+  const SlotId robot = world_.board.FindSlot("robot1");
+  const Client bob{42, "bob", "peer:42"};
+  world_.board.Command(robot, bob, Wheels(1, 1), {}, nullptr);
+  world_.board.NoteHeard(robot, bob, clock_.Now());
+  world_.Step();
+  clock_.Advance(2 * kNanosecondsPerSecond);
+  const auto told = [this](std::size_t index, const char* key) {
+    return Status().at("robots").as_array().at(index).at(key);
+  };
+  EXPECT_DOUBLE_EQ(told(0, "silent_s").to_number<double>(), 2);
+  EXPECT_TRUE(told(1, "silent_s").is_null());
+  EXPECT_EQ(told(0, "watchdog_stopped"), false);
+  world_.board.StopSilent(clock_.Now());
+  EXPECT_EQ(told(0, "watchdog_stopped"), true);
+  world_.board.SetMode(Mode::kLockstep, clock_.Now());
+  EXPECT_TRUE(told(0, "silent_s").is_null());
+}
+
 TEST_F(SimulationModuleTest, ObjectsOfAListHaveTheSameKeys) {
   world_.board.Claim(world_.board.FindSlot("robot1"), {42, "bob", "peer:42", false});
   FakeClient named(*module_, 2);

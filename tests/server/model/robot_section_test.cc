@@ -115,6 +115,19 @@ TEST(RobotTest, PoliciesAreChecked) {
   EXPECT_THAT(With("on_deadline hold"), HasSubstr("warning: 'on_deadline' has no effect without 'deadline'"));
 }
 
+TEST(RobotTest, AWatchdogIsATimeOrOff) {
+  EXPECT_EQ(Good(kPlaced)->robots.at(0).watchdog_s, std::nullopt);
+  EXPECT_EQ(Good(kPlaced + "watchdog 500ms\n")->robots.at(0).watchdog_s, 0.5);
+  EXPECT_EQ(Good(kPlaced + "watchdog Off\n")->robots.at(0).watchdog_s, 0.0);
+  EXPECT_EQ(Good("[SIMULATION]\nwatchdog 2\n")->simulation.watchdog_s, 2.0);
+  const auto swarm = Good("[SWARM_1]\ntype coopbot\ncount 2\nwatchdog 1s\n");
+  EXPECT_EQ(swarm->robots.at(1).watchdog_s, 1.0);
+  EXPECT_THAT(With("watchdog never"), HasSubstr(":4: error: 'watchdog' says how long"));
+  EXPECT_THAT(With("watchdog 0"), HasSubstr(":4: error: 'watchdog' must be at least"));
+  EXPECT_THAT(With("watchdog 2s\non_disconnect hold"),
+              HasSubstr("warning: 'watchdog' has no effect with 'on_disconnect hold'"));
+}
+
 TEST(RobotTest, FidelityIsOneOfThree) {
   EXPECT_EQ(Good(kPlaced)->robots.at(0).fidelity, Fidelity::kFull);
   EXPECT_EQ(Good(kPlaced + "fidelity Rolling")->robots.at(0).fidelity, Fidelity::kRolling);

@@ -32,7 +32,7 @@ class Portrait {
     for (const SwarmEntry& s : scenario.swarms) Add(s.name, s.section, s.first, s.count, s.where);
     const SimulationOptions& o = scenario.simulation;
     Add(static_cast<int>(o.mode.value_or(Mode::kRealtime)), o.step.value_or(-1), o.substeps.value_or(-1));
-    Add(o.seed, o.speed.value_or(-7), o.duration_s.value_or(-1), o.gravity_m_s2);
+    Add(o.seed, o.speed.value_or(-7), o.duration_s.value_or(-1), o.gravity_m_s2, o.watchdog_s.value_or(-1));
     for (const SourceText& source : scenario.sources) Add(source.kind, source.name, source.file, source.text);
   }
   const std::string& text() const { return text_; }
@@ -96,8 +96,9 @@ class Portrait {
     Add(robot.id.value, robot.name, robot.X_WR, robot.color, robot.sync, robot.deadline_s.value_or(-1));
     for (const std::string& name : robot.waits_for) Add(name);
     Add(static_cast<int>(robot.on_deadline),
-        robot.on_disconnect ? static_cast<int>(*robot.on_disconnect) : -1, static_cast<int>(robot.fidelity),
-        robot.controller.name, robot.controller.file, robot.sockets, robot.where);
+        robot.on_disconnect ? static_cast<int>(*robot.on_disconnect) : -1, robot.watchdog_s.value_or(-1),
+        static_cast<int>(robot.fidelity), robot.controller.name, robot.controller.file, robot.sockets,
+        robot.where);
     for (const auto& [name, value] : robot.controller.options) Add(name, value);
     Add(*robot.model);
   }

@@ -280,6 +280,23 @@ TEST_F(StepperTest, ADeadlineLetsTheWorldGoOnAndIsAnEvent) {
   EXPECT_NE(control_.events()[0].text.find("robot2 missed its deadline"), std::string::npos);
 }
 
+TEST_F(StepperTest, AWatchdogStopsTheRobotOfASilentClientAndIsAnEvent) {
+  Begin(std::string(kTwoRobots) + "watchdog 0.1s\n", Mode::kRealtime);
+  StartThread();
+  for (const Client& client : {ana_, bob_}) {
+    board_.Command(board_.FindSlot(client.id == 1 ? "robot1" : "robot2"), client, SetpointsFor({1, 1}), {},
+                   {});
+  }
+  while (control_.events().empty()) WaitSteps(1);
+  const Event event = control_.events()[0];
+  EXPECT_EQ(event.level, "warning");
+  EXPECT_TRUE(event.text.starts_with("bob has been silent for ")) << event.text;
+  EXPECT_NE(event.text.find("s: robot2 is stopped until its next command"), std::string::npos) << event.text;
+  EXPECT_EQ(control_.stopped().at("robot2").by, "watchdog");
+  EXPECT_EQ(board_.InForce()[0].reference, 1) << "ana's drives on";
+  EXPECT_EQ(board_.InForce()[2].reference, 0);
+}
+
 TEST_F(StepperTest, ASpeedHoldsOnlyForTheModeItWasSetIn) {
   RunOptions options;
   options.paused = true;

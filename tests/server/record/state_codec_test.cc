@@ -270,6 +270,7 @@ std::shared_ptr<Scene> FullScene() {
   entry.deadline_s = 0.25;
   entry.on_deadline = LossPolicy::kStop;
   entry.on_disconnect = LossPolicy::kDrop;
+  entry.watchdog_s = 0;
   entry.color = {0.125, 0.25, 1.0 / 3};
   entry.X_WR.q = FromRollPitchYaw(0.1, 0.2, 0.3);
   entry.controller.name = "diffuse";
@@ -302,6 +303,7 @@ TEST(SceneCodecTest, ASceneKeepsEveryBit) {
   EXPECT_EQ(b.entry.deadline_s, 0.25);
   EXPECT_EQ(b.entry.on_deadline, LossPolicy::kStop);
   EXPECT_EQ(b.entry.on_disconnect, LossPolicy::kDrop);
+  EXPECT_EQ(b.entry.watchdog_s, 0.0);
   EXPECT_EQ(b.entry.color, a.entry.color);
   EXPECT_EQ(b.entry.controller.name, "diffuse");
   EXPECT_EQ(b.entry.controller.options, a.entry.controller.options);
@@ -311,6 +313,7 @@ TEST(SceneCodecTest, ASceneKeepsEveryBit) {
   EXPECT_TRUE(SameBits(b.X_BR.p, a.X_BR.p));
   EXPECT_EQ(b.axes_of_R, a.axes_of_R);
   EXPECT_EQ(read->robots[0].entry.on_disconnect, std::nullopt);
+  EXPECT_EQ(read->robots[0].entry.watchdog_s, std::nullopt);
   EXPECT_EQ(read->robots[0].entry.deadline_s, std::nullopt);
   EXPECT_FALSE(read->robots[2].entry.sockets);
   EXPECT_EQ(read->robots[2].id, RobotId{9});
@@ -321,6 +324,15 @@ TEST(SceneCodecTest, ASceneKeepsEveryBit) {
   ASSERT_EQ(read->targets.size(), 2U);
   EXPECT_EQ(read->targets[1].color_name, "blue");
   EXPECT_TRUE(SameBits(read->targets[1].p_WT, scene->targets[1].p_WT));
+}
+
+TEST(SceneCodecTest, ASceneWithoutWatchdogsIsWrittenAsItAlwaysWas) {
+  const auto scene = FullScene();
+  EXPECT_EQ(EncodeScene(*scene).front(), std::byte{4});
+  scene->robots[1].entry.watchdog_s.reset();
+  const std::vector<std::byte> bytes = EncodeScene(*scene);
+  EXPECT_EQ(bytes.front(), std::byte{3});
+  EXPECT_NE(DecodeScene(bytes, scene->scenario, ModelsOf(*scene->scenario)), nullptr);
 }
 
 TEST(SceneCodecTest, TexturesAreThoseOfTheScenarioAndNewThingsHaveNone) {
