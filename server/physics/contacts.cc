@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/geometry/mesh.h"
+#include "server/physics/convex_contacts.h"
 
 namespace coopdyn {
 
@@ -77,38 +78,6 @@ std::optional<Shell> ShellOf(const Actor& actor) {
   return shell;
 }
 
-Vector3 Column(const PlacedPart& part, int i) {
-  return {part.R[i], part.R[4 + i], part.R[8 + i]};
-}
-
-/// An edge of A and one of B are parallel but for rounding. ODE takes their cross product for a direction
-/// along which boxes may be apart, and they are, by rounding alone.
-bool HasAlmostParallelEdges(const PlacedPart& a, const PlacedPart& b) {
-  constexpr double kRounding = 1e-11;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      double square = 0;  // of the cross product, as ODE computes it
-      for (int k = 0; k < 3; ++k) {
-        const double c = k == i ? 0 : Column(a, k).dot(Column(b, j));
-        square += c * c;
-      }
-      if (square > 0 && square < kRounding * kRounding) return true;
-    }
-  }
-  return false;
-}
-
-/// B, turned so little that no contact moves by more than rounding, about no axis of A.
-PlacedPart Turned(PlacedPart b, const PlacedPart& a) {
-  constexpr double kTurn_rad = 1e-9;
-  const Vector3 axis = (Column(a, 0) + 2 * Column(a, 1) + 3 * Column(a, 2)).normalized();
-  for (int i = 0; i < 3; ++i) {
-    const Vector3 turned = Column(b, i) + kTurn_rad * axis.cross(Column(b, i));
-    for (int row = 0; row < 3; ++row) b.R[4 * row + i] = turned[row];
-  }
-  return b;
-}
-
 struct PartRange {
   std::size_t first = 0, end = 0;
 };
@@ -124,33 +93,78 @@ std::pair<PartRange, PartRange> FirstToTouch(const Actor& a, const Actor& b) {
   return {{0, a.parts().size()}, {0, b.parts().size()}};
 }
 
-/// A mesh on the floor: up to four of its vertices at or below it, the deepest and those that span the most.
-ContactList MeshOnFloor(const MeshData& mesh, const PlacedRotation& place) {
-  std::vector<Vector3> low;
-  for (const Vector3& v : mesh.vertices) {
-    const Vector3 p = place.point(v);
-    if (p.z() <= 0) low.push_back(p);
-  }
+/// The deepest of these contacts across a plane, and up to three that span the most.
+ContactList Spread(std::vector<ContactPoint> all, const Vector3& n) {
   ContactList list;
   const auto take = [&](auto measure) {
-    if (low.empty()) return;
-    const auto best = std::ranges::max_element(low, {}, measure);
+    if (all.empty()) return;
+    const auto best = std::ranges::max_element(all, {}, measure);
     if (list.count > 0 && !(measure(*best) > 0)) return;
-    list.points[static_cast<std::size_t>(list.count++)] = {*best, Vector3::UnitZ(), -best->z()};
-    low.erase(best);
+    list.points[static_cast<std::size_t>(list.count++)] = *best;
+    all.erase(best);
   };
-  const auto at = [&list](std::size_t i) -> const Vector3& { return list.points[i].p_W; };
-  const auto side = [&](const Vector3& p) {
-    const Vector3 along = at(1) - at(0);
-    return along.x() * (p.y() - at(0).y()) - along.y() * (p.x() - at(0).x());
+  const auto from = [&](std::size_t i, const ContactPoint& to) {
+    const Vector3 way = to.p_W - list.points[i].p_W;
+    return Vector3(way - n.dot(way) * n);
   };
-  take([](const Vector3& p) { return -p.z(); });
-  if (list.count == 1) take([&](const Vector3& p) { return (p - at(0)).head<2>().squaredNorm(); });
+  const auto side = [&](const ContactPoint& one) {
+    return n.dot(from(0, list.points[1]).cross(from(0, one)));
+  };
+  take([](const ContactPoint& one) { return one.depth_m; });
+  if (list.count == 1) take([&](const ContactPoint& one) { return from(0, one).squaredNorm(); });
   if (list.count == 2) {
-    take([&](const Vector3& p) { return side(p); });
-    take([&](const Vector3& p) { return -side(p); });
+    take([&](const ContactPoint& one) { return side(one); });
+    take([&](const ContactPoint& one) { return -side(one); });
   }
   return list;
+}
+
+/// A mesh on the floor: some of its vertices at or below it.
+ContactList MeshOnFloor(const MeshData& mesh, const PlacedRotation& place) {
+  std::vector<ContactPoint> low;
+  for (const Vector3& v : mesh.vertices) {
+    const Vector3 p = place.point(v);
+    if (p.z() <= 0) low.push_back({p, Vector3::UnitZ(), -p.z()});
+  }
+  return Spread(std::move(low), Vector3::UnitZ());
+}
+
+/// Whether these triangles are the whole surface of a convex solid, and few enough to be looked at one by
+/// one.
+bool IsConvexSolid(const MeshData& mesh) {
+  constexpr std::size_t kMostVertices = 1000;
+  const std::size_t vertices = mesh.vertices.size();
+  // A closed surface without holes has as many (Euler).
+  if (vertices > kMostVertices || 2 * vertices != mesh.triangles.size() + 4) return false;
+  const double rounding = 1e-6 * std::pow(mesh.radius_m, 3);
+  return std::ranges::all_of(mesh.triangles, [&](const MeshData::Triangle& t) {
+    const Vector3& p = mesh.vertices[t[0]];
+    const Vector3 n = (mesh.vertices[t[1]] - p).cross(mesh.vertices[t[2]] - p);
+    return std::ranges::all_of(mesh.vertices, [&](const Vector3& v) { return n.dot(v - p) <= rounding; });
+  });
+}
+
+/// Whether ODE misses contacts of these two, puts them beside the shapes, or finds ways that are far too
+/// long.
+bool OdeErrs(const Shape& a, const Shape& b) {
+  const auto is_sphere = [](const Shape& one) { return std::holds_alternative<Sphere>(one); };
+  const auto is_mesh = [](const Shape& one) { return std::holds_alternative<Mesh>(one); };
+  const auto is_cylinder = [](const Shape& one) { return std::holds_alternative<Cylinder>(one); };
+  return is_mesh(a) || is_mesh(b) || ((is_cylinder(a) || is_cylinder(b)) && !is_sphere(a) && !is_sphere(b));
+}
+
+/// Whether these contacts part A from B.
+bool ArePartedBy(const ContactList& list, const PlacedPart& a, const PlacedPart& b) {
+  if (list.count == 0) return false;
+  constexpr double kLeft_m = 1e-4;
+  const auto deepest = std::ranges::max_element(list.all(), {}, &ContactPoint::depth_m);
+  return OverlapAlong(a, b, deepest->n_W) < deepest->depth_m + kLeft_m;
+}
+
+ContactList ConvexContacts(const PlacedPart& a, const PlacedPart& b) {
+  constexpr double kOverlap_m = 1e-7;  // what only touches is left alone
+  const LeastWay least = FindLeastWay(a, b);
+  return least.depth_m > kOverlap_m ? Spread(ContactsAlong(a, b, least), least.n_W) : ContactList{};
 }
 
 }  // namespace
@@ -170,6 +184,7 @@ OdeMesh::OdeMesh(const MeshData& mesh) : data_(dGeomTriMeshDataCreate()) {
                               static_cast<int>(mesh.vertices.size()), indices_.data(),
                               static_cast<int>(indices_.size()), 3 * sizeof(dTriIndex));
   geom_.reset(dCreateTriMesh(nullptr, data_.get(), nullptr, nullptr, nullptr));
+  is_convex_ = IsConvexSolid(mesh);
 }
 
 Collider::Geoms Collider::MakeGeoms() {
@@ -196,11 +211,20 @@ dGeomID Collider::Geoms::Become(const PlacedPart& part) {
     dGeomCapsuleSetParams(geom, of_capsule->radius_m, of_capsule->length_m);
   } else {
     const MeshData& data = *std::get<Mesh>(part.part->shape).data;
-    geom = meshes.try_emplace(data.id, data).first->second.geom();
+    geom = MeshOf(data).geom();
   }
   dGeomSetPosition(geom, part.p[0], part.p[1], part.p[2]);
   dGeomSetRotation(geom, part.R);
   return geom;
+}
+
+const OdeMesh& Collider::Geoms::MeshOf(const MeshData& data) {
+  return meshes.try_emplace(data.id, data).first->second;
+}
+
+bool Collider::Geoms::IsConvex(const PlacedPart& part) {
+  const Mesh* mesh = std::get_if<Mesh>(&part.part->shape);
+  return mesh == nullptr || MeshOf(*mesh->data).is_convex();
 }
 
 ContactList Collider::Ask(dGeomID a, dGeomID b, int max_contacts) {
@@ -228,16 +252,13 @@ ContactList Collide(Collider& collider, const PlacedPart& a, const PlacedPart& b
   ContactList list;
   if (TryClosedForm(a, b, margin_m, list)) return list;
   if (TryClosedForm(b, a, margin_m, list)) return Reversed(list);
-  // Four corners carry a box; the cylinder's colliders do not choose well among theirs, so they give all.
-  const bool boxes = std::holds_alternative<Box>(a.part->shape) && std::holds_alternative<Box>(b.part->shape);
+  const Shape &of_a = a.part->shape, &of_b = b.part->shape;
+  const bool convex = collider.IsConvex(a) && collider.IsConvex(b);
+  if (convex && OdeErrs(of_a, of_b)) return ConvexContacts(a, b);
+  // Four corners carry a box.
+  const bool boxes = std::holds_alternative<Box>(of_a) && std::holds_alternative<Box>(of_b);
   list = collider.Collide(a, b, boxes ? 4 : ContactList::kMax);
-  if (!boxes || list.count > 0 || !HasAlmostParallelEdges(a, b)) return list;
-  // Boxes that only touch are left alone.
-  constexpr double kOverlap_m = 1e-7;
-  const ContactList turned = collider.Collide(a, Turned(b, a), 4);
-  const bool overlap =
-      std::ranges::any_of(turned.all(), [](const ContactPoint& one) { return one.depth_m > kOverlap_m; });
-  return overlap ? turned : list;
+  return !convex || ArePartedBy(list, a, b) ? list : ConvexContacts(a, b);
 }
 
 ContactList CollideFloor(Collider& collider, const PlacedPart& a, double margin_m) {

@@ -31,12 +31,15 @@ class OdeMesh {
  public:
   explicit OdeMesh(const MeshData& mesh);
   dGeomID geom() const { return geom_.get(); }
+  /// Whether it is the whole surface of a convex solid.
+  bool is_convex() const { return is_convex_; }
 
  private:
   std::vector<double> vertices_;
   std::vector<dTriIndex> indices_;
   OdeMeshDataPtr data_;
   OdeGeomPtr geom_;  // after data_, which it uses
+  bool is_convex_;
 };
 
 /// ODE's collision tests for shapes that no closed form fits. Holds a few geoms that take on whatever is
@@ -47,6 +50,7 @@ class Collider {
 
   /// Normals from B to A; at most `max_contacts`.
   ContactList Collide(const PlacedPart& a, const PlacedPart& b, int max_contacts);
+  bool IsConvex(const PlacedPart& part) { return a_.IsConvex(part); }
   /// With the plane z = 0.
   ContactList CollideFloor(const PlacedPart& a, int max_contacts);
 
@@ -55,6 +59,8 @@ class Collider {
     OdeGeomPtr box, cylinder, sphere, capsule;
     std::map<std::uint64_t, OdeMesh> meshes;  // by MeshData::id, each from its first use
     dGeomID Become(const PlacedPart& part);
+    const OdeMesh& MeshOf(const MeshData& data);
+    bool IsConvex(const PlacedPart& part);
   };
   static Geoms MakeGeoms();
   static ContactList Ask(dGeomID a, dGeomID b, int max_contacts);

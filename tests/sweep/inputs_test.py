@@ -6,12 +6,16 @@ import os
 import re
 import shutil
 import sys
+import tempfile
+import time
 import unittest
 
 import engines
 from sweep_case import BINARY, ROOT, SCENARIO, SweepCase
 
 sys.path.insert(0, os.path.join(ROOT, "clients/sweep"))
+import plan  # noqa: E402
+import results  # noqa: E402
 import run  # noqa: E402
 
 ONE = "[FLOOR]\nsize 8 8\n[ROBOT_1]\ntype coopbot\nname eva\nposition 0 0\n[SCORE_1]\nname way\nkind distance\n"
@@ -240,6 +244,35 @@ class InputsTest(SweepCase):
             with open(self.path("victim"), encoding="utf-8") as stream:
                 self.assertEqual(stream.read(), "mine", name)
             os.remove(os.path.join(self.path("trap"), name))
+
+
+class Linear(unittest.TestCase):
+    """Files of eight times as many lines take about eight times as long to read."""
+
+    def expect(self, read):
+        def cpu_s(lines):
+            with tempfile.TemporaryDirectory() as folder:
+                begin_s = time.process_time()
+                read(folder, lines)
+                return time.process_time() - begin_s
+        small_s = min(cpu_s(2000), cpu_s(2000))
+        self.assertLess(cpu_s(8 * 2000), 24 * (small_s + 0.02))
+
+    def test_results(self):
+        def read(folder, lines):
+            with open(os.path.join(folder, "results.jsonl"), "w", encoding="utf-8") as stream:
+                for number in range(lines):
+                    stream.write(json.dumps({"key": f"{number:016x}", "hash": "0", "digests": {}}) + "\n")
+            self.assertEqual(len(results.Results(folder).done), lines)
+        self.expect(read)
+
+    def test_tables(self):
+        def read(folder, lines):
+            file = os.path.join(folder, "table.csv")
+            with open(file, "w", encoding="utf-8") as stream:
+                stream.write("ROBOT_1.x,seed\n" + "".join(f"{number},1\n" for number in range(lines)))
+            self.assertEqual(len(plan.table_of(file)), lines)
+        self.expect(read)
 
 
 if __name__ == "__main__":

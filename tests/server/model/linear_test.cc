@@ -65,6 +65,7 @@ TEST_P(LinearModelTest, Reading) {
 
 const std::string kSdf = "<sdf version=\"1.9\"><model name=\"m\"><link name=\"base\"/>\n",
                   kSdfEnd = "</model></sdf>";
+const std::string kUrdfBegin = "<robot name=\"m\"><link name=\"base\"/>\n", kUrdfEnd = "</robot>";
 const std::string kBox = "<geometry><box><size>1 1 1</size></box></geometry>";
 
 INSTANTIATE_TEST_SUITE_P(
@@ -83,6 +84,14 @@ INSTANTIATE_TEST_SUITE_P(
         Kind{"attributes", "<sdf version=\"1.9\" ", "a@=\"\" ", ">" + kSdfEnd, 2000},
         Kind{"entities", kSdf + "<link name=\"l\"><pose>", "&#49; ", "</pose></link>" + kSdfEnd, 20'000},
         Kind{"comments", kSdf, "<!-- @ -->\n", kSdfEnd, 10'000},
+        Kind{"links of a URDF file", kUrdfBegin,
+             "<link name=\"l@\"/><joint name=\"j@\" type=\"fixed\"><parent link=\"base\"/><child "
+             "link=\"l@\"/></joint>\n",
+             kUrdfEnd, 30},
+        Kind{"unknown elements of a URDF file", kUrdfBegin, "<x@/>\n", kUrdfEnd, 2000},
+        Kind{"attributes of a URDF file", "<robot name=\"m\" ", "a@=\"\" ",
+             "><link name=\"base\"/>" + kUrdfEnd, 2000},
+        Kind{"comments in a URDF file", kUrdfBegin, "<!-- @ -->\n", kUrdfEnd, 10'000},
         Kind{"damaged meshes", kSdf + kSdfEnd + "\n", "<!--coopdyn:mesh mesh:@ AAAA-->\n", "", 5000}));
 
 }  // namespace

@@ -12,6 +12,7 @@
 
 #include "server/net/session.h"
 #include "server_fixture.h"
+#include "tests/cpu.h"
 
 namespace coopdyn {
 namespace {
@@ -177,6 +178,28 @@ TEST_F(EncodingTest, AConnectionOfDatagramsEndsWhenNothingHasComeForItsTime) {
   EXPECT_THAT(client.Line(), HasSubstr(" 501 "));
   EXPECT_TRUE(Sees("closed"));
   thread_.Call([&] { EXPECT_TRUE(ended); });
+}
+
+TEST(StandardEncodingsTest, ReadWhatComesByteByByteOnce) {
+  ScriptedEndpoint endpoint;
+  for (const std::string head : {"CDS1", "log "}) {
+    const auto read = [&](std::size_t n) {
+      std::string bytes = head;
+      if (head == "CDS1") {
+        Message message;
+        message.text.assign(n, 'x');
+        EncodeBinary(message, bytes);
+      } else {
+        bytes += std::string(n, 'x') + "\n";
+      }
+      const auto kinds = StandardEncodings();
+      const auto encoding = Choose(kinds, bytes)->make(endpoint);
+      std::size_t done = 0;
+      for (std::size_t end = 1; end <= bytes.size(); ++end)
+        done += encoding->Decode(std::string_view(bytes).substr(done, end - done)).consumed;
+    };
+    ExpectLinear(read, 100'000);
+  }
 }
 
 }  // namespace

@@ -37,18 +37,28 @@ TEST(Contact, RobotPushesADynamicBoxAhead) {
   EXPECT_NEAR(scene.object(0).p.z(), 0.15, 0.002);
 }
 
-TEST(Contact, ACrateThatLiesParallelOnATiltedBoxStaysOnIt) {
-  for (int i = 0; i < 60; ++i) {
-    const double tilt_rad = (5 + i % 11) * std::numbers::pi / 180, turn_rad = i * std::numbers::pi / 180;
-    const Quaternion q = FromRollPitchYaw(0, tilt_rad, turn_rad);
-    const Vector3 up = q * Vector3::UnitZ(), middle(0, 0, 2);
-    PhysicsScene scene;
-    scene.Add(Box{Vector3(1, 0.8, 0.5)}, Pose{middle, q});
-    scene.Add(Box{Vector3(0.3, 0.2, 0.2)}, Pose{middle + 0.35 * up + 0.01 * (q * Vector3::UnitX()), q}, 1,
-              0.8);
-    scene.RunFor(0.6);
-    EXPECT_NEAR(up.dot(scene.object(1).p - middle), 0.35, 0.001)
-        << "tilted by " << tilt_rad << ", turned by " << turn_rad;
+TEST(Contact, WhatLiesParallelOnATiltedBoxOrColumnStaysOnIt) {
+  const Box crate{Vector3(0.3, 0.2, 0.2)}, block{Vector3(1, 0.8, 0.5)};
+  const Cylinder can{0.1, 0.2}, column{0.5, 0.5};
+  struct Case {
+    const char* name;
+    Shape above, below;
+  };
+  for (const auto& [name, above, below] :
+       {Case{"a crate on a box", crate, block}, Case{"a crate on a column", crate, column},
+        Case{"a can on a box", can, block}, Case{"a can on a column", can, column}}) {
+    for (int i = 0; i < 60; ++i) {
+      const double tilt_rad = (5 + i % 11) * std::numbers::pi / 180, turn_rad = i * std::numbers::pi / 180;
+      const Quaternion q = FromRollPitchYaw(0, tilt_rad, turn_rad);
+      const Vector3 up = q * Vector3::UnitZ(), middle(0, 0, 2);
+      PhysicsScene scene;
+      scene.Add(below, Pose{middle, q});
+      scene.Add(above, Pose{middle + 0.35 * up + 0.01 * (q * Vector3::UnitX()), q}, 1, 0.8);
+      scene.RunFor(0.6);
+      EXPECT_NEAR(up.dot(scene.object(1).p - middle), 0.35, 0.001)
+          << name << " tilted by " << tilt_rad << ", turned by " << turn_rad;
+      EXPECT_LT((scene.object(1).q * Vector3::UnitZ()).cross(up).norm(), 0.01) << name;
+    }
   }
 }
 
