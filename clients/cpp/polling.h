@@ -15,32 +15,36 @@ namespace coopdyn::client {
 /// each time, if it loses it soon after a pause.
 class Polling {
  public:
-  void set_spin(double spin_s) { spin_s_ = spin_s; }
+  void set_spin(double spin_s) {
+    spin_ = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(spin_s));
+  }
   /// A wait begins.
   void Start(Deadline now) {
-    until_ = now >= resumes_at_ ? After(spin_s_, now) : now;
+    until_ = now >= resumes_at_ ? now + spin_ : now;
     looked_at_ = now;
   }
   /// After each look at the sockets: true if the caller is to look again at once.
   bool Goes(Deadline now) {
     if (looked_at_ < until_ && now - looked_at_ > kLost) {
-      const bool soon = now - resumes_at_ < std::chrono::milliseconds(200);
-      pause_ = soon ? std::min(2 * pause_, kMostPause) : kLeastPause;
+      pause_ = now - resumes_at_ < kTrial ? std::min(2 * pause_, kMostPause) : kLeastPause;
       resumes_at_ = now + pause_;
       until_ = now;
     }
     looked_at_ = now;
     if (now >= until_) return false;
-    std::this_thread::yield();
+    // Where others want the core, it is lost at once in a yield. One costs as much as a look, so once the
+    // core has been kept for a while, only the second half of the spin has them.
+    if (now - resumes_at_ < kTrial || until_ - now < spin_ / 2) std::this_thread::yield();
     return true;
   }
 
  private:
   static constexpr Clock::duration kLost = std::chrono::microseconds(500);
+  static constexpr Clock::duration kTrial = std::chrono::milliseconds(300);
   static constexpr Clock::duration kLeastPause = std::chrono::milliseconds(10);
   static constexpr Clock::duration kMostPause = std::chrono::seconds(1);
 
-  double spin_s_ = 0;
+  Clock::duration spin_{0};
   Deadline until_{}, looked_at_{}, resumes_at_{};
   Clock::duration pause_ = kLeastPause;
 };

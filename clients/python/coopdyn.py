@@ -913,7 +913,7 @@ class _Polling:
     meanwhile, polling pauses: twice as long each time, if that happens soon after a pause."""
 
     _LOST_S = 0.5e-3
-    _SOON_S = 0.2
+    _TRIAL_S = 0.3
     _LEAST_PAUSE_S = 10e-3
     _MOST_PAUSE_S = 1.0
 
@@ -931,14 +931,17 @@ class _Polling:
     def goes(self, now: float) -> bool:
         """After each look at the sockets: True if the caller is to look again at once."""
         if self.looked_at < self.until and now - self.looked_at > self._LOST_S:
-            soon = now - self.resumes_at < self._SOON_S
+            soon = now - self.resumes_at < self._TRIAL_S
             self.pause_s = min(2 * self.pause_s, self._MOST_PAUSE_S) if soon else self._LEAST_PAUSE_S
             self.resumes_at = now + self.pause_s
             self.until = now
         self.looked_at = now
         if now >= self.until:
             return False
-        os.sched_yield()
+        # Where others want the core, it is lost at once in a yield. One costs as much as a look, so once the core has been
+        # kept for a while, only the second half of the spin has them.
+        if now - self.resumes_at < self._TRIAL_S or self.until - now < self.spin_s / 2:
+            os.sched_yield()
         return True
 
 

@@ -127,7 +127,7 @@ void IoThread::Run() {
       const auto start = steady_clock::now();
       const bool polls = polling.Pays(start, spin);
       const bool ran = (polls ? context_->poll() : context_->run_one()) > 0;
-      if (polls && !ran) std::this_thread::yield();
+      if (polls && !ran && polling.Yields(start, spin)) std::this_thread::yield();
       const auto now = steady_clock::now();
       if (ran) polling.NoteActivity(now);
       if (polls && now - start > Polling::kLongPoll) polling.NoteLongPoll(now, CoreLosses());
