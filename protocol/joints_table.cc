@@ -134,7 +134,7 @@ CommandTable JointsTable() {
            Repeated("upper", "rad"), Repeated("max_velocity", "rad/s"), Repeated("max_effort", "N m"),
            Repeated("k", "N m/rad"), Repeated("d", "N m s/rad"), Repeated("offset", "N m"),
            Repeated("speed", "rad/s"), Repeated("acceleration", "rad/s2"), Repeated("p", "1/s"),
-           Repeated("i", "1/s2"), Repeated("gain_d")})),
+           Repeated("i", "1/s2"), Repeated("gain_d"), Repeated("resolution", "rad")})),
   };
   for (CommandSpec& spec : own) {
     if (spec.id == command::kGetModes) spec.reply_params = {ModeValue()};

@@ -203,7 +203,8 @@ Message JointsDevice::Read(const Message& request, const Frame& frame, int robot
                                                  static_cast<std::int32_t>(mode), arrived});
         add({Measured(frame, robot, i), channel.velocity, channel.effort, target, reference, joint.lower,
              joint.upper, joint.max_velocity, joint.max_effort, control.stiffness, control.damping,
-             control.offset, control.speed, control.acceleration, control.p, control.i, control.d});
+             control.offset, control.speed, control.acceleration, control.p, control.i, control.d,
+             board_.encoder_resolution});
         add_name();
         break;
       default:

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kUnlimited = 1e9;  // programs do sums with limits
-constexpr std::size_t kParams = 3, kData = 17;
+constexpr std::size_t kParams = 3, kData = 18;
 // What a servo turns into when it becomes compliant and nobody has said how: it gives way by about this much
 // (rad, m) at its full effort, and swings little.
 constexpr double kGivesWay = 0.2, kDampingTime_s = 0.1, kDefaultStiffness = 100;
@@ -89,6 +89,8 @@ std::vector<double> ValuesOf(BoardItem item, const BoardJoint& joint) {
       return one_if(joint.mode != BoardMode::kIdle);
     case BoardItem::kGearRatio:
       return {1};
+    case BoardItem::kCounts:
+      return {joint.counts};
     default:
       return {};
   }
@@ -199,6 +201,7 @@ std::optional<BoardState> ReadBoard(const Message& reply) {
     joint.p = value[14];
     joint.i = value[15];
     joint.d = value[16];
+    if (!joint.slides && value[17] > 0) joint.counts = 2 * std::numbers::pi / value[17];
     state.joints.push_back(std::move(joint));
   }
   return state;
@@ -268,6 +271,12 @@ BoardAnswer BoardClient::Answer(const BoardCall& call, BoardState state) {
   }
   for (const std::size_t i : joints) {
     const BoardJoint& joint = state.joints[i];
+    if (call.item == BoardItem::kCounts && joint.counts <= 0) {
+      return Failed(Kind::kNotThere,
+                    joint.slides ? "joint " + std::to_string(i) + " slides: it has no revolutions"
+                                 : "the encoder of joint " + std::to_string(i) +
+                                       " is exact: it counts when its group has an encoder_resolution");
+    }
     if (call.item == BoardItem::kName) answer.names.push_back(joint.name);
     const std::vector<double> values = ValuesOf(call.item, joint);
     answer.values.insert(answer.values.end(), values.begin(), values.end());
@@ -314,13 +323,10 @@ BoardAnswer BoardClient::Tell(const BoardCall& call, const BoardState& state,
       }
       answer.commands = {CommandFor(command::kSetGains, joints, std::move(data))};
       break;
-    case BoardItem::kPidReset:  // all that it empties is the integral, which counts by i
-      for (std::size_t k = 0; k < joints.size(); ++k) {
-        if (joint(k).i != 0)
-          return Failed(Kind::kFailed,
-                        "the sum of errors is emptied when a joint goes to a mode without "
-                        "positions: set the modes vel and pos, or a PID without ki");
-      }
+    case BoardItem::kPidReset:  // who sets gains begins without an integral
+      for (std::size_t k = 0; k < joints.size(); ++k)
+        data.insert(data.end(), {joint(k).p, joint(k).i, joint(k).d});
+      answer.commands = {CommandFor(command::kSetGains, joints, std::move(data))};
       break;
     case BoardItem::kAmplifier:
       for (std::size_t k = 0; k < joints.size(); ++k) {

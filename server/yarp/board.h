@@ -38,6 +38,7 @@ struct BoardJoint {
   double stiffness = 0, damping = 0, offset = 0;  // stiffness of a stiff joint: what compliance begins with
   double speed = 0, acceleration = 0;             // of ways to targets
   double p = 0, i = 0, d = 0;
+  double counts = 0;  // of the encoder in a revolution; 0: it is exact, or the joint slides
 };
 
 struct BoardState {
@@ -82,6 +83,7 @@ enum class BoardItem {
   kPidEnabled,
   kAmplifier,  // 1: the motor is on
   kGearRatio,
+  kCounts,  // asked only
 };
 /// How many values each joint has; 0: none, or it is of the board.
 std::size_t BoardWidth(BoardItem item);

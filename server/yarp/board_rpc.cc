@@ -101,7 +101,7 @@ constexpr Method kMethodsThatAsk[] = {
     {"getEncoderAccelerationAll", kNoItem, BoardScope::kBoard, "D"},
     {"getMotorEncoderAccelerationOne", kNoItem, BoardScope::kBoard, "d"},
     {"getMotorEncoderAccelerationAll", kNoItem, BoardScope::kBoard, "D"},
-    {"getMotorEncoderCountsPerRevolution", kNoItem, BoardScope::kBoard, "d"},
+    {"getMotorEncoderCountsPerRevolution", BoardItem::kCounts, BoardScope::kOne, "d"},
     {"isJointBraked", kNoItem, BoardScope::kBoard, "b"},
     {"getAutoBrakeEnabled", kNoItem, BoardScope::kBoard, "b"},
     {"getTemperatureOne", kNoItem, BoardScope::kBoard, "d"},

@@ -27,7 +27,7 @@ constexpr BoardWord kAsking[] = {
     {"dons", BoardItem::kDone, Scope::kBoard},         {"dong", BoardItem::kDone, Scope::kCounted},
     {"vlim", BoardItem::kVelocityLimits, Scope::kOne}, {"llim", BoardItem::kPositionLimits, Scope::kOne},
     {"asts", BoardItem::kAmplifier, Scope::kOne},      {"asta", BoardItem::kAmplifier, Scope::kAll},
-    {"gbxr", BoardItem::kGearRatio, Scope::kOne},
+    {"gbxr", BoardItem::kGearRatio, Scope::kOne},      {"mcpr", BoardItem::kCounts, Scope::kOne},
 };
 // What follows [set].
 constexpr BoardWord kTelling[] = {
@@ -94,6 +94,10 @@ constexpr BoardWord kInteractions[] = {{"mode", BoardItem::kCompliant, Scope::kO
 constexpr BoardWord kImpedances[] = {{"ipr", BoardItem::kImpedance, Scope::kOne},
                                      {"iof", BoardItem::kImpedanceOffset, Scope::kOne},
                                      {"llim", BoardItem::kImpedanceLimits, Scope::kOne}};
+
+// What sets or resets encoders; what asks for accelerations.
+constexpr std::string_view kEncoders[] = {"enc", "encs", "ere", "eres", "mnc", "mncs", "mre", "mres", "mcpr"};
+constexpr std::string_view kAccelerations[] = {"eac", "eacs", "mac", "macs"};
 
 constexpr const char* kNotNeeded = "a simulated joint needs no calibration, and has no place to park";
 
@@ -162,6 +166,10 @@ BoardRequest OfInterface(const Bottle& request, bool tells) {
   }
   if (which == "ijfl" && !tells)
     return Fixed(BottleOf(YarpVocab{"is"}, std::int32_t{0}, std::string(), YarpVocab{"ok"}));
+  if (tells && std::ranges::find(kEncoders, which) != std::end(kEncoders))
+    return Refuse("encoders are those of the robot's model: they cannot be set");
+  if (!tells && std::ranges::find(kAccelerations, which) != std::end(kAccelerations))
+    return Refuse("stateExt:o has the accelerations: they are differences between two samples");
   return Refuse("there is no " + std::string(which) + ": help tells what there is");
 }
 

@@ -2,6 +2,7 @@
 import math
 import socket
 import struct
+import tempfile
 import unittest
 import zlib
 from pathlib import Path
@@ -97,6 +98,30 @@ class YarpDevicesTest(YarpPorts, unittest.TestCase):
             positions = daemon.text("/r/arm").must("get_joints").data
             self.assertAlmostEqual(positions[0], math.radians(30), delta=math.radians(0.1))
             self.assertAlmostEqual(positions[3], math.radians(-20), delta=math.radians(0.1))
+
+    def test_a_reset_empties_the_integral_of_a_servo(self):
+        """Driven by the integral alone, the joint goes on beyond its reference, and stands when that is empty."""
+        with Daemon(arm(), env=ENV) as daemon:
+            board = self.words(daemon, "/r/arm/rpc:i")
+            value = lambda answer: float(answer.split()[2])  # noqa: E731
+            self.assertEqual(board("set pid pid pos 0 (0 0 20 0 0 0 0 0 0 0)"), "[ok]")
+            while value(board("get enc 0")) < 5:
+                self.assertEqual(board("set dpo 0 5"), "[ok]")
+            self.assertGreater(value(board("get esp 0")), 10)
+            self.assertEqual(board("set pid res pos 0"), "[ok]")
+            self.assertEqual(board("set dpo 0 5"), "[ok]")
+            self.assertLess(abs(value(board("get esp 0"))), 1)
+
+    def test_an_encoder_with_a_resolution_has_counts_and_an_exact_one_has_none(self):
+        with tempfile.TemporaryDirectory() as folder:
+            text = (Path(__file__).parent / "robots/elbow/model.sdf").read_text()
+            model = Path(folder) / "elbow/model.sdf"
+            model.parent.mkdir()
+            model.write_text(text.replace('name="arm"', f'name="arm" encoder_resolution="{2 * math.pi / 4096}"'))
+            with Daemon(arm(), env={"COOPDYN_PATH": folder}) as daemon:
+                self.assertTrue(self.words(daemon, "/r/arm/rpc:i")("get mcpr 0").startswith("[is] mcpr 4096.0"))
+        with Daemon(arm(), env=ENV) as daemon:
+            self.assertIn("is exact", self.words(daemon, "/r/arm/rpc:i")("get mcpr 0"))
 
     def test_the_ports_of_one_program_drive_together_and_others_are_refused(self):
         with Daemon(arm("realtime"), env=ENV) as daemon:

@@ -34,9 +34,9 @@ Message State(std::int64_t step = 100) {
   Message reply = ReplyTo(command::kGetBoard, "elbow lift");
   reply.params = {0, 1, 1, 1, 3, 1};
   reply.data = {45 / kRadian, 0, 1.5, 45 / kRadian, 45 / kRadian, -90 / kRadian, 90 / kRadian, 2, 20,
-                kInfinity, 0, 0, 10 / kRadian, 20 / kRadian, 100, 0, 0,
+                kInfinity, 0, 0, 10 / kRadian, 20 / kRadian, 100, 0, 0, 360 / kRadian / 4096,
                 //
-                0.25, 0.1, -2, 0.25, 0.1, 0, 0.5, kInfinity, kInfinity, 500, 5, 0, 0.2, 0.4, 50, 1, 2,
+                0.25, 0.1, -2, 0.25, 0.1, 0, 0.5, kInfinity, kInfinity, 500, 5, 0, 0.2, 0.4, 50, 1, 2, 1e-5,
                 //
                 step * 0.01, static_cast<double>(step)};
   return reply;
@@ -214,12 +214,37 @@ TEST_F(BoardTest, FailsAsARealOneAndSaysWhy) {
   EXPECT_TRUE(told_.empty());
 }
 
-TEST_F(BoardTest, ResetsAPidThatHasNothingToBeReset) {
+TEST_F(BoardTest, ResetsAPidByItsOwnGains) {
+  ExpectTold("set pid res pos 1", command::kSetGains, {2}, {50, 1, 2});
   EXPECT_EQ(Text("set pid res pos 0"), "[ok]");
-  EXPECT_TRUE(told_.empty());
   EXPECT_THAT(Text("get pid res pos 0"), StartsWith("[fail] \"of a PID"));
   EXPECT_THAT(Text("set pid res trq 0"), StartsWith("[fail] \"the servo for positions is the only PID"));
   EXPECT_THAT(Text("set pid res pos 9"), StartsWith("[fail] \"there is no joint 9"));
+}
+
+TEST_F(BoardTest, TellsTheCountsOfAnEncoderThatHasSome) {
+  EXPECT_EQ(Text("[get] [mcpr] 0"), "[is] [mcpr] 4096.0 [tsta] 0 1.0 [ok]");
+  EXPECT_EQ(Text("get mnum"), "[is] mnum 2 [tsta] 1 1.0 [ok]");
+  EXPECT_THAT(Text("get mcpr 1"), StartsWith("[fail] \"joint 1 slides: it has no revolutions"));
+  EXPECT_THAT(Text("get mcpr 2"), StartsWith("[fail] \"there is no joint 2"));
+  Message exact = State();
+  exact.data[17] = 0;
+  EXPECT_THAT(Text("get mcpr 0", exact), StartsWith("[fail] \"the encoder of joint 0 is exact"));
+}
+
+TEST_F(BoardTest, SetsNoEncoder) {
+  for (const char* const what : {"enc 0 10", "encs (0 0)", "ere 0", "eres", "mnc 0 10", "mncs (0 0)", "mre 0",
+                                 "mres", "mcpr 0 4096"}) {
+    EXPECT_THAT(Text(std::string("set ") + what),
+                StartsWith("[fail] \"encoders are those of the robot's model"))
+        << what;
+  }
+  EXPECT_TRUE(told_.empty());
+}
+
+TEST_F(BoardTest, SaysWhereAccelerationsAre) {
+  for (const char* const what : {"eac 0", "eacs", "mac 0", "macs"})
+    EXPECT_THAT(Text(std::string("get ") + what), HasSubstr("stateExt:o has the accelerations")) << what;
 }
 
 TEST_F(BoardTest, SaysWhyTheModuleRefuses) {
@@ -284,6 +309,7 @@ TEST_F(BoardRpcTest, AnswersWithACodeAlone) {
   ExpectTold("setTrajSpeedOneRPC 0 20.0", command::kSetProfile, {1}, {20 / kRadian, 20 / kRadian});
   ExpectTold("setPidRPC 829648752 0 (1.0 2.0 3.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0)", command::kSetGains, {1},
              {1, 3, 2});
+  ExpectTold("resetPidRPC 829648752 1", command::kSetGains, {2}, {50, 1, 2});
 }
 
 TEST_F(BoardRpcTest, AnswersWithCodeAndValues) {
@@ -298,11 +324,14 @@ TEST_F(BoardRpcTest, AnswersWithCodeAndValues) {
   EXPECT_EQ(Text("getRemoteVariablesListRPC"), "([ok]) ()");
   EXPECT_EQ(Text("isCalibratorDevicePresentRPC"), "([ok]) [fail]");
   EXPECT_EQ(Text("getLastJointFaultRPC 0"), "([ok]) 0 \"\"");
+  EXPECT_EQ(Text("getMotorEncoderCountsPerRevolutionRPC 0"), "([ok]) 4096.0");
 }
 
 TEST_F(BoardRpcTest, KeepsTheShapeOfTheAnswerWhenItRefuses) {
   EXPECT_THAT(Text("getRefCurrentOneRPC 0"), StartsWith("([err2]) 0.0"));
   EXPECT_THAT(Text("getTemperatureAllRPC"), StartsWith("([err2]) ()"));
+  EXPECT_THAT(Text("getMotorEncoderCountsPerRevolutionRPC 1"), StartsWith("([err2]) 0.0"));
+  EXPECT_THAT(Text("setMotorEncoderCountsPerRevolutionRPC 0 4096.0"), StartsWith("[err2]"));
   EXPECT_THAT(Text("getAxisNameRPC 7"), StartsWith("([err7]) \"\" \"there is no joint 7"));
   EXPECT_THAT(Text("setRefDutyCycleOneRPC 0 1.0"), StartsWith("[err2]"));
   EXPECT_EQ(Bytes("setPosLimitsRPC 0 1.0 2.0"), Hex("00010000 01000000 09000000 65727232"));

@@ -57,9 +57,9 @@ inline Message PoseReading() {
 }
 /// Of a joint that turns, at 45 degrees, and one that slides, at 0.25 m.
 inline Message BoardReading() {
-  std::vector<double> data(34);
+  std::vector<double> data(36);
   data[0] = kPi / 4;
-  data[17] = 0.25;
+  data[18] = 0.25;
   Message board = PushOf(command::kGetBoard, data, {0, 1, 1, 1, 1, 1});
   board.text = "elbow lift";
   return board;
