@@ -47,7 +47,8 @@ void Daemon::TellYarpServer() {
     if (entry.external || entry.port == 0 || entry.kind == NameKind::kAlias) continue;
     for (const char* const end :
          {"/state:o", "/command:i", "/stateExt:o", "/rpc:i", "/nws/rpc:i", "/measures:o", "/rpc:o",
-          "/inertial:o", "/analog:o", "/analog:o/rpc:i", "/odometry:o", "/rpc", "/depth:o"}) {
+          "/inertial:o", "/analog:o", "/analog:o/rpc:i", "/odometry:o", "/rpc", "/depth:o", "/data:o",
+          "/rgbImage:o", "/depthImage:o"}) {
       if (!yarp_ports_.IsKept(entry.name + end)) OpenYarpPort(entry.name + end, "");
     }
     const std::string base = entry.name.substr(0, entry.name.rfind('/')) + "/base";

@@ -11,8 +11,8 @@
 
 namespace coopdyn {
 
-/// For a port of the module with these commands, in one of the talks kMetadata, kAnalog, kLidar, kOdometry,
-/// kCamera, kBase and kBaseRpc.
+/// For a port of the module with these commands, in one of the talks kMetadata, kAnalog, kBattery, kLidar,
+/// kOdometry, kCamera, kBase and kBaseRpc.
 std::unique_ptr<YarpTranslator> MakeDeviceTranslator(YarpTalk talk, std::string_view port,
                                                      const CommandTable& table);
 

@@ -25,6 +25,8 @@ constexpr TakingPort kTakingPorts[] = {
     {"/rpc:i", "joints", YarpTalk::kBoardWords},
     {"/rpc:i", "lidar", YarpTalk::kLidar},
     {"/rpc:i", "motors", YarpTalk::kBaseRpc},
+    {"/rpc:i", "battery", YarpTalk::kBattery},
+    {"/rpc:i", "camera", YarpTalk::kCamera},
     {"/rpc:o", "imu", YarpTalk::kMetadata},
     {"/rpc:o", "wrench", YarpTalk::kMetadata},
     {"/rpc:o", "contact", YarpTalk::kMetadata},
@@ -54,10 +56,13 @@ constexpr SendingPort kSendingPorts[] = {
     {"", "lidar", command::kGetScan, YarpSample::kLaserScan},
     {"odometry", "odometry", command::kGetOdometry, YarpSample::kOdometry},
     {"odometry", "pose", command::kGetPose, YarpSample::kOdometry},
+    {"data", "battery", command::kGetBattery, YarpSample::kBattery},
     {"", "camera", command::kGetImage, YarpSample::kImage},
     {"state", "camera", command::kGetImage, YarpSample::kImage},
     {"image", "camera", command::kGetImage, YarpSample::kImage},
     {"depth", "camera", command::kGetImage, YarpSample::kDepth},
+    {"rgbImage", "camera", command::kGetImage, YarpSample::kImage},
+    {"depthImage", "camera", command::kGetImage, YarpSample::kDepth},
     {"clock", "simulation", command::kGetClock, YarpSample::kReading},
 };
 

@@ -35,6 +35,7 @@ enum class YarpSample {
   kInertial,        // twelve numbers of an IMU
   kLaserScan,
   kOdometry,
+  kBattery,
   kImage,
   kDepth,
 };
@@ -62,6 +63,7 @@ enum class YarpTalk {
   kBoardStream,  // of both
   kMetadata,     // of multipleAnalogSensors
   kAnalog,
+  kBattery,
   kLidar,
   kOdometry,
   kCamera,

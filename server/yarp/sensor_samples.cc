@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <span>
 #include <utility>
@@ -163,6 +164,22 @@ bool AppendOdometry(const Message& reading, YarpStructWriter write) {
   return true;
 }
 
+/// It has energy and power: no voltage, current and temperature.
+bool AppendBattery(const Message& reading, YarpStructWriter write) {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  constexpr std::int32_t kStandby = 0, kInUse = 2, kLow = 5, kCritical = 6;
+  constexpr double kLow_percent = 15, kCritical_percent = 5;  // as the batteries of YARP itself
+  if (ReadingIn(reading) != command::kGetBattery || reading.data.size() != 3 + kTimeAndStep) return false;
+  const double charge_percent = 100 * reading.data[1], power_w = reading.data[2];
+  write.Struct(5);
+  for (const double value : {charge_percent, kUnknown, kUnknown, kUnknown}) write.Double(value);
+  write.Int(!(power_w > 0)                        ? kStandby
+            : charge_percent <= kCritical_percent ? kCritical
+            : charge_percent <= kLow_percent      ? kLow
+                                                  : kInUse);
+  return true;
+}
+
 /// Width, height and byte count, then four bytes a param.
 bool AppendImage(const Message& reading, YarpSample sample, std::string& out) {
   constexpr std::int32_t kRowMultiple = 8, kBlobTag = 12, kIntsTag = 257;
@@ -205,6 +222,8 @@ bool AppendSensorSample(YarpSample sample, const Message& reading, const Message
       return AppendScan(reading, geometry, write);
     case YarpSample::kOdometry:
       return AppendOdometry(reading, write);
+    case YarpSample::kBattery:
+      return AppendBattery(reading, write);
     case YarpSample::kImage:
     case YarpSample::kDepth:
       return AppendImage(reading, sample, out);

@@ -315,6 +315,45 @@ class YarpDevicesTest(YarpPorts, unittest.TestCase):
                 self.assertEqual(struct.unpack_from("<ii", payload, 44), (width, height))
                 motors.must("set_velocity 0.1 0")
 
+    def test_a_camera_is_an_rgbd_sensor_of_both_versions(self):
+        text = "[SIMULATION]\nmode lockstep\nstep 0.1\n[ROBOT_1]\ntype coopbot_camera\nname r\nposition 0 0\n"
+        with Daemon(text) as daemon:
+            camera = daemon.text("/r/camera").must("get_camera").data
+            width, height = int(camera[0]), int(camera[1])
+            ask = self.words(daemon, "/r/camera/rpc:i")
+            self.assertEqual(ask("[rgdb] [get] [prot]"), "[rgdb] [prot] [is] 1 0")
+            self.assertEqual([float(n) for n in ask("[visd] [get] [clip]").split()[3:]], camera[6:8])
+            program = Program(daemon, "/r/camera/rpc:i", "/ctl/rpc:o", Reader(daemon, "/ctl/rpc:o", 4))
+            name = b"getDepthResolutionRPC"
+            ok = struct.pack("<ii", 256, 1) + word("ok")
+            self.assertEqual(program.ask(40, struct.pack("<ii", 4, len(name)) + name),
+                             struct.pack("<ii", 256, 3) + ok + struct.pack("<iiii", 1, width, 1, height))
+            colours = self.connect(daemon, "/r/camera/rgbImage:o", Reader(daemon, "/colours"))
+            distances = self.connect(daemon, "/r/camera/depthImage:o", Reader(daemon, "/distances"))
+            motors = daemon.text("/r/motors")
+            for step in range(3):
+                (colour_head, colour), (depth_head, depth) = colours.read_sample(ACK), distances.read_sample(ACK)
+                self.assertEqual(colour_head, depth_head)
+                self.assertEqual(colour_head.split()[1], str(step))
+                self.assertEqual((colour[20:24], depth[20:24]), (b"rgb\0", b"dec\0"))
+                self.assertEqual(len(depth), 60 + (4 * width + 7) // 8 * 8 * height)
+                motors.must("set_velocity 0.1 0")
+
+    def test_a_battery_sends_its_charge(self):
+        text = "[SIMULATION]\nmode lockstep\nstep 0.1\n[ROBOT_1]\ntype turtle\nname r\nposition 0 0\n"
+        with Daemon(text) as daemon:
+            data = self.connect(daemon, "/r/battery/data:o", Reader(daemon))
+            energy, fraction, power = daemon.text("/r/battery").must("get_battery").data[:3]
+            head, payload = data.read_sample(ACK)
+            self.assertEqual(head, "D 0 0.0")
+            self.assertEqual(len(payload), 8 + 4 * 12 + 8)
+            self.assertEqual(payload[:20], struct.pack("<iiid", 256, 5, 10, 100 * fraction))
+            self.assertEqual([math.isnan(struct.unpack_from("<d", payload, at)[0]) for at in (24, 36, 48)], 3 * [True])
+            self.assertEqual(struct.unpack_from("<ii", payload, 56), (1, 2))  # it is in use
+            daemon.text("/r/motors").must("set_velocity 0.1 0")
+            self.assertLess(struct.unpack_from("<d", data.read_sample(ACK)[1], 12)[0], 100 * fraction)
+            self.assertEqual(self.words(daemon, "/r/battery/rpc:i")("getBatteryInfoRPC"), '0 "a battery of coopdyn"')
+
     # --- the drive, the world, time
 
     def test_a_base_takes_the_commands_of_base_control(self):

@@ -168,9 +168,48 @@ TEST_F(CameraRpcTest, TellsItsSizeInWords) {
   EXPECT_EQ(Text("[visr] [get] [mirr]"), "[visr] [mirr] [is] 0");
 }
 
+TEST_F(CameraRpcTest, TellsOfItsDistancesInWords) {
+  EXPECT_EQ(Text("visd get w"), "[visd] [w] [is] 64");
+  EXPECT_EQ(Text("[visd] [get] [h]"), "[visd] [h] [is] 48");
+  EXPECT_EQ(Text("[visd] [get] [clip]"), "[visd] [clip] [is] 0.1 10.0");
+  EXPECT_EQ(Text("[visd] [get] [acrc]"), "[visd] [acrc] [is] 0.0");
+  EXPECT_EQ(Text("[visd] [get] [mirr]"), "[visd] [mirr] [is] 0");
+  EXPECT_EQ(Text("[visd] [get] [intp]"), std::string("[visd] [intp] [is] ") + kLens);
+  EXPECT_EQ(Text("[rgdb] [get] [prot]"), "[rgdb] [prot] [is] 1 0");
+  EXPECT_EQ(Text("[rgdb] [get] [stat]"), "[rgdb] [stat] [is] 2");
+  EXPECT_EQ(Text("[rgdb] [get] [mess]"), "[rgdb] [mess] [is] \"\"");
+  EXPECT_EQ(Text("[rgdb] [get] [ext]"),
+            "[rgdb] [ext] [is] 4 4 (1.0 0.0 0.0 0.0 0.0 1.0 0.0 0.0 0.0 0.0 1.0 0.0 0.0 0.0 0.0 1.0)");
+  for (const char* const request : {"[visd] [get] [res]", "[visd] [set] [clip] 1.0 2.0",
+                                    "[visr] [get] [clip]", "[rgdb] [get]", "[rgdb] [set] [ext] 1", "[rgdb]"})
+    ExpectNoSuchRequest(request);
+}
+
+TEST_F(CameraRpcTest, TellsOfItsDistancesToYarp4) {
+  const std::string ok = "00010000 01000000 09000000 6f6b0000";
+  Ask(kAskVersion);
+  EXPECT_EQ(Bytes("getDepthResolutionRPC"),
+            Hex("00010000 03000000" + ok + "01000000 40000000 01000000 30000000"));
+  EXPECT_EQ(Bytes("getSensorStatusRPC"), Hex("00010000 02000000" + ok + "01000000 02000000"));
+  EXPECT_EQ(Bytes("getLastErrorMsgRPC"), Hex("00010000 03000000" + ok +
+                                             "04000000 00000000 00010000 02000000 01000000 00000000 14000000 "
+                                             "0000000000002940"));
+  EXPECT_THAT(Bytes("getExtrinsicParamRPC"),
+              StartsWith(Hex("00010000 02000000" + ok +
+                             "00010000 03000000 01000000 04000000 01000000 04000000 "
+                             "14010000 10000000 000000000000f03f 0000000000000000")));
+  EXPECT_EQ(Text("getDepthClipPlanesRPC"), "([ok]) 0.1 10.0");
+  EXPECT_EQ(Text("getDepthAccuracyRPC"), "([ok]) 0.0");
+  EXPECT_EQ(Text("getDepthMirroringRPC"), "([ok]) [fail]");
+  EXPECT_EQ(Text("getDepthIntrinsicParamRPC"), std::string("([ok]) ") + kLens);
+  EXPECT_EQ(Text("setDepthClipPlanesRPC 1.0 2.0"), "[err2]");
+  ExpectNoSuchRequest("getDepthRPC");
+}
+
 TEST_F(CameraRpcTest, TellsInDegreesWhatItSees) {
   EXPECT_THAT(Text("[visr] [get] [fov]"), StartsWith("[visr] [fov] [is] "));
-  for (const char* const request : {"[visr] [get] [fov]", "getRgbFOVRPC"}) {
+  for (const char* const request :
+       {"[visr] [get] [fov]", "[visd] [get] [fov]", "getRgbFOVRPC", "getDepthFOVRPC"}) {
     const auto [across_deg, down_deg] = LastTwo(request);
     EXPECT_NEAR(across_deg, 90, 1e-9) << request;
     EXPECT_NEAR(down_deg, 60, 1e-9) << request;
@@ -288,6 +327,24 @@ TEST_F(AnalogRpcTest, OtherRequestsAreToldWhichThereAre) {
     ExpectNoSuchRequest(request);
 }
 
+class BatteryRpcTest : public DeviceRpcTest {
+ protected:
+  BatteryRpcTest()
+      : DeviceRpcTest(YarpTalk::kBattery, "/robot1/battery/rpc:i", BatteryTable(), ReplyTo(command::kPing)) {}
+};
+
+TEST_F(BatteryRpcTest, TellsWhatItIsInBothVersions) {
+  EXPECT_EQ(Bytes("getBatteryInfoRPC"),
+            Hex("00010000 02000000 01000000 00000000 04000000 14000000 'a battery of coopdyn'"));
+  EXPECT_EQ(Bytes(kAskVersion), Hex("00010000 01000000 00000400 00000000"));
+  EXPECT_EQ(Text("getBatteryInfoRPC"), "([ok]) \"a battery of coopdyn\"");
+}
+
+TEST_F(BatteryRpcTest, OtherRequestsAreToldWhichThereAre) {
+  for (const char* const request : {"", "getBatteryInfo", "bogus_RPC", "(1)", "getBatteryChargeRPC"})
+    ExpectNoSuchRequest(request);
+}
+
 class OdometryRpcTest : public DeviceRpcTest {
  protected:
   OdometryRpcTest()
@@ -321,6 +378,7 @@ std::vector<TalkingPort> DevicePorts() {
   return {{YarpTalk::kMetadata, "/robot1/imu/rpc:o", ImuTable(), "getMetadata"},
           {YarpTalk::kAnalog, "/robot1/wrench/analog:o/rpc:i", WrenchTable(), "[iana] [cal]"},
           {YarpTalk::kLidar, "/robot1/lidar/rpc:i", LidarTable(), "getDistanceRange_RPC"},
+          {YarpTalk::kBattery, "/robot1/battery/rpc:i", BatteryTable(), "getBatteryInfoRPC"},
           {YarpTalk::kOdometry, "/robot1/odometry/rpc", OdometryTable(), "reset_odometry_RPC"},
           {YarpTalk::kCamera, "/robot1/camera/rpc", CameraTable(), "visr get w"},
           {YarpTalk::kBase, "/robot1/base/command:i", MotorsTable(), "3 FORWARD"},

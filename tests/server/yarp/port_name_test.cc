@@ -73,6 +73,12 @@ TEST(TalkOf, ControlBoardsAreSpokenToInTheWordsOfBothVersions) {
   EXPECT_EQ(ParseYarpPortName("/robot1/arm/nws/rpc:i")->module, "/robot1/arm");
 }
 
+TEST(TalkOf, CamerasAndBatteriesHaveThePortsOfTheirDevices) {
+  EXPECT_EQ(TalkOf("/robot1/eye/rpc", CameraTable()), YarpTalk::kCamera);
+  EXPECT_EQ(TalkOf("/robot1/eye/rpc:i", CameraTable()), YarpTalk::kCamera);
+  EXPECT_EQ(TalkOf("/robot1/battery/rpc:i", BatteryTable()), YarpTalk::kBattery);
+}
+
 TEST(TalkOf, ModulesHaveTheirOwnWords) {
   for (const char* const port : {"/robot1/motors", "/robot1/motors/command:i"})
     EXPECT_EQ(TalkOf(port, MotorsTable()), YarpTalk::kModule) << port;
@@ -90,6 +96,9 @@ TEST(StreamOf, SensorsSendAsTheirDevicesDo) {
   EXPECT_EQ(StreamOf("/robot1/lidar/state:o", LidarTable())->sample, YarpSample::kReading);
   EXPECT_EQ(StreamOf("/robot1/eye", CameraTable())->sample, YarpSample::kImage);
   EXPECT_EQ(StreamOf("/robot1/eye/10/depth:o", CameraTable())->sample, YarpSample::kDepth);
+  EXPECT_EQ(StreamOf("/robot1/eye/rgbImage:o", CameraTable())->sample, YarpSample::kImage);
+  EXPECT_EQ(StreamOf("/robot1/eye/depthImage:o", CameraTable())->sample, YarpSample::kDepth);
+  EXPECT_EQ(StreamOf("/robot1/battery/data:o", BatteryTable())->sample, YarpSample::kBattery);
   EXPECT_EQ(StreamOf("/robot1/eye/camera:o", CameraTable())->reading, command::kGetCamera);
   EXPECT_EQ(StreamOf("/robot1/imu/measures:o", ImuTable())->sample, YarpSample::kMeasures);
   EXPECT_EQ(StreamOf("/robot1/odometry/odometry:o", OdometryTable())->sample, YarpSample::kOdometry);

@@ -67,6 +67,9 @@ inline Message BoardReading() {
 inline Message OdometryReading() {
   return PushOf(command::kGetOdometry, {1, -2, kPi / 2, 3, kPi / 4});
 }
+inline Message BatteryReading(double fraction = 0.75, double power_w = 12) {
+  return PushOf(command::kGetBattery, {fraction * 1e5, fraction, power_w});
+}
 /// Four columns from -90 degrees on, 45 apart; three rows, of which the middle one is level.
 inline Message Geometry() {
   return PushOf(command::kGetScanGeometry, {-kPi / 2, kPi / 4, 0.1, 5, 3, 4, -0.2, 0.2});

@@ -188,6 +188,31 @@ TEST(OdometrySample, OfAnotherLengthIsLeftOut) {
   EXPECT_TRUE(IsLeftOut(YarpSample::kOdometry, WrenchReading()));
 }
 
+TEST(BatterySample, HasItsChargeAndNoNumberForWhatIsNotModelled) {
+  EXPECT_EQ(SampleBytes(YarpSample::kBattery, BatteryReading()),
+            Hex("00010000 05000000 0a000000 0000000000c05240 0a000000 000000000000f87f 0a000000 "
+                "000000000000f87f 0a000000 000000000000f87f 01000000 02000000"));
+  EXPECT_EQ(SampleBytes(YarpSample::kBattery, BatteryReading(), YarpDialect::k4).substr(8, 12),
+            Hex("14000000 0000000000c05240"));
+}
+
+TEST(BatterySample, WarnsAsItsChargeGetsLow) {
+  const auto status = [](double fraction, double power_w) {
+    return NumberOf(ItemsOf(SampleBytes(YarpSample::kBattery, BatteryReading(fraction, power_w))).back());
+  };
+  EXPECT_EQ(status(1, 0), 0);  // standby
+  EXPECT_EQ(status(0.16, 1), 2);
+  EXPECT_EQ(status(0.15, 1), 5);
+  EXPECT_EQ(status(0.05, 1), 6);
+  EXPECT_EQ(status(0, 1), 6);
+}
+
+TEST(BatterySample, OfOtherReadingsIsLeftOut) {
+  EXPECT_TRUE(IsLeftOut(YarpSample::kBattery, WrenchReading()));
+  EXPECT_TRUE(IsLeftOut(YarpSample::kBattery, PushOf(command::kGetBattery, {1, 2})));
+  EXPECT_TRUE(IsLeftOut(YarpSample::kBattery, PushOf(command::kGetTime, {1, 2, 3})));
+}
+
 struct GoodReading {
   YarpSample sample;
   Message reading;
@@ -198,6 +223,7 @@ std::vector<GoodReading> GoodReadings() {
           {YarpSample::kInertial, ImuReading()},
           {YarpSample::kLaserScan, ScanReading()},
           {YarpSample::kOdometry, OdometryReading()},
+          {YarpSample::kBattery, BatteryReading()},
           {YarpSample::kImage, ImageReading(1, 1, "rgb")},
           {YarpSample::kDepth, ImageReading(1, 1, "four")}};
 }

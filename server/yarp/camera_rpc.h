@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+// A camera as a frame grabber and as an RGB-D sensor of YARP 3 and 4.
+#pragma once
+
+#include <memory>
+
+#include "server/yarp/translator.h"
+
+namespace coopdyn {
+
+/// For the requests to a module `camera`.
+std::unique_ptr<YarpTranslator> MakeCameraTranslator();
+
+}  // namespace coopdyn
