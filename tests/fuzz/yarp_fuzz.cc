@@ -43,7 +43,7 @@ void AskBoard(YarpTranslator& board, const Bottle& bottle) {
   static const CommandTable joints = JointsTable();
   Message reply = ReplyTo(board.Decode(bottle).message.command, "turns slides");
   reply.params = {0, 1, 1, 1, 3, 0};
-  reply.data.assign(2 * 17 + 2, 1.0);
+  reply.data.assign(2 * 18 + 2, 1.0);
   for (std::optional<Message> next = board.Next(reply); next; next = board.Next(reply)) {
     if (joints.Find(next->command) == nullptr) std::abort();
     reply = ReplyTo(next->command);
@@ -62,6 +62,10 @@ void AskPorts(const Bottle& bottle) {
   static const CommandTable joints = JointsTable();
   for (const char* const port : {"/r/arm/rpc:i", "/r/arm/nws/rpc:i", "/r/arm/command:i"})
     AskBoard(*TranslatorOf(port, joints), bottle);
+  const std::unique_ptr<YarpTranslator> camera = TranslatorOf("/r/camera/rpc:i", CameraTable());
+  Message view = camera->Decode(bottle).message;
+  view.data = {64, 48, 32, 32, 31.5, 23.5, 0.1, 10, 25, 12.5, 1250};
+  camera->Reply(view);
 }
 
 /// A whole connection to each kind of port: what it asks the module is answered with little or with an error.
@@ -71,7 +75,7 @@ void Talk(const std::string& bytes, std::uint8_t choice) {
       {"/clock/rpc", SimulationTable()},        {"/robot1/arm/rpc:i", JointsTable()},
       {"/robot1/arm/nws/rpc:i", JointsTable()}, {"/robot1/arm/command:i", JointsTable()},
       {"/robot1/lidar/rpc:i", LidarTable()},    {"/robot1/camera/rpc", CameraTable()},
-      {"/robot1/imu/rpc:o", ImuTable()}};
+      {"/robot1/imu/rpc:o", ImuTable()},        {"/robot1/battery/rpc:i", BatteryTable()}};
   static NameTable names;
   static YarpNetwork network(names, spdlog::default_logger(), {});
   static const Encodings encodings = EncodingsWithYarp(network);

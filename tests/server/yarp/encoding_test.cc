@@ -246,16 +246,15 @@ TEST_P(EveryPort, AnswersOnlyWhatItHasDecoded) {
   EXPECT_NE(words("d\r\nhelp\r\n"), "");
 }
 
-INSTANTIATE_TEST_SUITE_P(Ports, EveryPort,
-                         testing::Values(KindOfPort{"/robot1/motors", MotorsTable},
-                                         KindOfPort{"/world_input_port", WorldTable},
-                                         KindOfPort{"/clock/rpc", SimulationTable},
-                                         KindOfPort{"/robot1/arm/rpc:i", JointsTable},
-                                         KindOfPort{"/robot1/arm/nws/rpc:i", JointsTable},
-                                         KindOfPort{"/robot1/arm/command:i", JointsTable},
-                                         KindOfPort{"/robot1/lidar/rpc:i", LidarTable},
-                                         KindOfPort{"/robot1/camera/rpc", CameraTable},
-                                         KindOfPort{"/robot1/imu/rpc:o", ImuTable}));
+INSTANTIATE_TEST_SUITE_P(
+    Ports, EveryPort,
+    testing::Values(KindOfPort{"/robot1/motors", MotorsTable}, KindOfPort{"/world_input_port", WorldTable},
+                    KindOfPort{"/clock/rpc", SimulationTable}, KindOfPort{"/robot1/arm/rpc:i", JointsTable},
+                    KindOfPort{"/robot1/arm/nws/rpc:i", JointsTable},
+                    KindOfPort{"/robot1/arm/command:i", JointsTable},
+                    KindOfPort{"/robot1/lidar/rpc:i", LidarTable},
+                    KindOfPort{"/robot1/camera/rpc", CameraTable}, KindOfPort{"/robot1/imu/rpc:o", ImuTable},
+                    KindOfPort{"/robot1/battery/rpc:i", BatteryTable}));
 
 TEST(YarpEncoding, ConnectionsAreAddedByBottlesAndByLines) {
   Talk talk;
