@@ -219,7 +219,7 @@ class WorldTranslator final : public YarpTranslator {
       why_ = !failed_.empty() ? failed_ : !reply.text.empty() ? reply.text : ErrorMeaning(reply.error);
       const bool misspelt = reply.command == command::kUnreadable &&
                             reply.error != static_cast<std::int32_t>(Error::kNotPossible);
-      return Failure(misspelt || request_.typed);
+      return Failure(misspelt || request_.typed || request_.call == nullptr);
     }
     if (request_.call->reply == WorldReply::kDone) return {BottleOf(YarpVocab{"ok"}), {}};
     return {answer_, {}};

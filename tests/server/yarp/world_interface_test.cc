@@ -378,5 +378,11 @@ TEST_F(WorldInterfaceTest, BytesThatAreNoBottleAreRefused) {
   EXPECT_EQ(world_->Reply(refusal).bytes, "");
 }
 
+TEST_F(WorldInterfaceTest, ACallThatIsNoneIsRefusedWhateverTheReason) {
+  Decode("makeMoon");
+  const Message refusal = ErrorReply(command::kUnreadable, Error::kNotPossible, "no");
+  EXPECT_EQ(BottleText(world_->Reply(refusal).bottle), "[fail] no");
+}
+
 }  // namespace
 }  // namespace coopdyn
