@@ -322,48 +322,44 @@ test('a daemon that comes back with another scenario: the view shows its world, 
   await page.close();
 });
 
-test('a robot that moves without anybody who drives it says so, in at most two lines', async () => {
+/** A page of the classroom whose status says of the robot what `robot` has. Who opens it closes it: the route stays. */
+async function openWithRobot(robot) {
   daemon = await startDaemon('classroom');
   page = await newPage();
-  let moving = true;
   await page.routeWebSocket(/\/ws$/, (socket) => {
     const server = socket.connectToServer();
     server.onMessage((message) => {
       const status = typeof message === 'string' ? JSON.parse(message) : {};
       if (status.type !== 'status') return socket.send(message);
-      status.status.robots[0].still_moving = moving;
+      Object.assign(status.status.robots[0], robot);
       socket.send(JSON.stringify(status));
     });
   });
   await page.goto(daemon.url);
+}
+
+test('a robot that moves without anybody who drives it says so, in at most two lines', async () => {
+  const robot = {still_moving: true};
+  await openWithRobot(robot);
   await hasText(page, '.card .owner', /^nobody drives it, still moving$/);
   const lines = await page.locator('.card .owner').evaluate((owner) => {
     const text = document.createRange();
     text.selectNodeContents(owner);
     return text.getClientRects().length;
   });
-  moving = false;
+  robot.still_moving = false;
   await hasText(page, '.card .owner', /^nobody drives it$/);
   assert.ok(lines <= 2, `${lines} lines`);
+  await page.close();
 });
 
 test('a silent client is shown beside its robot, and what the watchdog did', async () => {
-  daemon = await startDaemon('classroom');
-  page = await newPage();
-  let stopped = false;
-  await page.routeWebSocket(/\/ws$/, (socket) => {
-    const server = socket.connectToServer();
-    server.onMessage((message) => {
-      const status = typeof message === 'string' ? JSON.parse(message) : {};
-      if (status.type !== 'status') return socket.send(message);
-      Object.assign(status.status.robots[0], {owner: 'ana', silent_s: 12.7, watchdog_stopped: stopped});
-      socket.send(JSON.stringify(status));
-    });
-  });
-  await page.goto(daemon.url);
+  const robot = {owner: 'ana', silent_s: 12.7};
+  await openWithRobot(robot);
   await hasText(page, '.card .owner', /^ana, silent for 12 s$/);
-  stopped = true;
+  robot.watchdog_stopped = true;
   await hasText(page, '.card .owner.warning', /^ana, silent for 12 s, stopped until its next command$/);
+  await page.close();
 });
 
 test('the API answers scripts', async () => {
