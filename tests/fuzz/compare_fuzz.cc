@@ -123,8 +123,10 @@ void Look(const std::string& one, const std::string& other) {
   static const coopdyn::ReplayServices services{clock, logger, pool, {}, {}};
   const auto ignore = [](double) {};
   std::string error;
-  const auto first = RunReader::Open(one, error), second = RunReader::Open(other, error);
-  if (first == nullptr || second == nullptr) return Require(!error.empty());
+  const auto first = RunReader::Open(one, error);
+  if (first == nullptr) return Require(!error.empty());
+  const auto second = RunReader::Open(other, error);
+  if (second == nullptr) return Require(!error.empty());
   Require(!coopdyn::ToString(coopdyn::Compare(*first, *second, services, ignore)).empty());
 }
 
