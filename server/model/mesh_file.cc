@@ -21,9 +21,11 @@ std::optional<std::string> ReadWhole(const std::filesystem::path& file, std::str
           " are taken: simplify it (in Blender: Modifier, Decimate)";
     return std::nullopt;
   }
-  std::ifstream stream(file, std::ios::binary);
-  std::string bytes(code ? 0 : size, '\0');
-  if (!code && stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) return bytes;
+  if (!code) {  // else it may be a pipe, which would be waited for
+    std::ifstream stream(file, std::ios::binary);
+    std::string bytes(size, '\0');
+    if (stream.read(bytes.data(), static_cast<std::streamsize>(size))) return bytes;
+  }
   why = "it cannot be read";
   return std::nullopt;
 }

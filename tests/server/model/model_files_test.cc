@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <png.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cstring>
@@ -332,6 +333,15 @@ TEST(MalformedModelTest, AMeshOfTenMillionTrianglesIsRefusedByItsHeader) {
       ReadIn(folder, "model.sdf").messages,
       HasSubstr("model.sdf:4: error: mesh 'big.stl': the mesh has 10000000 triangles, at most 200000 are "
                 "taken: simplify it"));
+}
+
+TEST(MalformedModelTest, AMeshThatIsAPipeIsNotWaitedFor) {
+  const TempFolder folder;
+  ASSERT_EQ(::mkfifo((folder.path() / "pipe.stl").c_str(), 0600), 0);
+  folder.Write("model.sdf", FixedModel("<collision name=\"c\"><geometry>\n<mesh><uri>pipe.stl</uri></mesh>"
+                                       "</geometry></collision>\n"));
+  EXPECT_THAT(ReadIn(folder, "model.sdf").messages,
+              HasSubstr("model.sdf:4: error: mesh 'pipe.stl': it cannot be read"));
 }
 
 TEST(MalformedModelTest, AMeshThatIsNotThereIsAnErrorThatSaysWhereToPutIt) {
