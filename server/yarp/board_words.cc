@@ -96,7 +96,8 @@ constexpr BoardWord kImpedances[] = {{"ipr", BoardItem::kImpedance, Scope::kOne}
                                      {"llim", BoardItem::kImpedanceLimits, Scope::kOne}};
 
 // What sets or resets encoders; what asks for accelerations.
-constexpr std::string_view kEncoders[] = {"enc", "encs", "ere", "eres", "mnc", "mncs", "mre", "mres", "mcpr"};
+constexpr std::string_view kEncoderWords[] = {"enc",  "encs", "ere",  "eres", "mnc",
+                                              "mncs", "mre",  "mres", "mcpr"};
 constexpr std::string_view kAccelerations[] = {"eac", "eacs", "mac", "macs"};
 
 constexpr const char* kNotNeeded = "a simulated joint needs no calibration, and has no place to park";
@@ -166,7 +167,7 @@ BoardRequest OfInterface(const Bottle& request, bool tells) {
   }
   if (which == "ijfl" && !tells)
     return Fixed(BottleOf(YarpVocab{"is"}, std::int32_t{0}, std::string(), YarpVocab{"ok"}));
-  if (tells && std::ranges::find(kEncoders, which) != std::end(kEncoders))
+  if (tells && std::ranges::find(kEncoderWords, which) != std::end(kEncoderWords))
     return Refuse("encoders are those of the robot's model: they cannot be set");
   if (!tells && std::ranges::find(kAccelerations, which) != std::end(kAccelerations))
     return Refuse("stateExt:o has the accelerations: they are differences between two samples");
