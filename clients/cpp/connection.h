@@ -60,7 +60,8 @@ class Connection {
   /// The reply if it has come, error replies included; readings pushed before it go to `pushes`. Throws
   /// Closed, and Error 7 for what is no message.
   std::optional<Message> TryRead();
-  /// Waits for the reply; polls before it blocks, if there is a `polling`. Throws Error 11 after `timeout_s`, and Closed.
+  /// Waits for the reply; polls before it blocks, if there is a `polling`. Throws Error 11 after `timeout_s`,
+  /// and Closed.
   Message Receive(double timeout_s, Polling* polling);
   /// Sends a request and returns its reply. Throws an error reply as Error.
   Message Ask(Request request, Polling* polling = nullptr);

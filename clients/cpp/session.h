@@ -33,8 +33,8 @@ class Session {
   std::int64_t reached() const { return reached_; }
   int mode() const { return mode_; }
   void set_mode(int mode) { mode_ = mode; }
-  /// The polling before a wait: for as long as COOPDYN_SPIN [µs] says, by default 50 µs in lockstep with up to four
-  /// robots.
+  /// The polling before a wait: for as long as COOPDYN_SPIN [µs] says, by default 50 µs in lockstep with up
+  /// to four robots.
   Polling* polling();
   void RequireOpen() const;
   void RequireDriving() const;
