@@ -16,7 +16,7 @@ namespace coopdyn::client {
 class Polling {
  public:
   void set_spin(double spin_s) {
-    spin_ = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(spin_s));
+    spin_ = After(spin_s, Deadline{}) - Deadline{};
   }
   /// A wait begins.
   void Start(Deadline now) {

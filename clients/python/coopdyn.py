@@ -916,6 +916,7 @@ class _Polling:
     _TRIAL_S = 0.3
     _LEAST_PAUSE_S = 10e-3
     _MOST_PAUSE_S = 1.0
+    _yield_core = staticmethod(getattr(os, "sched_yield", lambda: _clock.sleep(0)))  # Windows has none
 
     def __init__(self) -> None:
         self.spin_s = 0.0
@@ -941,7 +942,7 @@ class _Polling:
         # Where others want the core, it is lost at once in a yield. One costs as much as a look, so once the core has been
         # kept for a while, only the second half of the spin has them.
         if now - self.resumes_at < self._TRIAL_S or self.until - now < self.spin_s / 2:
-            os.sched_yield()
+            self._yield_core()
         return True
 
 

@@ -31,7 +31,7 @@ class StepListener {
   /// The wait of `client` has ended.
   virtual void OnStepEnd(ClientId client, const StepResult& result) = 0;
   /// A step has run; `dropped` frames before it were lost. Only while subscribed. False: nobody takes
-  /// anything now, so that the thread is not woken for the next ones: the newest come when a Scope ends.
+  /// anything now, so that the next ones wait: the newest of them come after TakesMore().
   virtual bool OnFrame(const FramePtr& frame, int dropped) = 0;
 };
 

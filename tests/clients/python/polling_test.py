@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: MIT
 """When the client polls before it waits."""
+import importlib.util
+import sys
 import unittest
+import unittest.mock
 
 import harness  # finds the client
+import coopdyn
 from coopdyn import _Polling
 
 
@@ -52,6 +56,19 @@ class PollingTest(unittest.TestCase):
         self.lose_core()
         self.now += 11e-3
         self.assertTrue(self.polls())
+
+    def test_polls_also_where_the_system_has_no_yield(self):
+        with unittest.mock.patch.object(coopdyn.os, "sched_yield", create=True):
+            del coopdyn.os.sched_yield
+            again = importlib.util.spec_from_file_location("coopdyn_elsewhere", coopdyn.__file__)
+            module = importlib.util.module_from_spec(again)
+            sys.modules[again.name] = module
+            self.addCleanup(sys.modules.pop, again.name)
+            again.loader.exec_module(module)
+            polling = module._Polling()
+            polling.spin_s = 50e-6
+            polling.start(self.now)
+            self.assertTrue(polling.goes(self.now + 30e-6))
 
 
 if __name__ == "__main__":
