@@ -6,7 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <ctime>
+#include <ostream>
+#include <string>
 
 namespace coopdyn {
 
@@ -30,6 +33,25 @@ void ExpectLinear(const Run& run, std::size_t size) {
   small_s = std::min(small_s, Cpu_s([&] { run(size); }));
   constexpr double kNoise_s = 0.02;
   EXPECT_LT(Cpu_s([&] { run(8 * size); }), 24 * (small_s + kNoise_s));
+}
+
+/// A text of any number of parts, for ExpectLinear().
+struct GrowingText {
+  const char* name;
+  std::string head, part, tail;
+  std::size_t size = 0;  // parts of the short one
+
+  /// `@` in a part is its number, from 1.
+  std::string Of(std::size_t parts) const {
+    std::string text = head;
+    for (std::size_t i = 1; i <= parts; ++i) {
+      for (const char c : part) c == '@' ? text += std::to_string(i) : text += c;
+    }
+    return text + tail;
+  }
+};
+inline void PrintTo(const GrowingText& text, std::ostream* out) {
+  *out << text.name;
 }
 
 }  // namespace coopdyn

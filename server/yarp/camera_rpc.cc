@@ -73,10 +73,9 @@ std::optional<CameraView> ReadCamera(const Message& reply) {
 class CameraTranslator final : public ReadingTranslator {
   command::Id Reading() const override { return command::kGetCamera; }
   std::string_view Help() const override {
-    return "visr get w, h, res, fov, intp, conf or mirr; visd get w, h, fov, intp, mirr, acrc or clip; rgdb "
-           "get "
-           "ext, mess, prot or stat; fgi get w or h; or the calls of YARP 4: get and Rgb or Depth, then "
-           "Width, Height, Resolution, FOV, IntrinsicParam or Mirroring, then RPC; "
+    return "visr get w, h, res, fov, intp, conf or mirr; visd get w, h, fov, intp, mirr, acrc or clip; "
+           "rgdb get ext, mess, prot or stat; fgi get w or h; or the calls of YARP 4: get and Rgb or Depth, "
+           "then Width, Height, Resolution, FOV, IntrinsicParam or Mirroring, then RPC; "
            "getRgbSupportedConfigurationsRPC, getDepthAccuracyRPC, getDepthClipPlanesRPC, "
            "getExtrinsicParamRPC, getLastErrorMsgRPC, getSensorStatusRPC";
   }

@@ -121,8 +121,7 @@ class BaseTranslator final : public ReadingTranslator {
   command::Id Reading() const override { return command::kGetLimits; }
   std::string_view Help() const override {
     return "3 FORWARD SIDEWAYS TURN GAIN, in m/s and degrees/s; or 2 DIRECTION SPEED TURN GAIN, in degrees, "
-           "m/s "
-           "and degrees/s; 1 is the same in percent";
+           "m/s and degrees/s; 1 is the same in percent";
   }
   std::optional<Message> Command(const Message& limits) override {
     const std::optional<double> kind = request().empty() ? std::nullopt : NumberOf(request()[0]);

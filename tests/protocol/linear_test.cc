@@ -11,26 +11,14 @@
 namespace coopdyn {
 namespace {
 
-struct Kind {
-  const char* name;
-  std::string head, part, tail;
-};
-void PrintTo(const Kind& kind, std::ostream* out) {
-  *out << kind.name;
-}
-
-std::string Repeated(const Kind& kind, std::size_t n) {
-  std::string text = kind.head;
-  for (std::size_t i = 0; i < n; ++i) text += kind.part;
-  return text + kind.tail;
-}
+using Kind = GrowingText;
 
 class LinearTextTest : public testing::TestWithParam<Kind> {};
 
 TEST_P(LinearTextTest, Reading) {
   const CommandTable& table = AllModuleTables().front();
   const auto read = [&](std::size_t n) {
-    const std::string text = Repeated(GetParam(), n);
+    const std::string text = GetParam().Of(n);
     for (std::string_view rest = text; !rest.empty();) {
       const Decoded decoded = DecodeText(rest, table, false);
       if (decoded.consumed == 0) break;

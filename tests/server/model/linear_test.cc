@@ -11,29 +11,13 @@ namespace coopdyn {
 namespace {
 
 /// `head`, then `part` n times with its number for each @, then `tail`.
-std::string Repeated(const std::string& head, const std::string& part, std::size_t n,
-                     const std::string& tail = "") {
-  std::string text = head;
-  for (std::size_t i = 1; i <= n; ++i) {
-    for (const char c : part) c == '@' ? text += std::to_string(i) : text += c;
-  }
-  return text + tail;
-}
-
-struct Kind {
-  const char* name;
-  std::string head, part, tail;
-  std::size_t size;
-};
-void PrintTo(const Kind& kind, std::ostream* out) {
-  *out << kind.name;
-}
+using Kind = GrowingText;
 
 class LinearScenarioTest : public ::testing::TestWithParam<Kind> {};
 
 TEST_P(LinearScenarioTest, Reading) {
   const Kind& kind = GetParam();
-  ExpectLinear([&](std::size_t n) { Read(Repeated(kind.head, kind.part, n, kind.tail)); }, kind.size);
+  ExpectLinear([&](std::size_t n) { Read(kind.Of(n)); }, kind.size);
 }
 
 const std::string kWorld = "[WORLD]\nfile empty.world\n";
@@ -58,7 +42,7 @@ TEST_P(LinearModelTest, Reading) {
   const Kind& kind = GetParam();
   const auto read = [&](std::size_t n) {
     Diagnostics diagnostics;
-    ReadRobotModelText(Repeated(kind.head, kind.part, n, kind.tail), "test.sdf", "test", diagnostics);
+    ReadRobotModelText(kind.Of(n), "test.sdf", "test", diagnostics);
   };
   ExpectLinear(read, kind.size);
 }

@@ -7,27 +7,12 @@
 namespace coopdyn::rosiml {
 namespace {
 
-struct Kind {
-  const char* name;
-  std::string head, part, tail;
-  std::size_t size;
-};
-void PrintTo(const Kind& kind, std::ostream* out) {
-  *out << kind.name;
-}
+using Kind = GrowingText;
 
 class LinearTest : public testing::TestWithParam<Kind> {};
 
 TEST_P(LinearTest, Reading) {
-  const Kind& kind = GetParam();
-  const auto read = [&](std::size_t n) {
-    std::string text = kind.head;
-    for (std::size_t i = 1; i <= n; ++i) {
-      for (const char c : kind.part) c == '@' ? text += std::to_string(i) : text += c;
-    }
-    Said(text + kind.tail);
-  };
-  ExpectLinear(read, kind.size);
+  ExpectLinear([&](std::size_t n) { Said(GetParam().Of(n)); }, GetParam().size);
 }
 
 const std::string kExperiment = "<rosiml version=\"0.8.41\"><simulator frequency=\"100\"/>",

@@ -17,25 +17,12 @@ namespace {
 
 namespace http = boost::beast::http;
 
-struct Kind {
-  const char* name;
-  std::string head, part, tail;
-};
-void PrintTo(const Kind& kind, std::ostream* out) {
-  *out << kind.name;
-}
-
-std::string Repeated(const Kind& kind, std::size_t n) {
-  std::string text = kind.head;
-  for (std::size_t i = 0; i < n; ++i) text += kind.part;
-  return text + kind.tail;
-}
+using Kind = GrowingText;
 
 class LinearPageTest : public testing::TestWithParam<Kind> {};
 
 TEST_P(LinearPageTest, Reading) {
-  ExpectLinear([&](std::size_t n) { ReadPageMessage(Repeated(GetParam(), n)); },
-               200'000 / GetParam().part.size());
+  ExpectLinear([&](std::size_t n) { ReadPageMessage(GetParam().Of(n)); }, 200'000 / GetParam().part.size());
 }
 
 const std::string kCall = R"({"id":1,"module":"/robot1/motors","command":"set_velocity",)";
@@ -57,7 +44,7 @@ class LinearHttpTest : public testing::TestWithParam<Kind> {};
 /// As a session parses what comes byte by byte.
 TEST_P(LinearHttpTest, ReadingInPieces) {
   const auto read = [](std::size_t n) {
-    const std::string bytes = Repeated(GetParam(), n);
+    const std::string bytes = GetParam().Of(n);
     http::request_parser<http::string_body> parser;
     parser.header_limit(HttpSession::kMaxHeaderBytes);
     parser.body_limit(HttpSession::kMaxBodyBytes);
@@ -91,7 +78,7 @@ class LinearRouteTest : public testing::TestWithParam<Kind> {};
 
 TEST_P(LinearRouteTest, Finding) {
   const auto find = [](std::size_t n) {
-    const std::string target = Repeated(GetParam(), n);
+    const std::string target = GetParam().Of(n);
     HttpRequestHead head;
     head.method = "GET";
     head.target = target;
