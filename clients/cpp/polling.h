@@ -15,9 +15,7 @@ namespace coopdyn::client {
 /// each time, if it loses it soon after a pause.
 class Polling {
  public:
-  void set_spin(double spin_s) {
-    spin_ = After(spin_s, Deadline{}) - Deadline{};
-  }
+  void set_spin(double spin_s) { spin_ = After(spin_s, Deadline{}) - Deadline{}; }
   /// A wait begins.
   void Start(Deadline now) {
     until_ = now >= resumes_at_ ? now + spin_ : now;
