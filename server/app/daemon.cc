@@ -77,7 +77,9 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
       robot_guard_(token_, options.private_robots, &wrong_tokens_),
       control_guard_(token_, true, &wrong_tokens_),
       ports_(options.port == 0 || options.any_port ? 0 : options.port + 2,
-             [this](int port) { return names_.IsExternalPort(port); }),
+             [this](int port) {
+               return names_.IsExternalPort(port) || (ports_.any_port() && !IsPortFree(port));
+             }),
       channel_ports_(options.channel_port.value_or(options.port == 0 ? 0 : kChannelPort),
                      [this](int port) { return IsOwnPort(options_, port); }),
       yarp_ports_(addresses(), net_, names_),
@@ -172,7 +174,7 @@ std::string Daemon::OpenRobots() {
   const RobotServices robot_services{board_,  frames_,      edits_, images_,  names_,       net_,
                                      roster_, robot_guard_, clock_, kVersion, &yars_ports_, &yarp_ports_};
   robots_ = std::make_unique<RobotHost>(robot_services, host, ports_);
-  if (std::string error = robots_->Apply(*frames_.Latest()->scene, true); !error.empty()) {
+  if (std::string error = robots_->Apply(frames_.Latest()->scene, true); !error.empty()) {
     return WithAdvice(error, "--port");
   }
   if (std::string error = OpenGlobalModules(); !error.empty()) return WithAdvice(error, "--port");
@@ -192,27 +194,31 @@ std::string Daemon::OpenRobots() {
 
 std::string Daemon::OpenGlobalModules() {
   const IoThread::Poster post = control_.poster();
-  const GlobalServices services{board_, frames_, edits_, roster_, control_guard_, clock_, kVersion};
+  const GlobalServices services{
+      board_,         frames_,
+      edits_,         roster_,
+      control_guard_, clock_,
+      kVersion,       [this](auto scene, auto done) { ApplyScene(std::move(scene), std::move(done)); }};
   simulation_ = std::make_unique<SimulationModule>(
       SimulationServices{services, run_, names_, models_, *this,
                          [this](std::function<void()> load) { loader_.Post(std::move(load)); },
                          options_.run.seed},
       post);
   world_ = std::make_unique<WorldModule>(
-      WorldServices{services, run_, models_, [this](const Scene& scene) { ApplyScene(scene); },
+      WorldServices{services, run_, models_,
                     [this](std::function<void()> read) { loader_.Post(std::move(read)); }},
       post);
   swarm_ = std::make_unique<SwarmModule>(
       GlobalServices{board_, frames_, edits_, roster_, robot_guard_, clock_, kVersion}, ThreadsOf(options_),
       post);
-  playback_ = std::make_unique<PlaybackModule>(
-      services, run_, branches_, runs_, [this](const Scene& scene) { ApplyScene(scene); }, post);
+  playback_ = std::make_unique<PlaybackModule>(services, run_, branches_, runs_, post);
   recorder_ = std::make_unique<RecorderModule>(
       services, recordings_, runs_, [this] { return http(); }, post);
   for (Endpoint* const module : GlobalModules()) {
     published_.push_back(std::make_unique<NamedPort>(module->path(), *module, control_, net_, names_));
     NamedPort& port = *published_.back();
-    std::string error = options_.no_net ? port.Open({}, 0) : port.Open(addresses(), ports_.Take());
+    std::string error =
+        options_.no_net ? port.Open({}, 0) : port.Open(addresses(), ports_.any_port() ? 0 : ports_.Take());
     if (!error.empty()) return error;
   }
   control_.Call([this] { yars_desk_.Open(*simulation_); });
@@ -273,7 +279,6 @@ void Daemon::Stop() {
   if (std::exchange(stopped_, true)) return;
   run_.End(RunEnd::kSignal);  // unless there was another reason before
   controllers_.Interrupt();
-  if (robots_ != nullptr) robots_->Interrupt();
   // Ends every wait with an answer, which goes out before the robots close their connections.
   physics_.request_stop();
   bell_.Ring();
@@ -281,6 +286,7 @@ void Daemon::Stop() {
   recordings_.Close();
   // The robots' host belongs to the control thread, which may be bringing up a scenario just now.
   control_.Call([this] {
+    applied_.clear();
     opens_yarp_ports_ = false;
     if (robots_ != nullptr) robots_->Stop(run_.stopping_text());
   });
@@ -351,10 +357,18 @@ void Daemon::LogWaiting() {
   }
 }
 
-void Daemon::ApplyScene(const Scene& scene) {
-  if (const std::string error = robots_->Apply(scene, false); !error.empty()) logger_->error("{}", error);
+void Daemon::ApplyScene(std::shared_ptr<const Scene> scene, std::function<void()> done) {
+  robots_->Begin(std::move(scene));
+  applied_.push_back(std::move(done));
+  if (applied_.size() == 1) GoOnApplying();
+}
+
+void Daemon::GoOnApplying() {
+  if (applied_.empty()) return;  // the daemon is stopping
+  if (!robots_->GoOn()) return control_.Post([this] { GoOnApplying(); });
   robots_->SetSpin(Spin());
   TellYarpServer();
+  for (const auto& done : std::exchange(applied_, {})) done();
 }
 
 void Daemon::CloseClient(const std::string& robot, ClientId client, const std::string& reason) {

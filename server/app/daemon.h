@@ -3,6 +3,7 @@
 // thread.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -77,13 +78,16 @@ class Daemon final : private ControlActions {
 
  private:
   // ControlActions, on the control thread.
-  void ApplyScene(const Scene& scene) override;
   void CloseClient(const std::string& robot, ClientId client, const std::string& reason) override;
   void Quit() override;
   std::string recording() const override { return recordings_.recording(); }
   std::uint64_t recording_lost() const override { return recordings_.status().file.lost; }
   std::string recording_stall() const override { return recordings_.status().file.stall; }
   std::string http() const override;
+
+  /// The robots' modules follow the scene, slice by slice; then `done`. Control thread.
+  void ApplyScene(std::shared_ptr<const Scene> scene, std::function<void()> done);
+  void GoOnApplying();
 
   // daemon_yarp.cc
   /// YarpPorts::Open() if `name` is a port of a module. Control thread.
@@ -175,6 +179,8 @@ class Daemon final : private ControlActions {
   std::unique_ptr<PageServices> page_;     // of web_
   std::unique_ptr<WebServer> web_;
   std::jthread physics_;
+  /// Of each ApplyScene() whose robots are not all up; control thread.
+  std::vector<std::function<void()>> applied_;
   bool opens_yarp_ports_ = false;  // the robots are up; control thread
   bool stopped_ = false;
   OverloadWatch overload_;          // main thread

@@ -121,7 +121,7 @@ void Daemon::BringUpScenes() {
   player_->set_on_scene([this](std::shared_ptr<const Scene> scene) {
     control_.Post([this, scene = std::move(scene)] {
       // A newer one may be shown by now, and be on its way too.
-      if (frames_.Latest()->scene == scene) ApplyScene(*scene);
+      if (frames_.Latest()->scene == scene) ApplyScene(scene, [] {});
     });
   });
 }

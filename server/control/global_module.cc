@@ -9,6 +9,7 @@ GlobalModule::GlobalModule(GlobalServices services, CommandTable table, StepInbo
     : PeerModule({services.board, services.roster, services.guard, services.clock, services.version},
                  "/" + table.module(), table_, inbox_),
       edits_(services.edits),
+      apply_scene_(std::move(services.apply_scene)),
       table_(std::move(table)),
       inbox_(services.board, services.frames, std::move(post)) {}
 
@@ -56,6 +57,18 @@ std::function<void(const EditResult&)> GlobalModule::Later(const Peer& peer, Aft
   return [this, poster = inbox_.MakePoster(), id = peer.id(),
           after = std::move(after)](const EditResult& result) {
     poster([this, id, result, after] { OnEditDone(id, result, after); });
+  };
+}
+
+std::function<void(const EditResult&)> GlobalModule::LaterAllServe(const Peer& peer,
+                                                                   std::function<void()> then) {
+  const AfterEdit after = [then = std::move(then)](const EditResult& /*result*/) {
+    if (then) then();
+  };
+  return [this, poster = inbox_.MakePoster(), reply = Later(peer, after)](const EditResult& result) {
+    const bool others = result.error == Error::kOk && result.frame != nullptr && apply_scene_ != nullptr;
+    if (!others) return reply(result);
+    poster([this, result, reply] { apply_scene_(result.frame->scene, [result, reply] { reply(result); }); });
   };
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -28,6 +29,9 @@ struct GlobalServices {
   const TokenGuard& guard;  // required
   const Clock& clock;
   std::string version;
+  /// Brings the robots' modules into line with a scene, then calls `done` on the control thread. Null: there
+  /// are none.
+  std::function<void(std::shared_ptr<const Scene>, std::function<void()> done)> apply_scene = nullptr;
 };
 
 class GlobalModule : public PeerModule<ModulePeer> {
@@ -54,6 +58,10 @@ class GlobalModule : public PeerModule<ModulePeer> {
   /// What to call, once, from any thread, with the result of something that takes its time: the reply
   /// follows, after `after`.
   std::function<void(const EditResult&)> Later(const Peer& peer, AfterEdit after = nullptr);
+  /// Later(), for what may bring other robots: when all of them serve comes `then`, also after an error, and
+  /// the reply.
+  std::function<void(const EditResult&)> LaterAllServe(const Peer& peer,
+                                                       std::function<void()> then = nullptr);
   EditQueue& edits() { return edits_; }
 
  private:
@@ -62,6 +70,7 @@ class GlobalModule : public PeerModule<ModulePeer> {
   void OnEditDone(ClientId client, const EditResult& result, const AfterEdit& after);
 
   EditQueue& edits_;
+  const decltype(GlobalServices::apply_scene) apply_scene_;
   const CommandTable table_;
   StepInbox inbox_;
 };

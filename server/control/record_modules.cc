@@ -57,12 +57,11 @@ std::optional<Message> RecorderModule::Change(Peer& peer, const Message& request
 }
 
 PlaybackModule::PlaybackModule(GlobalServices services, const RunControl& run, BranchDesk& branches,
-                               RunFolder& runs, ApplyScene apply_scene, StepInbox::Post post)
+                               RunFolder& runs, StepInbox::Post post)
     : GlobalModule(std::move(services), PlaybackTable(), std::move(post)),
       run_(run),
       branches_(branches),
-      runs_(runs),
-      apply_scene_(std::move(apply_scene)) {}
+      runs_(runs) {}
 
 Message PlaybackModule::Read(const Message& request, const Frame& /*frame*/) {
   const std::optional<PlaybackStatus> playback = run_.playback();
@@ -83,9 +82,7 @@ std::optional<Message> PlaybackModule::Refuse(const Message& request) const {
 }
 
 std::optional<Message> PlaybackModule::Change(Peer& peer, const Message& request) {
-  auto answer = Later(peer, [this](const EditResult& result) {
-    if (result.error == Error::kOk && result.frame != nullptr) apply_scene_(*result.frame->scene);
-  });
+  auto answer = LaterAllServe(peer);
   if (request.command == command::kBranch) {
     branches_.Branch(request.data.empty() ? std::nullopt : std::optional(request.data[0]), std::move(answer));
     return std::nullopt;

@@ -35,12 +35,9 @@ class RecorderModule final : public GlobalModule {
 /// Drives a recording that is played. In a live run all its commands but `open` are refused.
 class PlaybackModule final : public GlobalModule {
  public:
-  /// Called on the control thread after a branch, before its reply: the robots may be others.
-  using ApplyScene = std::function<void(const Scene&)>;
-
   /// Any thread. All outlives the module.
   PlaybackModule(GlobalServices services, const RunControl& run, BranchDesk& branches, RunFolder& runs,
-                 ApplyScene apply_scene, StepInbox::Post post);
+                 StepInbox::Post post);
 
  private:
   Message Read(const Message& request, const Frame& frame) override;
@@ -51,7 +48,6 @@ class PlaybackModule final : public GlobalModule {
   const RunControl& run_;
   BranchDesk& branches_;
   RunFolder& runs_;
-  const ApplyScene apply_scene_;
 };
 
 }  // namespace coopdyn

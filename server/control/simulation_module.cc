@@ -200,11 +200,7 @@ std::optional<Message> SimulationModule::Change(Peer& peer, const Message& reque
 }
 
 std::optional<Message> SimulationModule::Load(Peer& peer, const LoadRequest& load) {
-  auto done = Later(peer, [this](const EditResult& result) {
-    if (result.error == Error::kOk) services_.actions.ApplyScene(*result.frame->scene);
-    loads_.pop_front();
-    BeginLoad();
-  });
+  auto done = LaterAllServe(peer, [this] { EndLoad(); });
   // The thread may outlive this module, but not the services.
   loads_.push_back([&robots = services_.robots, &frames = services_.frames, &edits = services_.edits,
                     seed = services_.seed, text = load.text, done = std::move(done)] {
@@ -225,11 +221,7 @@ std::optional<Message> SimulationModule::Reset(Peer& peer, const edit::Reset& re
   if (!reset.seed || services_.frames.Latest()->scene->scenario->random.empty() || services_.run.playback()) {
     return PushNewScene(peer, reset);
   }
-  auto done = Later(peer, [this](const EditResult& result) {
-    if (result.error == Error::kOk) services_.actions.ApplyScene(*result.frame->scene);
-    loads_.pop_front();
-    BeginLoad();
-  });
+  auto done = LaterAllServe(peer, [this] { EndLoad(); });
   loads_.push_back([&robots = services_.robots, &frames = services_.frames, &edits = services_.edits,
                     seed = *reset.seed, drawn = drawn_, done = std::move(done)] {
     const std::shared_ptr<const Scenario> now = frames.Latest()->scene->scenario;
@@ -240,6 +232,11 @@ std::optional<Message> SimulationModule::Reset(Peer& peer, const edit::Reset& re
   });
   if (loads_.size() == 1) BeginLoad();
   return std::nullopt;
+}
+
+void SimulationModule::EndLoad() {
+  loads_.pop_front();
+  BeginLoad();
 }
 
 void SimulationModule::BeginLoad() {
@@ -315,9 +312,8 @@ Message SimulationModule::ReadSaved(const Message& request) const {
 }
 
 std::optional<Message> SimulationModule::PushNewScene(Peer& peer, EditAction action) {
-  return Push(peer, std::move(action), [this](const EditResult& result) {
-    if (result.error == Error::kOk) services_.actions.ApplyScene(*result.frame->scene);
-  });
+  edits().Push({std::move(action), LaterAllServe(peer)});
+  return std::nullopt;
 }
 
 std::optional<Message> SimulationModule::Log(Peer& peer, const Message& request) {

@@ -47,9 +47,6 @@ class SavedStates {
 class ControlActions {
  public:
   virtual ~ControlActions() = default;
-  /// The world has been reset, loaded or restored: brings the robots' modules into line with `scene`, before
-  /// the reply is sent.
-  virtual void ApplyScene(const Scene& scene) = 0;
   /// Closes a connection to `robot` with a notice.
   virtual void CloseClient(const std::string& robot, ClientId client, const std::string& reason) = 0;
   /// Begins to end the daemon; returns at once.
@@ -113,6 +110,8 @@ class SimulationModule final : public GlobalModule {
 
   /// Hands the first of loads_ to the thread that reads scenarios.
   void BeginLoad();
+  /// It is done; the next one.
+  void EndLoad();
 
   const SimulationServices services_;
   std::deque<std::function<void()>> loads_;  // one after the other: the first is under way

@@ -87,8 +87,7 @@ Message WorldModule::Read(const Message& request, const Frame& frame) {
 
 std::optional<Message> WorldModule::Change(Peer& peer, const Message& request) {
   if (services_.run.playback()) return ErrorReply(request.command, Error::kNotPossible, kPlayingText);
-  auto done = Later(peer, [this](const EditResult& result) {
-    if (result.error == Error::kOk) services_.apply_scene(*result.frame->scene);
+  auto done = LaterAllServe(peer, [this] {
     requests_.pop_front();
     Begin();
   });

@@ -17,8 +17,6 @@ namespace coopdyn {
 struct WorldServices : GlobalServices {
   const RunControl& run;
   RobotLibrary& robots;  // reads models
-  /// The robots' modules are to be brought into line with the scene, before the reply is sent.
-  std::function<void(const Scene&)> apply_scene;
   /// Runs a function on a thread that reads files, which can take seconds.
   std::function<void(std::function<void()>)> run_loader;
 };

@@ -94,6 +94,7 @@ bool IsOutOfResources(int error) {
 }
 
 std::string BindError(const Place& place, int port, int error) {
+  if (error == EMFILE || error == ENFILE) return kTooManyFiles;
   std::string text = "port " + std::to_string(port) + " of " + place.text;
   if (error != EADDRINUSE) return text + ": " + std::strerror(error);
   const std::string holder = PortHolder(port);

@@ -22,6 +22,9 @@ namespace coopdyn {
 /// "0.0.0.0", "::" and "any" every address of the machine, anything else itself.
 std::vector<std::string> ListenAddresses(const std::string& host);
 
+/// What Listen() says when no more files can be open: another port is no better.
+inline constexpr const char* kTooManyFiles = "Too many open files";
+
 /// "nc (pid 77)"; empty if nobody listens there or it cannot be seen (another user's process).
 std::string PortHolder(int port);
 

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "server/robot/robot_host.h"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <set>
-#include <string_view>
 #include <thread>
-#include <unordered_map>
 #include <utility>
+
+#include "server/net/listener.h"
 
 namespace coopdyn {
 
@@ -25,17 +27,30 @@ void ForChannels(const Robot& robot, Use use) {
   }
 }
 
+/// The first of them.
+std::vector<std::unique_ptr<Robot>> TakeSome(std::deque<std::unique_ptr<Robot>>& robots) {
+  std::vector<std::unique_ptr<Robot>> some;
+  for (; !robots.empty() && some.size() < RobotHost::kGoAtOnce; robots.pop_front())
+    some.push_back(std::move(robots.front()));
+  return some;
+}
+
+std::string CureOf(const std::string& error) {
+  return error == kTooManyFiles ? ": raise `ulimit -n`, or let fewer robots have `sockets`" : "";
+}
+
 }  // namespace
 
 RobotHost::RobotHost(RobotServices services, RobotHostOptions options, PortPlan& ports)
-    : services_(std::move(services)), options_(std::move(options)), ports_(ports) {}
+    : services_(std::move(services)), options_(std::move(options)), ports_(ports) {
+  if (options_.cores == 0) options_.cores = std::thread::hardware_concurrency();
+}
 
 RobotHost::~RobotHost() {
   Stop();
 }
 
 IoThread& RobotHost::ThreadFor(const Scene& scene, bool own) {
-  const std::size_t cores = options_.cores > 0 ? options_.cores : std::thread::hardware_concurrency();
   const auto start = [this] {
     threads_.push_back({std::make_unique<IoThread>("robot-" + std::to_string(threads_.size() + 1),
                                                    services_.net.logger(), options_.spin),
@@ -43,7 +58,7 @@ IoThread& RobotHost::ThreadFor(const Scene& scene, bool own) {
     return std::ref(*threads_.back().io);
   };
   if (own) return start();
-  const std::size_t pool_size = std::clamp(cores / 2, std::size_t{1}, kMaxPool);
+  const std::size_t pool_size = std::clamp(options_.cores / 2, std::size_t{1}, kMaxPool);
   const std::size_t wanted =
       options_.threads > 0 ? static_cast<std::size_t>(options_.threads)
                            : std::clamp(scene.robots.size() / kRobotsPerThread, std::size_t{1}, pool_size);
@@ -71,16 +86,10 @@ void RobotHost::NoteChannel(const Robot& robot, std::size_t module) {
   if (!file || error) services_.net.logger()->error("{} cannot be written", name);
 }
 
-void RobotHost::FreeChannels(const Robot& robot) {
-  for (std::size_t i = 0; i < robot.module_count(); ++i) {
-    if (!robot.is_channel(i) || robot.port(i) == 0) continue;
-    freed_channel_ports_.push_back(robot.port(i));
-  }
-}
-
 void RobotHost::ForgetFile(const std::string& robot) {
   for (const std::unique_ptr<Robot>& each : robots_) {
     bool has_channel = false;
+    if (each == nullptr) continue;
     ForChannels(*each, [&has_channel](int /*port*/) { has_channel = true; });
     if (has_channel && each->name() == robot) return;
   }
@@ -112,14 +121,15 @@ bool RobotHost::ListenAsBefore(Robot& robot, std::size_t module) {
   return true;
 }
 
-std::string RobotHost::OpenModule(Robot& robot, std::size_t module, bool at_start) {
+std::string RobotHost::OpenModule(Robot& robot, std::size_t module) {
   PortPlan& ports = PlanFor(robot, module);
   // Clients of YARS look for the next free port, and others may have the first.
-  const bool must_be_free = at_start && &ports == &ports_;
+  const bool must_be_free = change_->at_start && &ports == &ports_;
   if (ListenAsBefore(robot, module)) {
     NoteChannel(robot, module);
     return {};
   }
+  if (change_->out_of_files) return kTooManyFiles;
   const int said = options_.said_channel_ports ? robot.said_port(module) : 0;
   for (int attempt = 0; attempt < kMaxBusyPorts; ++attempt) {
     const bool as_said = said > 0 && !ports.IsForeign(said + attempt);
@@ -128,86 +138,142 @@ std::string RobotHost::OpenModule(Robot& robot, std::size_t module, bool at_star
     const std::string error = robot.Listen(module, options_.addresses, port);
     if (error.empty()) {
       if (as_said) ports.Reserve(port);
+      if (port == 0) ports.NoteAny(robot.port(module));
       if (robot.is_channel(module)) NoteChannel(robot, module);
       return {};
     }
-    if (said == 0 && (must_be_free || ports.any_port())) {
+    const bool no_other = port == 0 || (must_be_free && !ports.any_port());
+    change_->out_of_files = error == kTooManyFiles;
+    if (change_->out_of_files || (said == 0 && no_other)) {
       ports.Release(port);
-      return robot.module_path(module) + ": " + error;
+      return error;
     }
     // Stays taken in the plan: trying it again for every module would only cost time.
-    services_.net.logger()->warn("{}: {}; trying the next one", robot.module_path(module), error);
+    if (!ports.any_port()) {
+      NoteFailure(robot.module_path(module) + ": " + error, "the next free port is taken");
+    }
   }
-  return robot.module_path(module) + ": no port is left up to 65535";
+  return "no port is left up to 65535";
 }
 
-std::string RobotHost::Open(Robot& robot, const RobotEntry& entry, bool at_start) {
+void RobotHost::Open(Robot& robot, const RobotEntry& entry) {
   for (std::size_t i = 0; HasSockets(entry) && i < robot.module_count(); ++i) {
-    const std::string error = OpenModule(robot, i, at_start);
+    const std::string error = OpenModule(robot, i);
     if (error.empty()) continue;
-    if (at_start) return error;
-    services_.net.logger()->error("{}; it can be reached through OPEN only", error);
+    Fail(robot.module_path(i),
+         (change_->at_start ? "" : "has no port of its own, OPEN reaches it: ") + error + CureOf(error));
+    if (change_->at_start) return;
   }
-  if (!robot.Register())
-    return "the name of a module of " + robot.name() + " is taken: choose another robot name";
+  if (!robot.Register()) Fail(robot.name(), "the name of one of its modules is taken: choose another name");
+}
+
+std::string RobotHost::Apply(std::shared_ptr<const Scene> scene, bool at_start) {
+  Begin(std::move(scene));
+  change_->at_start = at_start;
+  while (!GoOn()) {
+    if (change_->error.empty()) continue;
+    std::string error = std::move(change_->error);
+    Stop(error);
+    return error;
+  }
   return {};
 }
 
-std::string RobotHost::Apply(const Scene& scene, bool at_start) {
-  std::unordered_map<std::string_view, std::size_t> places;
-  for (std::size_t i = 0; i < scene.robots.size(); ++i) places.emplace(scene.robots[i].entry.name, i);
-  std::vector<std::unique_ptr<Robot>> before = std::exchange(robots_, {}), kept(scene.robots.size());
-  freed_channel_ports_.clear();
-  std::set<int> vacant;  // ports of channels that are gone
-  std::vector<std::string> with_channel;
-  for (std::unique_ptr<Robot>& robot : before) {
-    ForChannels(*robot, [&](int port) {
-      vacant.insert(port);
-      with_channel.push_back(robot->name());
-    });
-    const auto found = places.find(robot->name());
-    if (found == places.end()) {
-      FreeChannels(*robot);
-    } else if (robot->Is(*scene.robots[found->second].entry.model)) {
-      kept[found->second] = std::move(robot);
-    }
-  }
-  // The leaving ones first: their names and ports may be wanted.
+void RobotHost::Begin(std::shared_ptr<const Scene> scene) {
+  Change change;
+  // The board has forgotten those that were not in the scene before, even if they are in this one.
+  if (change_) change.leaving = std::move(change_->leaving);
+  change.scene = std::move(scene);
+  const std::vector<SceneRobot>& robots = change.scene->robots;
+  for (std::size_t i = 0; i < robots.size(); ++i) change.places.emplace(robots[i].entry.name, i);
+  std::vector<std::unique_ptr<Robot>> before = std::exchange(robots_, {});
   std::erase(before, nullptr);
-  const auto reason = [](const Robot& robot) { return robot.name() + " is not in the new scenario"; };
-  for (const std::unique_ptr<Robot>& robot : before) {
-    Release(*robot, places.contains(robot->name()) ? robot->name() + " has been edited" : reason(*robot));
+  robots_.resize(robots.size());
+  for (std::unique_ptr<Robot>& robot : before) {
+    const auto found = change.places.find(robot->name());
+    const bool stays = found != change.places.end() && robot->Is(*robots[found->second].entry.model);
+    (stays ? robots_[found->second] : change.leaving.emplace_back()) = std::move(robot);
   }
-  Drop(std::move(before), reason);
   const auto with_sockets =
-      std::count_if(scene.robots.begin(), scene.robots.end(),
-                    [this](const SceneRobot& robot) { return HasSockets(robot.entry); });
-  const bool own_threads = options_.threads <= 0 && static_cast<std::size_t>(with_sockets) <= kMaxOwnThreads;
-  std::string error;
-  for (std::size_t i = 0; i < scene.robots.size(); ++i) {
-    const RobotEntry& entry = scene.robots[i].entry;
-    if (kept[i] == nullptr && interrupted_) continue;
-    if (kept[i] == nullptr) {
-      const bool own = own_threads && HasSockets(entry);
-      IoThread& io = ThreadFor(scene, own);
-      kept[i] = std::make_unique<Robot>(entry, services_, io);
-      if (own) threads_.back().only = kept[i].get();
-      error = Open(*kept[i], entry, at_start);
-    }
-    robots_.push_back(std::move(kept[i]));
-    if (!error.empty() && at_start) break;
-    if (!error.empty()) services_.net.logger()->error("{}", std::exchange(error, {}));
+      std::ranges::count_if(robots, [this](const SceneRobot& robot) { return HasSockets(robot.entry); });
+  change.own_threads = options_.threads <= 0 && static_cast<std::size_t>(with_sockets) <= kMaxOwnThreads;
+  change_ = std::move(change);
+}
+
+bool RobotHost::GoOn() {
+  if (!change_) return true;
+  if (!change_->leaving.empty()) LetGo();
+  if (!change_->leaving.empty()) return false;
+  BringUp();
+  if (change_->next < robots_.size()) return false;
+  End();
+  return true;
+}
+
+void RobotHost::LetGo() {
+  const auto reason = [](const Robot& robot) { return robot.name() + " is not in the new scenario"; };
+  std::vector<std::unique_ptr<Robot>> gone = TakeSome(change_->leaving);
+  for (const std::unique_ptr<Robot>& robot : gone) {
+    const bool edited = change_->places.contains(robot->name());
+    ForChannels(*robot, [&](int port) {
+      vacant_.insert(port);
+      had_channel_.push_back(robot->name());
+      if (!edited) freed_channel_ports_.push_back(port);
+    });
+    Release(*robot, edited ? robot->name() + " has been edited" : reason(*robot));
   }
-  if (!error.empty()) Stop(error);
+  Drop(std::move(gone), reason);
+}
+
+void RobotHost::BringUp() {
+  for (std::size_t come = 0; change_->next < robots_.size() && come < kComeAtOnce; ++change_->next) {
+    std::unique_ptr<Robot>& robot = robots_[change_->next];
+    if (robot != nullptr) continue;
+    ++come;
+    const RobotEntry& entry = change_->scene->robots[change_->next].entry;
+    try {
+      const bool own = change_->own_threads && HasSockets(entry);
+      IoThread& io = ThreadFor(*change_->scene, own);
+      robot = std::make_unique<Robot>(entry, services_, io);
+      if (own) threads_.back().only = robot.get();
+      Open(*robot, entry);
+    } catch (const std::exception& exception) {  // e.g. no files are left for a thread
+      Fail(entry.name, std::string("cannot be reached: ") + exception.what());
+    }
+    if (!change_->error.empty()) return;
+  }
+}
+
+void RobotHost::Fail(const std::string& who, const std::string& what) {
+  if (!change_->at_start) return NoteFailure(who, what);
+  change_->error = who + ": " + what;
+}
+
+void RobotHost::NoteFailure(const std::string& who, const std::string& what) {
+  const auto [found, is_new] = failures_.try_emplace(what, Affected{who});
+  if (!is_new) ++found->second.more;
+}
+
+void RobotHost::LogFailures() {
+  for (const auto& [what, affected] : std::exchange(failures_, {})) {
+    const std::string more = affected.more > 0 ? fmt::format(" (and {} more)", affected.more) : "";
+    services_.net.logger()->warn("{}{}: {}", affected.first, more, what);
+  }
+}
+
+void RobotHost::End() {
+  change_.reset();
+  LogFailures();
+  freed_channel_ports_.clear();
   for (const auto& [port, left] : std::exchange(left_, {}))
     services_.net.logger()->info("{}: connections to port {} end", left.why, port);
-  for (const std::string& name : with_channel) ForgetFile(name);
-  for (const std::unique_ptr<Robot>& robot : robots_)
-    ForChannels(*robot, [&vacant](int port) { vacant.erase(port); });
-  if (services_.yars != nullptr) {
-    for (const int port : vacant) services_.yars->Vacate(options_.addresses, port);
+  for (const std::string& name : std::exchange(had_channel_, {})) ForgetFile(name);
+  for (const std::unique_ptr<Robot>& robot : robots_) {
+    if (robot != nullptr) ForChannels(*robot, [this](int port) { vacant_.erase(port); });
   }
-  return error;
+  for (const int port : std::exchange(vacant_, {})) {
+    if (services_.yars != nullptr) services_.yars->Vacate(options_.addresses, port);
+  }
 }
 
 void RobotHost::Drop(std::vector<std::unique_ptr<Robot>> robots,
@@ -234,21 +300,27 @@ void RobotHost::Drop(std::vector<std::unique_ptr<Robot>> robots,
 void RobotHost::OpenYarpPort(const std::string& name, const std::string& asker) {
   if (!options_.sockets) return;
   for (const std::unique_ptr<Robot>& robot : robots_) {
-    const bool its = name.starts_with("/" + robot->name() + "/");
+    const bool its = robot != nullptr && name.starts_with("/" + robot->name() + "/");
     if (its && robot->module_count() > 0 && robot->port(0) > 0) robot->OpenYarpPort(name, asker);
   }
 }
 
 bool RobotHost::CloseClient(const std::string& robot, ClientId client, const std::string& reason) {
-  const auto found = std::find_if(robots_.begin(), robots_.end(),
-                                  [&](const std::unique_ptr<Robot>& each) { return each->name() == robot; });
+  const auto found = std::ranges::find_if(
+      robots_, [&](const auto& each) { return each != nullptr && each->name() == robot; });
   if (found == robots_.end()) return false;
   (*found)->CloseClient(client, reason);
   return true;
 }
 
 void RobotHost::Stop(const std::string& reason) {
-  Drop(std::exchange(robots_, {}), [&reason](const Robot& /*robot*/) { return reason; });
+  std::deque<std::unique_ptr<Robot>> all;
+  if (change_) all = std::move(change_->leaving);
+  change_.reset();
+  std::ranges::move(std::exchange(robots_, {}), std::back_inserter(all));
+  std::erase(all, nullptr);
+  while (!all.empty()) Drop(TakeSome(all), [&reason](const Robot& /*robot*/) { return reason; });
+  left_.clear();
   threads_.clear();
 }
 

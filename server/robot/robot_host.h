@@ -3,13 +3,16 @@
 // runs.
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
+#include <optional>
+#include <set>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
@@ -40,6 +43,9 @@ class RobotHost {
   /// The pool: one thread for this many robots, at most kMaxPool and half the cores, as their clients need
   /// the others.
   static constexpr std::size_t kRobotsPerThread = 4, kMaxPool = 2;
+  /// At most so many go or come in one GoOn(): a few milliseconds, tens if they have sockets. To let robots
+  /// go takes two visits to each thread, so they are more.
+  static constexpr std::size_t kGoAtOnce = 256, kComeAtOnce = 32;
 
   /// `services` and `ports` outlive it.
   RobotHost(RobotServices services, RobotHostOptions options, PortPlan& ports);
@@ -48,28 +54,46 @@ class RobotHost {
   RobotHost(const RobotHost&) = delete;
   RobotHost& operator=(const RobotHost&) = delete;
 
-  /// Brings up the robots of `scene`. Those that keep name and type stay as they are, with ports, connections
-  /// and owners; the others are closed with a notice. To be called when the board has been configured for the
-  /// scene. A busy port: with `at_start` an error text that names it, and nothing is brought up; otherwise
-  /// the next free one is taken. Returns "" if all is well.
-  std::string Apply(const Scene& scene, bool at_start);
+  /// Begins to bring up the robots of `scene`, also before those of another one are up. Those that keep name
+  /// and type stay as they are, with ports, connections and owners; the others are closed with a notice. To
+  /// be called when the board has been configured for the scene.
+  void Begin(std::shared_ptr<const Scene> scene);
+  /// Goes on with it for a while, so that others are served between two calls. True: all robots are up.
+  bool GoOn();
+  /// Both, until all are up. A busy port: with `at_start` an error text that names it, and nothing is brought
+  /// up; otherwise, as after Begin(), the next free one is taken. Returns "" if all is well.
+  std::string Apply(std::shared_ptr<const Scene> scene, bool at_start);
   /// Robot::OpenYarpPort() of the robot whose name begins `name`, if it has sockets.
   void OpenYarpPort(const std::string& name, const std::string& asker);
   /// Closes a connection to `robot` with a notice. False if there is no such robot.
   bool CloseClient(const std::string& robot, ClientId client, const std::string& reason);
-  /// From now on Apply() brings nothing up any more: the program ends. Any thread.
-  void Interrupt() { interrupted_ = true; }
   /// Closes all connections with a notice, takes all names away, ends the threads.
   void Stop(const std::string& reason = "the daemon is stopping");
   void SetSpin(std::chrono::microseconds spin);
 
-  const std::vector<std::unique_ptr<Robot>>& robots() const { return robots_; }  // in the scene's order
+  /// In the scene's order; null: it is still to come.
+  const std::vector<std::unique_ptr<Robot>>& robots() const { return robots_; }
   std::size_t thread_count() const;
 
  private:
+  struct Affected {
+    std::string first;
+    std::size_t more = 0;
+  };
   struct Left {
     LoosePort port;
     std::string why;
+  };
+  /// What is under way between Begin() and the end.
+  struct Change {
+    std::shared_ptr<const Scene> scene;
+    std::unordered_map<std::string_view, std::size_t> places;  // of its robots, by name
+    std::deque<std::unique_ptr<Robot>> leaving;  // they go first: their names and ports may be wanted
+    std::size_t next = 0;                        // all before are up
+    bool own_threads = false;
+    bool at_start = false;
+    bool out_of_files = false;  // for ports: to try it again for each module would take long
+    std::string error;
   };
   struct Thread {
     std::unique_ptr<IoThread> io;
@@ -79,7 +103,12 @@ class RobotHost {
   bool HasSockets(const RobotEntry& entry) const { return options_.sockets && entry.sockets; }
   /// A thread for a robot of `scene`; `own`: for it alone.
   IoThread& ThreadFor(const Scene& scene, bool own);
-  std::string Open(Robot& robot, const RobotEntry& entry, bool at_start);
+  /// The next ones go; they come.
+  void LetGo();
+  void BringUp();
+  /// All are up: what is left of those that are gone ends.
+  void End();
+  void Open(Robot& robot, const RobotEntry& entry);
   PortPlan& PlanFor(const Robot& robot, std::size_t module) {
     return options_.channel_ports != nullptr && robot.is_channel(module) ? *options_.channel_ports : ports_;
   }
@@ -90,14 +119,16 @@ class RobotHost {
   void NoteChannel(const Robot& robot, std::size_t module);
   /// A robot without a channel has no file of its port.
   void ForgetFile(const std::string& robot);
-  /// The ports of `robot`, which is not in the new scene, are free for robots that are new in it.
-  void FreeChannels(const Robot& robot);
   /// What the channels of `robot`, which goes, leave to those that get their ports; else, when the new robots
   /// are up, it ends for the reason `why`.
   void Release(Robot& robot, const std::string& why);
   /// The channel listens on the port that its robot had before, or else on one of a robot that is gone.
   bool ListenAsBefore(Robot& robot, std::size_t module);
-  std::string OpenModule(Robot& robot, std::size_t module, bool at_start);
+  std::string OpenModule(Robot& robot, std::size_t module);
+  /// At the start an error; else LogFailures() says in one line for each `what` with how many it went wrong.
+  void Fail(const std::string& who, const std::string& what);
+  void NoteFailure(const std::string& who, const std::string& what);
+  void LogFailures();
   /// Visits each thread twice, not each robot: with thousands of them that would take seconds.
   void Drop(std::vector<std::unique_ptr<Robot>> robots,
             const std::function<std::string(const Robot&)>& reason);
@@ -105,13 +136,17 @@ class RobotHost {
   const RobotServices services_;
   RobotHostOptions options_;
   PortPlan& ports_;
-  std::atomic<bool> interrupted_{false};
   std::vector<Thread> threads_;
   std::size_t next_of_pool_ = 0;
   std::vector<std::unique_ptr<Robot>> robots_;
+  std::optional<Change> change_;                             // none: all are up
   std::unordered_map<std::string, int> last_channel_ports_;  // by robot: its client stays where it is
-  std::deque<int> freed_channel_ports_;  // of robots that are not in the new scene, in their order
-  std::unordered_map<int, Left> left_;   // by port, within Apply()
+  std::map<std::string, Affected> failures_;                 // by what; until all are up
+  // Until all are up: of robots that are gone.
+  std::deque<int> freed_channel_ports_;   // of those that are not in the new scene, in their order
+  std::set<int> vacant_;                  // ports of all their channels
+  std::vector<std::string> had_channel_;  // names
+  std::unordered_map<int, Left> left_;    // by port
 };
 
 }  // namespace coopdyn

@@ -33,9 +33,11 @@ class PlaybackModuleTest : public GlobalModuleTest {
       return make_error_.empty() ? State() : nullptr;
     };
     desk_.emplace(BranchDesk::Work{make, OpenOn({})}, edits_, run_, logger_);
-    module_.emplace(
-        services_, run_, *desk_, runs_, [this](const Scene& scene) { applied_scenes_.push_back(&scene); },
-        thread_.poster());
+    services_.apply_scene = [this](const auto& scene, const auto& done) {
+      applied_scenes_.push_back(scene.get());
+      done();
+    };
+    module_.emplace(services_, run_, *desk_, runs_, thread_.poster());
     client_.emplace(*module_, 1);
   }
 

@@ -63,7 +63,7 @@ TEST_F(SavedStatesTest, WhatIsSavedIsRestoredWithItsRobots) {
   world_.Step();
   EXPECT_EQ(Ask("restore before_turn").error, 0);
   EXPECT_EQ(LastEdit<edit::Restore>().state, saved);
-  EXPECT_EQ(actions_.applied.size(), 1u);
+  EXPECT_EQ(applied_scenes_.size(), 1u);
 }
 
 TEST_F(SavedStatesTest, TheyAreToldWithTheirTimes) {

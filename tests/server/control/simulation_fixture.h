@@ -23,7 +23,6 @@ namespace json = boost::json;
 
 class FakeActions final : public ControlActions {
  public:
-  void ApplyScene(const Scene& scene) override { applied.push_back(scene.scenario->name); }
   void CloseClient(const std::string& robot, ClientId client, const std::string& reason) override {
     closed.push_back(robot + " " + std::to_string(client) + " " + reason);
   }
@@ -31,7 +30,7 @@ class FakeActions final : public ControlActions {
   std::string recording() const override { return "night.run"; }
   std::string http() const override { return ""; }
 
-  std::vector<std::string> applied, closed;
+  std::vector<std::string> closed;
   int quits = 0;
 };
 
@@ -108,7 +107,14 @@ class SimulationModuleTest : public testing::Test {
   RunControl run_;
   FakeActions actions_;
   SmallWorld world_{2};
-  SimulationServices services_{{world_.board, world_.frames, edits_, roster_, guard_, clock_, "1.2.3"},
+  std::vector<std::string> applied_scenes_;
+  std::function<void()> serve_;  // what to call when the robots of the newest of them serve
+  SimulationServices services_{{world_.board, world_.frames, edits_, roster_, guard_, clock_, "1.2.3",
+                                [this](const auto& scene, std::function<void()> done) {
+                                  applied_scenes_.push_back(scene->scenario->name);
+                                  serve_ = std::move(done);
+                                  if (serve_at_once_) serve_();
+                                }},
                                run_,
                                names_,
                                robots_,
@@ -117,6 +123,7 @@ class SimulationModuleTest : public testing::Test {
   std::vector<std::function<void()>> loads_;  // given to the thread that reads scenarios
   FakeThread thread_;
   EditResult next_result_;
+  bool serve_at_once_ = true;
   std::vector<EditAction> applied_;
   std::optional<SimulationModule> module_;
   std::optional<FakeClient> client_;

@@ -47,7 +47,7 @@ TEST_F(SimulationModuleTest, ResetTakesASeedAndReportsTheNewFrame) {
   world_.Step();
   EXPECT_EQ(StepOf(Ask("reset 7")), 0);
   EXPECT_EQ(LastEdit<edit::Reset>().seed, 7u);
-  EXPECT_THAT(actions_.applied, ElementsAre("small"));
+  EXPECT_THAT(applied_scenes_, ElementsAre("small"));
   Ask("reset");
   EXPECT_FALSE(LastEdit<edit::Reset>().seed);
   Message negative;
@@ -97,8 +97,22 @@ TEST_F(SimulationModuleTest, ReadyWaitsForStepsAndTellsTheMode) {
 TEST_F(SimulationModuleTest, ScenarioIsLoadedByNameAndRobotsFollowBeforeTheReply) {
   const Message reply = Ask("load_scenario hall");
   EXPECT_EQ(reply.error, 0) << reply.text;
-  EXPECT_THAT(actions_.applied, ElementsAre("hall"));
+  EXPECT_THAT(applied_scenes_, ElementsAre("hall"));
   EXPECT_EQ(Status()["scenario"], "hall");
+}
+
+TEST_F(SimulationModuleTest, OthersAreAnsweredWhileRobotsComeAndTheLoadWhenAllServe) {
+  serve_at_once_ = false;
+  client_->Send("load_scenario hall");
+  RunLoads();
+  ApplyEdits();
+  EXPECT_TRUE(client_->received.empty());
+  FakeClient other(*module_, 2);
+  other.Send("get_time");
+  EXPECT_EQ(other.received.at(0).error, 0);
+  serve_();
+  thread_.Run();
+  EXPECT_EQ(client_->received.at(0).error, 0);
 }
 
 TEST_F(SimulationModuleTest, ScenarioIsLoadedFromItsText) {
@@ -126,7 +140,7 @@ TEST_F(SimulationModuleTest, LoadThatFailsTellsWhyAndChangesNothing) {
   EXPECT_TRUE(applied_.empty());
   next_result_ = {Error::kMalformed, "hall.scenario:3: error: BOX_1 starts inside robot1", nullptr};
   EXPECT_THAT(Ask("load_scenario hall").text, HasSubstr("BOX_1"));
-  EXPECT_TRUE(actions_.applied.empty());
+  EXPECT_TRUE(applied_scenes_.empty());
 }
 
 TEST_F(SimulationModuleTest, ReloadReadsTheFileAgain) {
@@ -145,7 +159,7 @@ TEST_F(SimulationModuleTest, OthersAreAnsweredWhileAScenarioIsRead) {
   RunLoads();
   ApplyEdits();
   EXPECT_FALSE(client_->is_waiting());
-  EXPECT_THAT(actions_.applied, ElementsAre("hall"));
+  EXPECT_THAT(applied_scenes_, ElementsAre("hall"));
 }
 
 TEST_F(SimulationModuleTest, ASecondLoadIsReadWhenTheFirstIsInForce) {
@@ -161,7 +175,7 @@ TEST_F(SimulationModuleTest, ASecondLoadIsReadWhenTheFirstIsInForce) {
   RunLoads();
   ApplyEdits();
   EXPECT_EQ(other.received.back().error, 0) << other.received.back().text;
-  EXPECT_THAT(actions_.applied, ElementsAre("yard", "yard"));
+  EXPECT_THAT(applied_scenes_, ElementsAre("yard", "yard"));
 }
 
 TEST_F(SimulationModuleTest, ALoadWhoseClientHasGoneHoldsNobodyUp) {

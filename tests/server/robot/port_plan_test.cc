@@ -45,6 +45,17 @@ TEST(PortPlanTest, ZeroMeansAnyFreePort) {
   EXPECT_EQ(plan.Take(), 0);
 }
 
+TEST(PortPlanTest, AnyFreePortsFollowTheOneThatTheSystemChose) {
+  PortPlan plan(0, [](int port) { return port == 40002; });
+  EXPECT_EQ(plan.Take(), 0);
+  plan.NoteAny(40000);
+  EXPECT_EQ(plan.Take(), 40001);
+  EXPECT_EQ(plan.Take(), 40003);
+  plan.NoteAny(65534);
+  EXPECT_EQ(plan.Take(), 65535);
+  EXPECT_EQ(plan.Take(), 0) << "it chooses again";
+}
+
 TEST(PortPlanTest, AtTheEndNoneIsLeft) {
   PortPlan plan(65535);
   EXPECT_EQ(plan.Take(), 65535);

@@ -87,7 +87,13 @@ class RobotHostTest : public testing::Test {
   }
   RobotHostOptions Options() const { return {true, ListenAddresses("127.0.0.1"), 0, {}, 8}; }
   void Load(std::shared_ptr<const Scenario> scenario) { world_.Load(std::move(scenario), Mode::kLockstep); }
-  const Scene& scene() const { return *world_.frames.Latest()->scene; }
+  /// Robots without sockets.
+  void LoadSwarm(int robots) {
+    auto scenario = std::make_shared<Scenario>(*SmallScenario(robots));
+    for (RobotEntry& robot : scenario->robots) robot.sockets = false;
+    Load(std::move(scenario));
+  }
+  std::shared_ptr<const Scene> scene() const { return world_.frames.Latest()->scene; }
   /// A host that has brought up the robots of the scene.
   std::unique_ptr<RobotHost> Start(const RobotHostOptions& options) {
     auto host = std::make_unique<RobotHost>(Services(), options, ports_);
@@ -231,7 +237,7 @@ TEST_F(RobotHostTest, RobotOfAnotherTypeIsANewOne) {
   scenario->robots[0].model = SmallModel("other");
   Load(scenario);
   ASSERT_EQ(host->Apply(scene(), false), "");
-  EXPECT_TRUE(host->robots()[0]->Is(*scene().robots[0].entry.model));
+  EXPECT_TRUE(host->robots()[0]->Is(*scene()->robots[0].entry.model));
   EXPECT_EQ(client.Line().substr(0, 2), "0 ") << "a closing notice";
   EXPECT_EQ(world_.board.Owners()[0].id, 0u);
 }
@@ -255,6 +261,17 @@ TEST_F(RobotHostTest, BusyPortAtTheStartIsNamed) {
   EXPECT_EQ(host.Apply(scene(), false), "") << "later the next free one is taken";
   EXPECT_GT(names_.Find("/robot1/motors")->port, busy);
   close(fd);
+}
+
+TEST_F(RobotHostTest, AnyFreePortsAreTriedOneAfterTheOther) {
+  const auto host = Start(Options());
+  int last = 0;
+  for (const auto& robot : host->robots()) {
+    for (std::size_t i = 0; i < robot->module_count(); ++i) {
+      EXPECT_GT(robot->port(i), last) << "to let the system search takes long when thousands are in use";
+      last = robot->port(i);
+    }
+  }
 }
 
 TEST_F(RobotHostTest, WithoutSocketsNamesAreListedWithPortZero) {
@@ -316,14 +333,71 @@ TEST_F(RobotHostTest, StopTellsClientsAndTakesNamesAway) {
   EXPECT_EQ(host->thread_count(), 0u);
 }
 
-TEST_F(RobotHostTest, InterruptedItKeepsWhatIsThereAndBringsUpNoMore) {
+TEST_F(RobotHostTest, ThousandsComeAndGoInSlices) {
   const auto host = Start(Options());
-  host->Interrupt();
-  Load(SmallScenario(5));
-  EXPECT_EQ(host->Apply(scene(), false), "");
-  EXPECT_EQ(host->robots().size(), 2U);
-  EXPECT_TRUE(names_.Find("/robot1/motors"));
-  EXPECT_FALSE(names_.Find("/robot5/motors"));
+  LoadSwarm(1000);
+  host->Begin(scene());
+  int slices = 1;
+  while (!host->GoOn()) {
+    ++slices;
+    EXPECT_LE(names_.List().size(), 2 * 4 + slices * RobotHost::kComeAtOnce * 4);
+  }
+  EXPECT_GT(slices, 1000U / RobotHost::kComeAtOnce);
+  EXPECT_EQ(names_.List().size(), 4000U);
+
+  Load(SmallScenario(1));
+  host->Begin(scene());
+  EXPECT_FALSE(host->GoOn());
+  EXPECT_GE(names_.List().size(), 4000 - 4 * RobotHost::kGoAtOnce);
+  while (!host->GoOn()) continue;
+  EXPECT_EQ(names_.List().size(), 4U);
+}
+
+TEST_F(RobotHostTest, AKeptRobotServesWhileOthersCome) {
+  const auto host = Start(Options());
+  TestClient client = Connect("/robot2/motors");
+  LoadSwarm(1000);
+  host->Begin(scene());
+  EXPECT_FALSE(host->GoOn());
+  client.Send("claim\n");
+  EXPECT_THAT(client.Line(), HasSubstr("0 \"\" 7"));
+  EXPECT_TRUE(host->CloseClient("robot2", world_.board.Owners()[1].id, "released by ana"));
+  EXPECT_THAT(client.Line(), HasSubstr("released by ana"));
+  EXPECT_FALSE(host->CloseClient("robot1000", 1, "released by ana")) << "it is still to come";
+}
+
+TEST_F(RobotHostTest, AnotherSceneTakesOverWhatHasCome) {
+  const auto host = Start(Options());
+  TestClient one = Connect("/robot1/motors"), two = Connect("/robot2/motors");
+  LoadSwarm(1000);
+  host->Begin(scene());
+  EXPECT_FALSE(host->GoOn());
+  Load(SmallScenario(1));
+  host->Begin(scene());
+  Load(SmallScenario(3));
+  host->Begin(scene());
+  while (!host->GoOn()) continue;
+  ASSERT_EQ(host->robots().size(), 3U);
+  EXPECT_EQ(names_.List().size(), 12U);
+  one.Send("claim\n");
+  EXPECT_THAT(one.Line(), HasSubstr("0 \"\" 7"));
+  EXPECT_THAT(two.Line(), HasSubstr("robot2 is not in the new scenario")) << "in between it was not";
+  TestClient again = Connect("/robot2/motors");
+  again.Send("claim\n");
+  EXPECT_THAT(again.Line(), HasSubstr("0 \"\" 7"));
+}
+
+TEST_F(RobotHostTest, AStopBetweenSlicesEndsWhatHasComeAndWhatIsToLeave) {
+  const auto host = Start(Options());
+  LoadSwarm(1000);
+  host->Begin(scene());
+  EXPECT_FALSE(host->GoOn());
+  Load(SmallScenario(0));
+  host->Begin(scene());
+  host->Stop();
+  EXPECT_TRUE(names_.List().empty());
+  EXPECT_TRUE(host->GoOn());
+  EXPECT_TRUE(host->robots().empty());
 }
 
 TEST_F(RobotHostTest, OwnerIsClosedWithTheReason) {
