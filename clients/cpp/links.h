@@ -75,6 +75,10 @@ struct RobotLink {
   void Settle();
   /// Whether the robot steps with the session. One that was only looked at is taken now if nobody has it.
   bool TakesPart();
+  /// The reply to the last command has come.
+  bool IsFree();
+  /// What was kept, or `ready`, for n steps.
+  void SendStep(int n);
   /// Gives up the robot if it was only looked at, so that a team can have it.
   bool LetGo();
   /// The daemon closed the connection to the motors.
@@ -107,6 +111,7 @@ struct RobotLink {
   bool commanded = false;             // by this program, ever
   bool unclaimed = false;             // only looked at: when it was last asked for a recording was played, or
   bool another = false;               // another had it; then not asked for again before it is commanded
+  bool beside = false;                // takes no part in lockstep: no step of ours waits for its reply
   bool in_team = false;               // a team of ours drives it: for reading only
   bool by_channel = false;            // the robot's channel drives it
   std::vector<std::string> attached;  // types of modules, in the order of their readings
@@ -121,7 +126,7 @@ struct RobotLink {
   void Claim();
   /// Lets its channel have it.
   void GiveToChannel();
-  bool AwaitCommand();
+  bool AwaitCommand(double wait_s);
   /// Has every reply to get_time bring the readings of these modules.
   void AttachTo(Connection& connection, const std::vector<std::string>& types) const;
   void Attach();

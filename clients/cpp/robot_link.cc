@@ -165,7 +165,7 @@ void RobotLink::Claim() {
 void RobotLink::Settle() {
   if (lost) throw Error(*lost);
   if (!motors->is_open() || (motors->busy() && !sent)) OpenMotors();
-  if (!sent || AwaitCommand()) return;
+  if (!sent || AwaitCommand(kCommandWait_s)) return;
   // No reply: in lockstep it comes after the step only. Take the command back, and keep it.
   if (session.AskMode() == kLockstep) {
     if (!kept) kept = sent;
@@ -195,6 +195,18 @@ bool RobotLink::TakesPart() {
   return !unclaimed;
 }
 
+bool RobotLink::IsFree() {
+  return !sent || AwaitCommand(0);
+}
+
+void RobotLink::SendStep(int n) {
+  sent = kept ? std::move(*kept) : Command{command::kReady, {}};
+  sent_at = session.reached();
+  kept.reset();
+  carried.reset();
+  motors->Send(sent->id, sent->joints.empty() ? std::vector<std::int32_t>{n} : sent->joints, sent->data);
+}
+
 bool RobotLink::LetGo() {
   if (!motors || commanded || unclaimed || lost) return false;
   Settle();
@@ -204,8 +216,8 @@ bool RobotLink::LetGo() {
   return true;
 }
 
-bool RobotLink::AwaitCommand() {
-  const Deadline deadline = After(kCommandWait_s);
+bool RobotLink::AwaitCommand(double wait_s) {
+  const Deadline deadline = After(wait_s);
   while (true) {
     std::optional<Message> reply;
     try {
@@ -257,7 +269,7 @@ void RobotLink::Actuate(std::int32_t command, std::vector<double> data, std::vec
     Lose(e);
   }
   sent = Command{command, std::move(data), std::move(joints)};
-  AwaitCommand();
+  AwaitCommand(kCommandWait_s);
   told_at = session.steps();
 }
 

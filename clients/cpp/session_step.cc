@@ -25,9 +25,11 @@ constexpr std::size_t kNamedRobots = 4;
 constexpr std::size_t kFew = 8, kAtOnce = 256;
 constexpr double kGlance_s = 0.01;
 
+constexpr auto IsDone = [](const auto& waiting) { return waiting.done; };
+
 }  // namespace
 
-/// The connections that step, settled.
+/// The connections that step, settled. Robots beside get their commands, if the reply to the last has come.
 std::vector<Session::Waiting> Session::WhoSteps(const TeamRequest& command) {
   std::vector<Waiting> waiting, of_teams;
   for (const auto& link : links_) link->unstepped = 0;
@@ -43,7 +45,19 @@ std::vector<Session::Waiting> Session::WhoSteps(const TeamRequest& command) {
     }
     std::erase_if(teams_, [](const auto& team) { return team->lost.has_value(); });
     for (const auto& link : links_) {
-      if (link->TakesPart()) waiting.push_back({link->motors.get(), link.get()});
+      if (!link->beside && link->TakesPart()) waiting.push_back({link->motors.get(), link.get()});
+    }
+    const bool others = !waiting.empty() || !of_teams.empty();
+    for (const auto& link : links_) {
+      if (!link->beside || (others && !link->IsFree()) || !link->TakesPart()) continue;
+      link->beside = others;  // else nobody else of ours makes the step
+      if (!others) waiting.push_back({link->motors.get(), link.get()});
+      if (!others || !link->kept) continue;
+      try {
+        link->SendStep(1);
+      } catch (const Closed& e) {
+        link->Lose(e);
+      }
     }
     waiting.insert(waiting.end(), of_teams.begin(), of_teams.end());
   }
@@ -68,14 +82,11 @@ void Session::Step(int n, double timeout_s, const TeamRequest& team_request) {
         w.connection->Send(command::kStepAll, {}, team_request.values, team_request.text);
         continue;
       }
-      Command command{command::kReady, {}};
       if (w.link != nullptr) {
-        if (w.link->kept) command = std::move(*w.link->kept);
-        w.link->kept.reset();
-        w.link->carried.reset();
+        w.link->SendStep(n);
+      } else {
+        w.connection->Send(command::kReady, {n});
       }
-      if (command.joints.empty()) command.joints = {n};
-      w.connection->Send(command.id, std::move(command.joints), command.data);
     }
     replies = Collect(waiting, timeout_s);
   } catch (const Error& e) {
@@ -88,6 +99,7 @@ void Session::Step(int n, double timeout_s, const TeamRequest& team_request) {
 /// Takes in a reply; an error reply is thrown.
 void Session::TakeIn(Waiting& w, Message reply, Replies& replies) {
   w.done = true;
+  if (w.link != nullptr) w.link->sent.reset();
   if (reply.error != 0) {
     if (w.team != nullptr) w.team->stale = true;  // a robot may have been taken from it
     const std::string who = w.team != nullptr ? w.team->label() : w.link != nullptr ? w.link->robot : "";
@@ -130,6 +142,8 @@ Session::Replies Session::Collect(std::vector<Waiting>& waiting, double timeout_
   Replies replies{{}, std::numeric_limits<std::int64_t>::max()};
   const Deadline deadline = After(timeout_s, start);
   Deadline notice_at = After(kNoticeAfter_s, start), catch_up_at = Deadline::max();
+  const bool any_beside = std::any_of(links_.begin(), links_.end(), [](auto& link) { return link->beside; });
+  if (any_beside) catch_up_at = After(kCatchUpAfter_s, start);  // one of them may take part now
   const bool drives = waiting.front().link != nullptr || waiting.front().team != nullptr;
   std::vector<int> missing;
   /// True if the one that is kAtOnce further on has come.
@@ -157,6 +171,10 @@ Session::Replies Session::Collect(std::vector<Waiting>& waiting, double timeout_
     if (now >= catch_up_at) {
       catch_up_at = After(kCatchUpAfter_s, now);
       CatchUp(waiting);
+      if (std::all_of(waiting.begin(), waiting.end(), IsDone)) {
+        replies.earliest = std::min(replies.earliest, steps_);
+        return replies;
+      }
     }
     if (any && missing.size() > kFew) {
       all = !glance([&](std::size_t i) { return missing[i]; }, missing.size());
@@ -169,7 +187,9 @@ Session::Replies Session::Collect(std::vector<Waiting>& waiting, double timeout_
 /// After an error or a timeout a command that had not run may still run while its successor is on the way:
 /// its robot is then one step behind the others, and each would wait for the other for ever. The world says
 /// whether it waits for robots of ours that have stepped already: these go on by one step with what they
-/// have. If it waits for one whose reply has not come, too, then that reply is on its way.
+/// have. If it waits for one whose reply has not come, too, then that reply is on its way. A robot that takes
+/// no part (among the first that the status lists) is set beside, as its command may have come after the
+/// others' step: it runs in the next.
 void Session::CatchUp(std::vector<Waiting>& waiting) {
   std::set<std::string> awaited;
   const Json status = FreshStatus();
@@ -184,6 +204,27 @@ void Session::CatchUp(std::vector<Waiting>& waiting) {
       return w.team != nullptr && w.team->playing.empty() && w.team->Has(robot);
     });
   };
+  const std::int64_t before = reached_;
+  std::vector<RobotLink*> joining;
+  for (const auto& link : links_) {
+    if (link->beside && link->IsFree() && is_awaited({link->motors.get(), link.get()}))
+      joining.push_back(link.get());
+  }
+  const bool has_stepped = reached_ > before || std::any_of(waiting.begin(), waiting.end(), IsDone);
+  for (const Json& robot : status["robots"].items()) {
+    const Json& participates = robot["participates"];
+    if (!has_stepped || participates.is_null() || participates.boolean()) continue;
+    for (const auto& link : links_) link->beside |= link->motors && link->robot == robot["name"].text();
+  }
+  std::erase_if(waiting,
+                [](const Waiting& w) { return w.link != nullptr && w.link->beside && w.link->sent; });
+  for (RobotLink* link : joining) {
+    link->beside = false;
+    if (has_stepped) continue;
+    waiting.push_back({link->motors.get(), link});
+    link->SendStep(1);
+  }
+  if (std::all_of(waiting.begin(), waiting.end(), IsDone)) return;
   if (std::any_of(waiting.begin(), waiting.end(), [&](auto& w) { return !w.done && is_awaited(w); })) return;
   std::size_t stepped = 0;
   for (const Waiting& w : waiting) {

@@ -1801,6 +1801,7 @@ class _Link:
         self.commanded = False  # by this program, ever
         self.unclaimed = False  # only read: a recording was played when it was last asked for, or
         self.another = False  # another program had it; it is asked for again with the next command
+        self.beside = False  # it takes no part in lockstep: the steps of our other robots do not wait for its replies
         self.attached: Dict[str, str] = {}  # modules by type, or those of joints by name, in the order of their readings
         self.carried: Optional[Message] = None  # the readings that came with the reply to the last step
         self.labels: Tuple[int, float, List[int], List[str]] = (-1, 0.0, [], [])  # step, when, ids, colours
@@ -2336,10 +2337,10 @@ class _Session:
                 raise self.lose(link, e) from None
             link.sent = None
 
-    def await_command(self, link: _Link) -> bool:
+    def await_command(self, link: _Link, wait_s: float = _COMMAND_WAIT_S) -> bool:
         """Waits a moment for the reply to a command; True if it came."""
         assert link.motors is not None and link.motors.sock is not None
-        deadline = _clock.monotonic() + _COMMAND_WAIT_S
+        deadline = _clock.monotonic() + wait_s
         while True:
             try:
                 reply = link.motors.try_read()
@@ -2587,7 +2588,7 @@ class _Session:
                 if other is team or other.lost is None and other.names:
                     raise  # the others go on without one that is lost, or whose robots are another's after a load
         self.teams = [other for other in self.teams if other.lost is None]
-        driven = [] if self.watch else [link for link in self.links if self.takes_part(link)]
+        driven = self.who_steps(bool(teams))
         if not (driven or teams):
             connection = self.connection(_SIMULATION)
             waiting[connection] = None
@@ -2595,11 +2596,7 @@ class _Session:
         else:
             try:
                 for link in driven:
-                    assert link.motors is not None
-                    command, joints, data = link.kept or (_READY, (), ())
-                    link.kept = link.carried = None
-                    waiting[link.motors] = link
-                    link.motors.send(encode(command, joints or (n,), data))
+                    self.send_step(link, n, waiting)
                 for other in teams:
                     waiting[other.connection] = other
                     other.connection.send(frame if other is team else encode(_READY, (n,)))
@@ -2612,6 +2609,41 @@ class _Session:
             raise self.give_up(waiting, e) from None
         self.go_on(earliest, since)
 
+    def who_steps(self, with_teams: bool) -> List[_Link]:
+        """The robots whose replies a step awaits. Those beside get their commands, if the reply to the last has come."""
+        if self.watch:
+            return []
+        driven = [link for link in self.links if not link.beside and self.takes_part(link)]
+        for link in self.links:
+            if not link.beside:
+                continue
+            if not (driven or with_teams):  # nobody else of ours makes the step
+                link.beside = False
+            elif not self.is_free(link):
+                continue
+            if self.takes_part(link):
+                if not link.beside:
+                    driven.append(link)
+                elif link.kept:
+                    try:
+                        self.send_step(link, 1, {})
+                    except _Closed as e:
+                        raise self.lose(link, e) from None
+        return driven
+
+    def is_free(self, link: _Link) -> bool:
+        """The reply to its last command has come."""
+        return link.sent is None or self.await_command(link, 0)
+
+    def send_step(self, link: _Link, n: int, waiting: Dict[_Connection, Optional[_Driven]]) -> None:
+        """What was kept, or `ready`."""
+        assert link.motors is not None
+        link.sent, link.sent_at = link.kept or _Command(_READY, (), ()), self.reached
+        link.kept = link.carried = None
+        waiting[link.motors] = link
+        command, joints, data = link.sent
+        link.motors.send(encode(command, joints or (n,), data))
+
     def collect(self, waiting: Dict[_Connection, Optional[_Driven]], timeout: Optional[float]) -> int:
         """Takes in the reply of every connection in `waiting`, which is empty then; returns the earliest step that they tell.
         The first error is raised."""
@@ -2619,6 +2651,8 @@ class _Session:
         stepped: List[_Driven] = []
         earliest = sys.maxsize
         catch_up_at = math.inf
+        if any(link.beside for link in self.links):  # one of them may take part now
+            catch_up_at = _clock.monotonic() + _CATCH_UP_AFTER_S
 
         def glance(count: int) -> bool:
             """True if the reply that is _AT_ONCE further on has come, among the first `count`."""
@@ -2639,6 +2673,7 @@ class _Session:
                 del waiting[connection]
                 if link is not None:
                     stepped.append(link)
+                    link.sent = None
                     catch_up_at = _clock.monotonic() + _CATCH_UP_AFTER_S
                 if reply.error:
                     if isinstance(link, _TeamLink):
@@ -2660,6 +2695,8 @@ class _Session:
             if wait.now >= catch_up_at:
                 catch_up_at = wait.now + _CATCH_UP_AFTER_S
                 self.catch_up(stepped, waiting)
+                if not waiting:
+                    return min(earliest, self.steps)
             if progress and len(waiting) > _FEW:
                 every = not glance(len(waiting))
             else:
@@ -2669,10 +2706,24 @@ class _Session:
         """After an error or a timeout a command that had not run may still run while its successor is on the way: its
         robot is then one step behind the others, and they would wait for each other without end. So if the world waits for
         robots of ours that have stepped already, these make one more step with the commands they have. If it also waits for
-        one whose reply has not come, that reply is on its way and there is nothing to do."""
+        one whose reply has not come, that reply is on its way and there is nothing to do. A robot that takes no part (among
+        the first that the status lists) is set beside, as its command may have come after the others' step: it runs in the
+        next."""
         status = self.fresh_status()
         awaited = {a["robot"] for a in status.get("awaiting") or []}  # the first of them
-        if any(link is not None and link.is_among(awaited) for link in waiting.values()):
+        before = self.reached
+        joining = [own for own in self.links if own.beside and self.is_free(own) and own.is_among(awaited)]
+        has_stepped = bool(stepped) or self.reached > before
+        takes_no_part = {robot["name"] for robot in status.get("robots") or [] if not robot.get("participates", True)}
+        for own in self.links:
+            if has_stepped and own.motors is not None and own.robot in takes_no_part:
+                own.beside = True
+                waiting.pop(own.motors, None)
+        for own in joining:
+            own.beside = False
+            if not has_stepped:
+                self.send_step(own, 1, waiting)
+        if not waiting or any(link is not None and link.is_among(awaited) for link in waiting.values()):
             return
         if int(status.get("awaiting_count") or 0) > max(len(awaited), sum(link.robots() for link in stepped)):
             return

@@ -48,6 +48,29 @@ TEST(RunningTwice, TheSameClientNameTakesOverAndTheOldOneIsTold) {
   EXPECT_EQ(robot.get_pose().forward, 0.1);
 }
 
+TEST(Beside, RobotsThatTakeNoPartSetOffNoStepOfTheirOwn) {
+  const auto daemon = ServerProcess::Real("formation", {"--mode", "lockstep"});
+  auto sim = connect(daemon.server());
+  std::vector<Robot> robots;
+  for (int i = 1; i <= 3; ++i) robots.push_back(sim.robot(i));
+  for (const std::vector<std::string>& names :
+       {{"robot1"}, {"robot1", "robot3"}, std::vector<std::string>{"robot2"}}) {
+    sim.set_participants(names);
+    std::vector<Pose> poses;
+    for (Robot& robot : robots) poses.push_back(robot.get_pose());
+    for (int i = 0; i < 20; ++i) {
+      const auto before = sim.steps();
+      for (Robot& robot : robots) robot.set_velocity(0.1, 0.05);
+      sim.step();
+      EXPECT_EQ(sim.steps(), before + 1);
+    }
+    for (std::size_t i = 0; i < robots.size(); ++i) {
+      const Pose pose = robots[i].get_pose();
+      EXPECT_GT(std::hypot(pose.x - poses[i].x, pose.y - poses[i].y), 0.01);
+    }
+  }
+}
+
 TEST(RunningTwice, AnotherClientIsToldWhoOwnsTheRobot) {
   const auto daemon = ServerProcess::Fake({});
   auto sim = connect(daemon.server(), {.name = "ana"});

@@ -126,6 +126,24 @@ class Stepping(DaemonTestCase):
                 self.assertEqual(team.step((0.1, 0.1), timeout=60).step, k + 1)
 
 
+class Beside(DaemonTestCase):
+    def test_robots_that_take_no_part_set_off_no_step_of_their_own(self):
+        sim = self.connect(self.start("formation", "--mode", "lockstep"))
+        robots = [sim.robot(f"robot{i + 1}") for i in range(3)]
+        for participants, names in ((["robot1"], "one of them"), (["robot1", "robot3"], "another joins"), (["robot2"], "only a third")):
+            with self.subTest(names):
+                sim.set_participants(participants)
+                poses = [robot.get_pose() for robot in robots]
+                for _ in range(20):
+                    before = sim.steps
+                    for robot in robots:
+                        robot.set_velocity(0.1, 0.05)
+                    sim.step()
+                    self.assertEqual(sim.steps, before + 1)
+                for robot, pose in zip(robots, poses):
+                    self.assertGreater(math.dist(robot.get_pose()[:2], pose[:2]), 0.01)
+
+
 class Waiting(DaemonTestCase):
     def test_next_with_nobody_stepping_says_once_whom_for(self):
         daemon = self.start(harness.scenario_of(2))

@@ -21,6 +21,7 @@ classdef Link < handle
     commanded = false  % by this program, ever
     unclaimed = false  % only read: a recording was played when it was last asked for, or
     another = false    % another program had it; it is asked for again with the next command
+    beside = false     % takes no part in lockstep: no step of ours waits for its reply
     kept = []          % {command, data, joints or the like}, for the next step
     sent = []          % the same of a command whose reply has not come yet
     sent_at = 0        % the newest step when it was sent
@@ -168,7 +169,7 @@ classdef Link < handle
       if isempty(c.socket) || (c.busy && isempty(link.sent))  % interrupted, or never opened again
         link.open(session);
       end
-      if isempty(link.sent) || link.await_command(session)
+      if isempty(link.sent) || link.await_command(session, 0.08)
         return
       end
       % No reply: in lockstep it comes after the step only. Take the command back, and keep it.
@@ -186,8 +187,13 @@ classdef Link < handle
       end
     end
 
-    function came = await_command(link, session)
-    % Waits at most 0.1 s for the reply to a command.
+    function yes = is_free(link, session)
+    % The reply to its last command has come.
+      yes = isempty(link.sent) || link.await_command(session, 0);
+    end
+
+    function came = await_command(link, session, wait_s)
+    % Waits a moment for the reply to a command.
       c = link.motors;
       started = [];
       while true
@@ -204,10 +210,10 @@ classdef Link < handle
           session.go_on(reply.data(end), link.sent_at);
           return
         end
-        if isempty(started)
-          started = tic;
-        elseif toc(started) > 0.08
+        if wait_s == 0 || ~isempty(started) && toc(started) > wait_s
           return
+        elseif isempty(started)
+          started = tic;
         end
         pause(0.001);
       end
@@ -255,8 +261,19 @@ classdef Link < handle
         coopdyn.internal.lose(session, link, cause);
       end
       link.sent = {number, data, joints};
-      link.await_command(session);
+      link.await_command(session, 0.08);
       link.told_at = session.newest(2);
+    end
+
+    function send_step(link, session)
+    % Without waiting for the reply.
+      link.sent_at = session.reached;
+      [number, bytes] = link.frame(1);
+      try
+        link.motors.send(number, bytes);
+      catch cause
+        coopdyn.internal.lose(session, link, cause);
+      end
     end
 
     function [number, bytes] = frame(link, n)
@@ -265,11 +282,13 @@ classdef Link < handle
       link.carried = [];
       kept = link.kept;
       if isempty(kept)
+        link.sent = {2, [], []};
         number = 2;
         bytes = typecast(int32([24 0 2 0 1 0 n]), 'uint8');
         return
       end
       link.kept = [];
+      link.sent = kept;
       number = kept{1};
       data = kept{2};
       if ~isempty(kept{3})
@@ -285,6 +304,7 @@ classdef Link < handle
 
     function step = stepped(link, session, reply)
     % Takes in the reply to a step; the step that it tells.
+      link.sent = [];
       if reply.error ~= 0
         coopdyn.internal.check_reply(reply, [link.robot ': ']);
       end

@@ -9,7 +9,7 @@ function earliest = collect(s, connections, links, limit, come)
   waiting = come + 1:numel(connections);
   stepped = 1:come;
   stepped_s = Inf;
-  if come > 0
+  if come > 0 || any(cellfun(@(link) link.beside, s.links))  % one of those may take part now
     stepped_s = 0;
   end
   wait = [];
@@ -49,24 +49,49 @@ function earliest = collect(s, connections, links, limit, come)
     patient = wait.patient;
     if wait.now_s - stepped_s > 0.1
       stepped_s = wait.now_s;
-      behind = catch_up(s, connections, links, stepped, waiting);
+      [connections, links, waiting, behind] = catch_up(s, connections, links, stepped, waiting);
       stepped = setdiff(stepped, behind);
       waiting = [waiting behind]; %#ok<AGROW>
+      if isempty(waiting)
+        earliest = min(earliest, s.newest(2));
+        return
+      end
     end
   end
 end
 
-function again = catch_up(s, connections, links, stepped, waiting)
+function [connections, links, waiting, again] = catch_up(s, connections, links, stepped, waiting)
 % After an error or a timeout a command that had not run may still run while its successor is on the way: its robot
 % is then one step behind the others, and they would wait for each other without end. So if the world waits for robots
 % of ours that have stepped already, these make one more step with the commands they have. If it also waits for one
-% whose reply has not come, that reply is on its way and there is nothing to do.
+% whose reply has not come, that reply is on its way and there is nothing to do. A robot that takes no part (among the
+% first that the status lists) is set beside, as its command may have come after the others' step: it runs in the next.
   again = [];
   status = coopdyn.internal.fresh_status(s.address);
   if isempty(status.awaiting)
     return
   end
   awaited = {status.awaiting.robot};
+  before = s.reached;
+  joining = s.links(cellfun(@(link) link.beside && link.is_free(s) && is_among(link, awaited), s.links));
+  has_stepped = ~isempty(stepped) || s.reached > before;
+  if has_stepped
+    set_beside(s, status.robots);
+    waiting = waiting(cellfun(@(link) isempty(link) || link.is_team || ~link.beside || isempty(link.sent), links(waiting)));
+  end
+  for k = 1:numel(joining)
+    link = joining{k};
+    link.beside = false;
+    if ~has_stepped
+      links{end + 1} = link; %#ok<AGROW>
+      connections{end + 1} = link.motors; %#ok<AGROW>
+      waiting(end + 1) = numel(links); %#ok<AGROW>
+      link.send_step(s);
+    end
+  end
+  if isempty(waiting)
+    return
+  end
   for j = waiting
     if ~isempty(links{j}) && is_among(links{j}, awaited)
       return
@@ -95,6 +120,21 @@ function again = catch_up(s, connections, links, stepped, waiting)
     c = connections{j};
     c.send(number, coopdyn.internal.encode(number, steps, []));
     again(end + 1) = j; %#ok<AGROW>
+  end
+end
+
+function set_beside(s, robots)
+  if ~iscell(robots)
+    robots = num2cell(robots);
+  end
+  robots = robots(cellfun(@(robot) isfield(robot, 'participates') && ~robot.participates, robots));
+  names = cellfun(@(robot) robot.name, robots, 'UniformOutput', false);
+  for k = 1:numel(s.links)
+    link = s.links{k};
+    if ~link.beside && ~isempty(link.motors) && ismember(link.robot, names)
+      link.beside = true;
+      link.sent_at = s.reached;
+    end
   end
 end
 

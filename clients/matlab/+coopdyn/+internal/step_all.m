@@ -22,12 +22,29 @@ function step_all(s, n, limit, commanded, bytes)
       s.drop_lost_teams();
     end
     driven = s.links;
+    beside = {};
     for k = 1:numel(driven)
       link = driven{k};
       c = link.motors;
-      if link.drives && isempty(link.sent) && ~c.busy && ~isempty(c.socket) || link.takes_part(s)
+      if link.beside
+        beside{end + 1} = link; %#ok<AGROW>
+      elseif link.drives && isempty(link.sent) && ~c.busy && ~isempty(c.socket) || link.takes_part(s)
         links{end + 1} = link; %#ok<AGROW>
         connections{end + 1} = c; %#ok<AGROW>
+      end
+    end
+    others = ~isempty(links) || ~isempty(settled);
+    for k = 1:numel(beside)
+      link = beside{k};
+      if (others && ~link.is_free(s)) || ~link.takes_part(s)
+        continue
+      end
+      link.beside = others;  % else nobody else of ours makes the step
+      if ~others
+        links{end + 1} = link; %#ok<AGROW>
+        connections{end + 1} = link.motors; %#ok<AGROW>
+      elseif ~isempty(link.kept)
+        link.send_step(s);
       end
     end
     for k = 1:numel(settled)
