@@ -137,6 +137,7 @@ std::string Daemon::Start() {
     const std::string error = recordings_.StartFile(options_.record.file, options_.record.force);
     if (!error.empty()) return error;
   }
+  if (name_server_ != nullptr) name_server_->Serve();
   physics_ = std::jthread([this](const std::stop_token& stop) {
     pthread_setname_np(pthread_self(), "physics");
     RunWorld(stop);

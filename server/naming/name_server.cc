@@ -126,6 +126,10 @@ struct NameServer::Impl : std::enable_shared_from_this<NameServer::Impl> {
     fd.Release();
     clients.insert(client);
     count = clients.size();
+    if (serves) Serve(client);
+  }
+
+  void Serve(const std::shared_ptr<Client>& client) {
     asio::co_spawn(context, Talk(client),
                    [weak = weak_from_this(), client](const std::exception_ptr& thrown) {
                      if (const auto impl = weak.lock()) impl->Forget(client);
@@ -183,6 +187,7 @@ struct NameServer::Impl : std::enable_shared_from_this<NameServer::Impl> {
   const std::string advertise;
   const NameHooks hooks;
   Listener listener;
+  bool serves = false;  // io thread
   std::set<std::shared_ptr<Client>> clients;
   std::atomic<std::size_t> count{0};
 };
@@ -204,6 +209,15 @@ std::string NameServer::Listen(const std::vector<std::string>& addresses, int po
   const std::string missing = impl_->listener.ListenLocal(LocalName(impl_->listener.port()));
   if (!missing.empty()) impl_->services.logger()->info("{}; programs of this machine use TCP", missing);
   return {};
+}
+
+void NameServer::Serve() {
+  asio::post(impl_->context, [weak = std::weak_ptr(impl_)] {
+    const auto impl = weak.lock();
+    if (impl == nullptr) return;
+    impl->serves = true;
+    for (const auto& client : impl->clients) impl->Serve(client);
+  });
 }
 
 int NameServer::port() const {

@@ -27,6 +27,7 @@ class NameClientTest : public ::testing::Test {
 
 TEST_F(NameClientTest, RegistersAndUnregistersAllAtItsEnd) {
   ASSERT_EQ(names_->Listen({"127.0.0.1"}, 0), "");
+  names_->Serve();
   {
     NameClient client("127.0.0.1", names_->port(), NullLogger());
     for (int i = 1; i <= 10; ++i)
@@ -49,6 +50,7 @@ TEST_F(NameClientTest, TriesAgainUntilTheServerIsThere) {
   client.Register("/robot1/motors", "", 10'002);
   EXPECT_EQ(client.pending(), 1U);
   ASSERT_EQ(names_->Listen({"127.0.0.1"}, port), "");
+  names_->Serve();
   EXPECT_TRUE(Eventually([&] { return table_.Find("/robot1/motors").has_value(); }));
   EXPECT_EQ(table_.Find("/robot1/motors")->ip, "127.0.0.1");
 }
@@ -57,6 +59,7 @@ TEST_F(NameClientTest, AServerThatWasStartedAgainGetsAllNamesAgain) {
   const HeldPort held;
   const int port = held.port();
   ASSERT_EQ(names_->Listen({"127.0.0.1"}, port), "");
+  names_->Serve();
   NameClient client("127.0.0.1", port, NullLogger(), std::chrono::milliseconds(10));
   client.Register("/robot1/motors", "", 10'002);
   client.Register("/robot1/pose", "", 10'003);
@@ -66,6 +69,7 @@ TEST_F(NameClientTest, AServerThatWasStartedAgainGetsAllNamesAgain) {
   NameTable after;
   thread_.Call([&] { names_ = std::make_unique<NameServer>(thread_.context(), after, services_); });
   ASSERT_EQ(names_->Listen({"127.0.0.1"}, port), "");
+  names_->Serve();
   EXPECT_TRUE(Eventually([&] { return after.List().size() == 2; }));
   EXPECT_EQ(after.Find("/robot1/pose")->port, 10'003);
   thread_.Call([this] { names_.reset(); });

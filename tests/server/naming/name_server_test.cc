@@ -21,6 +21,7 @@ class NameServerTest : public ::testing::Test {
  protected:
   NameServerTest() {
     EXPECT_EQ(names_->Listen({"127.0.0.1"}, 0), "");
+    names_->Serve();
     table_.AddOwn("/robot1/motors", 0, module_->adopter());
   }
   ~NameServerTest() override {
@@ -64,6 +65,18 @@ TEST_F(NameServerTest, AnswersSeveralRequestsOnOneConnection) {
   }
 }
 
+TEST_F(NameServerTest, WhoAsksBeforeItServesIsAnsweredWhenItDoes) {
+  auto starting = std::make_unique<NameServer>(names_thread_.context(), table_, services_);
+  ASSERT_EQ(starting->Listen({"127.0.0.1"}, 0), "");
+  TestClient client = TestClient::Connect(starting->port());
+  client.Send("NAME_SERVER query /late\n");
+  EXPECT_TRUE(Eventually([&] { return starting->session_count() == 1; }));
+  table_.AddOwn("/late", 0, module_->adopter());
+  starting->Serve();
+  EXPECT_EQ(client.Line(), "registration name /late ip 127.0.0.1 port 0 type tcp\r");
+  names_thread_.Call([&] { starting.reset(); });
+}
+
 TEST_F(NameServerTest, OpenTurnsTheConnectionIntoTheModules) {
   TestClient client = Connect();
   client.Send("list\nOPEN /robot1/motors\n");
@@ -99,6 +112,7 @@ TEST_F(NameServerTest, OnlyAServerOfLoopbackAloneHasAUnixSocket) {
   EXPECT_TRUE(ConnectLocal().ok());
   NameServer wide(names_thread_.context(), table_, services_);
   ASSERT_EQ(wide.Listen({"127.0.0.1", "127.0.0.2"}, 0), "");
+  wide.Serve();
   EXPECT_TRUE(TestClient::Connect(wide.port(), "127.0.0.2").ok());
   EXPECT_FALSE(TestClient::ConnectLocal(NameServer::LocalName(wide.port())).ok());
   names_thread_.Stop();
