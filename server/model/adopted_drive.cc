@@ -16,6 +16,11 @@ namespace {
 
 constexpr double kSame_m = 1e-3;
 
+/// A model may also say 0, nothing, or a number that is no limit.
+bool IsLimit(double value, double most) {
+  return value > 0 && value <= most;
+}
+
 class DriveAdopter {
  public:
   DriveAdopter(const tinyxml2::XMLElement& element, const std::string& file, RobotModel& robot,
@@ -26,43 +31,47 @@ class DriveAdopter {
         diagnostics_(diagnostics) {}
 
   void Adopt() {
-    JointModel* left = Find("left_joint");
-    JointModel* right = Find("right_joint");
-    if (left == nullptr || right == nullptr || left == right) return;
-    const auto left_wheel = WheelOf(*left), right_wheel = WheelOf(*right);
-    if (!left_wheel || !right_wheel) return;
-    Vector3 p_left = left_wheel->p_R, p_right = right_wheel->p_R;
-    if (p_left.y() < p_right.y()) return Leave("the left wheel is right of the right one: swap their names");
-    const double radius_m = left_wheel->radius_m;
-    if (std::abs(radius_m - right_wheel->radius_m) > kSame_m) return Leave("the wheels have different radii");
-    if (std::abs(p_left.x() - p_right.x()) > kSame_m || std::abs(p_left.z() - p_right.z()) > kSame_m)
-      return Leave("the wheels are not opposite each other: put both on one line along y");
-    for (JointModel* joint : {left, right}) {
-      if (std::abs(joint->axis_R.y()) < 1 - 1e-6)
-        return Leave("the axis of '" + joint->name +
+    const std::vector<Wheel> wheels = FindWheels();
+    const auto pair = FindPair(wheels);
+    if (!pair)
+      return Leave(
+          "no two of its wheels are opposite each other: name two of one radius on one line along y");
+    const auto& [left_wheel, right_wheel] = *pair;
+    for (const Wheel* wheel : {left_wheel, right_wheel}) {
+      JointModel& joint = JointOf(*wheel);
+      if (std::abs(joint.axis_R.y()) < 1 - 1e-6)
+        return Leave("the axis of '" + joint.name +
                      "' does not lie along y: write <xyz>0 1 0</xyz> in the model's frame");
-      if (joint->axis_R.y() < 0) Reverse(static_cast<int>(joint - robot_.joints.data()));
-      joint->axis_R = Vector3::UnitY();
-      joint->lower = -JointModel::kInfinity;
-      joint->upper = JointModel::kInfinity;
-      joint->damping = joint->friction = joint->stiffness = 0;
+      if (joint.axis_R.y() < 0) Reverse(wheel->joint);
+      joint.axis_R = Vector3::UnitY();
+      joint.lower = -JointModel::kInfinity;
+      joint.upper = JointModel::kInfinity;
+      joint.damping = joint.friction = joint.stiffness = 0;
     }
-    CoupleOthers("other_left_joints", static_cast<int>(left - robot_.joints.data()));
-    CoupleOthers("other_right_joints", static_cast<int>(right - robot_.joints.data()));
+    const Vector3 p_left = left_wheel->p_R, p_right = right_wheel->p_R;
+    const double radius_m = left_wheel->radius_m;
+    for (const Wheel& wheel : wheels) {
+      const bool is_left = wheel.p_R.y() > (p_left.y() + p_right.y()) / 2;
+      WarnSide(wheel, is_left);
+      if (wheel.joint != left_wheel->joint && wheel.joint != right_wheel->joint)
+        Couple(wheel.joint, is_left ? left_wheel->joint : right_wheel->joint);
+    }
     MoveOrigin({(p_left.x() + p_right.x()) / 2, (p_left.y() + p_right.y()) / 2, p_left.z() - radius_m});
-    FillMotors(*left, *right, radius_m);
-    robot_.actuators.push_back(
-        {"motors",
-         {static_cast<int>(left - robot_.joints.data()), static_cast<int>(right - robot_.joints.data())},
-         DriveModel{.wheel_radius_m = radius_m,
-                    .track_m = p_left.y() - p_right.y(),
-                    .max_wheel_speed_rad_s = left->max_velocity,
-                    .max_torque_nm = left->max_effort}});
+    FillMotors(JointOf(*left_wheel), JointOf(*right_wheel), radius_m);
+    const JointModel& left = JointOf(*left_wheel);
+    robot_.actuators.push_back({"motors",
+                                {left_wheel->joint, right_wheel->joint},
+                                DriveModel{.wheel_radius_m = radius_m,
+                                           .track_m = p_left.y() - p_right.y(),
+                                           .max_wheel_speed_rad_s = left.max_velocity,
+                                           .max_torque_nm = left.max_effort}});
   }
 
  private:
   struct Wheel {
-    Vector3 p_R;
+    int joint = 0;
+    bool is_named_left = false;
+    Vector3 p_R = Vector3::Zero();
     double radius_m = 0;
   };
 
@@ -70,15 +79,51 @@ class DriveAdopter {
     diagnostics_.Warning(where_, "the differential drive has no module 'motors', since " + why);
   }
 
-  JointModel* Find(const char* key) { return FindJoint(attributes_.Text(key).value_or("")); }
+  JointModel& JointOf(const Wheel& wheel) { return robot_.joints[static_cast<std::size_t>(wheel.joint)]; }
 
-  JointModel* FindJoint(const std::string& name) {
-    const auto found = std::ranges::find(robot_.joints, name, &JointModel::name);
-    if (found != robot_.joints.end() && found->kind == JointModel::Kind::kHinge &&
-        robot_.FindCoupling(static_cast<int>(found - robot_.joints.begin())) == nullptr)
-      return &*found;
-    Leave("there is no turning joint '" + name + "' that follows no other");
-    return nullptr;
+  void LeaveOut(const std::string& joint, const std::string& why) {
+    diagnostics_.Warning(where_, "the differential drive leaves out the wheel at '" + joint + "': " + why);
+  }
+
+  /// All that the plug-in names, the left ones first; what is no wheel is said.
+  std::vector<Wheel> FindWheels() {
+    std::vector<Wheel> wheels;
+    for (const std::string side : {"left", "right"}) {
+      std::vector<std::string> names = SplitWords(attributes_.Text("other_" + side + "_joints").value_or(""));
+      names.insert(names.begin(), attributes_.Text(side + "_joint").value_or(""));
+      for (const std::string& name : names) {
+        const auto found = std::ranges::find(robot_.joints, name, &JointModel::name);
+        const auto joint = static_cast<int>(found - robot_.joints.begin());
+        if (found == robot_.joints.end() || found->kind != JointModel::Kind::kHinge ||
+            robot_.FindCoupling(joint) != nullptr) {
+          LeaveOut(name, "there is no turning joint of this name that follows no other");
+        } else if (std::ranges::find(wheels, joint, &Wheel::joint) != wheels.end()) {
+          LeaveOut(name, "it is named twice");
+        } else if (auto wheel = WheelOf(joint)) {
+          wheel->is_named_left = side == "left";
+          wheels.push_back(*wheel);
+        } else {
+          LeaveOut(name, "its link has no cylinder or sphere about the axis: write one as <collision>");
+        }
+      }
+    }
+    return wheels;
+  }
+
+  /// The first two, left and right, that stand opposite each other; nothing if there are none.
+  std::optional<std::pair<const Wheel*, const Wheel*>> FindPair(const std::vector<Wheel>& wheels) {
+    for (const bool by_name : {true, false}) {
+      for (const Wheel& one : wheels) {
+        for (const Wheel& other : wheels) {
+          const Vector3 way = one.p_R - other.p_R;
+          if ((!by_name || one.is_named_left != other.is_named_left) && way.y() > kSame_m &&
+              std::abs(way.x()) <= kSame_m && std::abs(way.z()) <= kSame_m &&
+              std::abs(one.radius_m - other.radius_m) <= kSame_m)
+            return std::pair(&one, &other);
+        }
+      }
+    }
+    return std::nullopt;
   }
 
   /// Its positions count the other way, and what follows it goes on as before.
@@ -88,25 +133,32 @@ class DriveAdopter {
     }
   }
 
-  /// The wheels that the plug-in names after the first one turn as that does.
-  void CoupleOthers(const char* key, int leader) {
-    for (const std::string& name : SplitWords(attributes_.Text(key).value_or(""))) {
-      const JointModel* const other = FindJoint(name);
-      if (other == nullptr) continue;
-      const auto follower = static_cast<int>(other - robot_.joints.data());
-      const bool leads = std::ranges::count(robot_.couplings, follower, &CouplingModel::leader) > 0;
-      if (leads || std::abs(other->axis_R.y()) < 1 - 1e-6) {
-        diagnostics_.Warning(
-            where_, "the wheel at '" + name +
-                        "' is not driven: its axis must lie along y, and no other joint may follow it");
-      } else {
-        robot_.couplings.push_back({follower, leader, other->axis_R.y() < 0 ? -1.0 : 1.0, 0});
-      }
+  /// Gazebo goes by the names, and so turns such a model the other way.
+  void WarnSide(const Wheel& wheel, bool is_left) {
+    if (wheel.is_named_left == is_left) return;
+    const std::string right = is_left ? "left" : "right", wrong = is_left ? "right" : "left";
+    diagnostics_.Warning(where_, "the wheel at '" + JointOf(wheel).name + "' is named " + wrong +
+                                     " and is on the " + right + ", where y is " +
+                                     (is_left ? "larger" : "smaller") + ": it turns as a " + right +
+                                     " one; write <" + right + "_joint>");
+  }
+
+  /// The wheels beside the pair turn as that does.
+  void Couple(int follower, int leader) {
+    const JointModel& other = robot_.joints[static_cast<std::size_t>(follower)];
+    const bool leads = std::ranges::count(robot_.couplings, follower, &CouplingModel::leader) > 0;
+    if (leads || std::abs(other.axis_R.y()) < 1 - 1e-6) {
+      diagnostics_.Warning(
+          where_, "the wheel at '" + other.name +
+                      "' is not driven: its axis must lie along y, and no other joint may follow it");
+    } else {
+      robot_.couplings.push_back({follower, leader, other.axis_R.y() < 0 ? -1.0 : 1.0, 0});
     }
   }
 
   /// A round collision whose middle lies on the joint's axis; else what the plug-in says of the wheel.
-  std::optional<Wheel> WheelOf(const JointModel& joint) {
+  std::optional<Wheel> WheelOf(int index) {
+    const JointModel& joint = robot_.joints[static_cast<std::size_t>(index)];
     const LinkModel& link = robot_.links[static_cast<std::size_t>(joint.child)];
     const auto on_axis = [&joint](const Vector3& p) {
       const Vector3 d = p - joint.p_RJ;
@@ -115,19 +167,16 @@ class DriveAdopter {
     for (const LinkShape& collision : link.collisions) {
       const Pose X_RG = link.X_RL * collision.X_LG;
       if (!on_axis(X_RG.p)) continue;
-      if (const auto* sphere = std::get_if<Sphere>(&collision.shape)) return Wheel{X_RG.p, sphere->radius_m};
+      if (const auto* sphere = std::get_if<Sphere>(&collision.shape))
+        return Wheel{index, false, X_RG.p, sphere->radius_m};
       const auto* cylinder = std::get_if<Cylinder>(&collision.shape);
       if (cylinder != nullptr && std::abs((X_RG.q * Vector3::UnitZ()).dot(joint.axis_R)) > 1 - 1e-6)
-        return Wheel{X_RG.p, cylinder->radius_m};
+        return Wheel{index, false, X_RG.p, cylinder->radius_m};
     }
     const auto radius = attributes_.Number("radius", 1e-4, 1e3);
     const auto diameter = attributes_.Number("diameter", 1e-4, 1e3);
-    if (!radius && !diameter) {
-      Leave("the wheel '" + link.name +
-            "' has no cylinder or sphere about the axis of its joint: write one as <collision>");
-      return std::nullopt;
-    }
-    return Wheel{link.X_RL * link.X_LI.p, radius ? *radius : *diameter / 2};
+    if (!radius && !diameter) return std::nullopt;
+    return Wheel{index, false, link.X_RL * link.X_LI.p, radius ? *radius : *diameter / 2};
   }
 
   /// R's origin is `p` of before.
@@ -149,14 +198,14 @@ class DriveAdopter {
     double mass_kg = 0;
     for (const LinkModel& link : robot_.links) mass_kg += link.mass_kg;
     constexpr double kGravity_m_s2 = 9.81, kTopSpeed_m_s = 2;
-    const auto good = [](double x) { return std::isfinite(x) && x > 0; };
     double torque_nm = std::min(left.max_effort, right.max_effort);
-    if (const auto given = attributes_.Number("torque", 1e-9, 1e6); given && !good(torque_nm))
+    if (const auto given = attributes_.Number("torque", 1e-9, kMaxMotorEffort);
+        given && !IsLimit(torque_nm, kMaxMotorEffort))
       torque_nm = *given;
-    if (!good(torque_nm) || torque_nm > 1e6) torque_nm = 0.5 * mass_kg * kGravity_m_s2 * radius_m;
+    if (!IsLimit(torque_nm, kMaxMotorEffort)) torque_nm = 0.5 * mass_kg * kGravity_m_s2 * radius_m;
     double speed_rad_s = std::min(left.max_velocity, right.max_velocity);
-    if (!good(speed_rad_s) || speed_rad_s > 1e4) speed_rad_s = kTopSpeed_m_s / radius_m;
-    if (!good(left.max_effort) || !good(left.max_velocity)) {
+    if (!IsLimit(speed_rad_s, kMaxMotorVelocity)) speed_rad_s = kTopSpeed_m_s / radius_m;
+    if (!IsLimit(left.max_effort, kMaxMotorEffort) || !IsLimit(left.max_velocity, kMaxMotorVelocity)) {
       diagnostics_.Warning(where_, "the wheels' joints say no <effort> or <velocity>: each motor has " +
                                        FormatNumber(std::round(torque_nm * 1e3) / 1e3) +
                                        " N m and turns at " +
@@ -196,8 +245,8 @@ void AdoptJoint(const tinyxml2::XMLElement& element, const std::string& file, Ro
     return;
   }
   constexpr double kEffort = 100, kVelocity = 10;
-  const bool no_effort = !std::isfinite(found->max_effort) || found->max_effort <= 0;
-  const bool no_velocity = !std::isfinite(found->max_velocity) || found->max_velocity <= 0;
+  const bool no_effort = !IsLimit(found->max_effort, kMaxMotorEffort);
+  const bool no_velocity = !IsLimit(found->max_velocity, kMaxMotorVelocity);
   if (no_effort) found->max_effort = attributes.Number("effort", 1e-9, 1e6).value_or(kEffort);
   if (no_velocity) found->max_velocity = kVelocity;
   if (no_effort || no_velocity) {

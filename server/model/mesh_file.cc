@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "server/model/mesh_file.h"
 
+#include <algorithm>
+#include <array>
 #include <fstream>
+#include <map>
 #include <span>
 #include <utility>
 
@@ -50,6 +53,26 @@ std::optional<std::string> Supply(bool is_texture, const std::string& name, cons
 std::uint64_t Mix(std::uint64_t hash, std::span<const std::uint8_t> bytes) {
   for (const std::uint8_t byte : bytes) hash = (hash ^ byte) * 0x100000001b3;
   return hash;
+}
+
+/// Whether the triangles close a solid, so that each edge is run along as often both ways, and look into it.
+bool LooksInward(const MeshParts& parts) {
+  using Point = std::array<double, 3>;  // exporters write a corner once for each face
+  double volume = 0;
+  for (const auto& [a, b, c] : parts.triangles) {
+    volume += parts.vertices[a].dot(parts.vertices[b].cross(parts.vertices[c]));
+  }
+  if (!(volume < 0)) return false;
+  std::map<std::pair<Point, Point>, int> edges;
+  for (const auto& triangle : parts.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vector3 &p = parts.vertices[triangle[i]], &q = parts.vertices[triangle[(i + 1) % 3]];
+      const Point from{p.x(), p.y(), p.z()}, to{q.x(), q.y(), q.z()};
+      if (from < to) ++edges[{from, to}];
+      if (to < from) --edges[{to, from}];
+    }
+  }
+  return std::ranges::all_of(edges, [](const auto& edge) { return edge.second == 0; });
 }
 
 constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -118,6 +141,10 @@ std::optional<ModelMesh> LoadMesh(const std::filesystem::path& file, const Vecto
     return std::nullopt;
   }
   for (const std::string& warning : read->warnings) diagnostics.Warning(where, name + warning);
+  if (LooksInward(read->parts)) {
+    diagnostics.Warning(where, name + "its triangles look inwards: they are turned");
+    for (auto& triangle : read->parts.triangles) std::swap(triangle[1], triangle[2]);
+  }
   return MakeModelMesh(std::move(read->parts));
 }
 

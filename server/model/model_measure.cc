@@ -70,6 +70,10 @@ const std::vector<LinkShape>& Body(const LinkModel& link, bool has_collisions) {
   return has_collisions ? link.collisions : link.visuals;
 }
 
+bool Collides(const RobotModel& robot) {
+  return std::ranges::any_of(robot.links, [](const LinkModel& link) { return !link.collisions.empty(); });
+}
+
 /// Lifts a model of another program onto the floor.
 void Lift(ModelReading& reading, double low_m) {
   RobotModel& robot = reading.robot;
@@ -77,9 +81,20 @@ void Lift(ModelReading& reading, double low_m) {
   for (JointModel& joint : robot.joints) joint.p_RJ.z() -= low_m;
   for (FrameModel& frame : robot.frames) frame.X_RF.p.z() -= low_m;
   robot.p_MR.z() += low_m;
-  if (low_m < -1e-3 && !reading.source.in_world) {
+  if (low_m < -1e-3) {
     reading.Warn(1, "the model reaches " + FormatNumber(std::round(-low_m * 1e4) / 1e4) +
                         " m below its origin: it stands that much higher, on the floor");
+  }
+}
+
+void RefuseBelowFloor(ModelReading& reading) {
+  for (const LinkModel& link : reading.robot.links) {
+    for (const LinkShape& shape : link.collisions) {
+      const double low = HeightsOf(shape.shape, link.X_RL * shape.X_LG).first;
+      if (low >= -1e-6) continue;
+      reading.Error(0, "a collision of link '" + link.name + "' reaches " +
+                           FormatNumber(std::round(-low * 1e6) * 1e-3) + " mm below the floor z = 0");
+    }
   }
 }
 
@@ -87,26 +102,18 @@ void Lift(ModelReading& reading, double low_m) {
 
 void MeasureModel(ModelReading& reading) {
   RobotModel& robot = reading.robot;
-  const bool collides =
-      std::ranges::any_of(robot.links, [](const LinkModel& link) { return !link.collisions.empty(); });
+  const bool collides = Collides(robot);
   if (!collides && !reading.source.foreign) return reading.Error(0, "the robot has no <collision>");
   if (!collides) {
     reading.Warn(1, "no shape of the robot collides with anything: write a <collision>" +
                         std::string(robot.fixed_base ? "" : ", or it falls through the floor"));
   }
-  const bool lifts = reading.source.foreign || (reading.source.lifts && !robot.fixed_base);
-  double low_m = JointModel::kInfinity;  // of what moves
-  for (const LinkModel& link : robot.links) {
-    if (robot.fixed_base && &link == robot.links.data()) continue;
-    for (const LinkShape& shape : Body(link, collides)) {
-      const double low = HeightsOf(shape.shape, link.X_RL * shape.X_LG).first;
-      if (low < low_m) low_m = low;
-      if (robot.fixed_base || lifts || low >= -1e-6) continue;
-      reading.Error(0, "a collision of link '" + link.name + "' reaches " +
-                           FormatNumber(std::round(-low * 1e6) * 1e-3) + " mm below the floor z = 0");
-    }
+  const ModelSource& source = reading.source;
+  if (source.foreign ? !source.in_world : source.lifts && !robot.fixed_base) {
+    if (const double low_m = LowestOf(robot, Pose()); low_m < 0) Lift(reading, low_m);
+  } else if (!source.foreign && !robot.fixed_base) {
+    RefuseBelowFloor(reading);
   }
-  if (lifts && low_m < 0) Lift(reading, low_m);
   for (const LinkModel& link : robot.links) {
     for (const LinkShape& shape : Body(link, collides)) {
       const Pose X_RG = link.X_RL * shape.X_LG;
@@ -118,6 +125,17 @@ void MeasureModel(ModelReading& reading) {
     robot.footprint_radius_m = 0.1;
     robot.height_m = std::max(robot.height_m, 0.1);
   }
+}
+
+double LowestOf(const RobotModel& robot, const Pose& X_WR) {
+  const bool collides = Collides(robot);
+  double low_m = JointModel::kInfinity;
+  for (const LinkModel& link : robot.links) {
+    if (robot.fixed_base && &link == robot.links.data()) continue;
+    for (const LinkShape& shape : Body(link, collides))
+      low_m = std::min(low_m, HeightsOf(shape.shape, X_WR * link.X_RL * shape.X_LG).first);
+  }
+  return low_m;
 }
 
 void MakeHulls(ModelReading& reading) {

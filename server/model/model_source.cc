@@ -214,6 +214,13 @@ void Upgrade(XmlNode& node, const std::string& version) {
   if (XmlNode* max = node.name == "range" ? node.Child("max") : nullptr; max != nullptr) {
     if (ToLower(max->text) == "inf" || ToLower(max->text) == "+inf") max->text = "100000";
   }
+  if (node.name == "limit") {
+    for (XmlNode& child : node.children) {
+      const std::string text = ToLower(child.text);
+      if (text == "inf" || text == "+inf") child.text = "1e16";
+      if (text == "-inf") child.text = "-1e16";
+    }
+  }
   const int minor = MinorOf(version).value_or(9);
   if (node.name == "sdf") node.Set("version", "1.9");
   if (minor < 7) {
@@ -273,6 +280,7 @@ std::optional<ModelSource> ComposeModel(const std::string& given, const std::str
     return std::nullopt;
   }
   source.foreign = root->Attribute("coopdyn:foreign") == "true" || !HasOwnElements(*root);
+  source.in_world = root->Attribute("coopdyn:in_world") == "true";
   source.lifts = root->Attribute("coopdyn:lift") == "true";
   const bool plain = !source.foreign && *minor >= 7 && *minor <= 9 && !HasAny(*root, "include") &&
                      !HasAny(*root, "mesh") && !HasAny(*root, "heightmap") && !HasAny(*root, "pbr") &&
@@ -300,6 +308,7 @@ void ComposeTree(XmlNode root, const Resources* resources, ModelSource& source, 
   CheckNames(*root.Child("model"), diagnostics);
   if (source.foreign) {
     root.Set("coopdyn:foreign", "true");
+    if (source.in_world) root.Set("coopdyn:in_world", "true");
     AdoptModel(*root.Child("model"), diagnostics);
   }
   LoadMeshes(root, resources, source.meshes, diagnostics);

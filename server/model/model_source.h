@@ -26,7 +26,7 @@ struct ModelSource {
   MeshTable meshes;
   /// Made for other programs: what cannot be used is left out with a warning, and defaults fill the gaps.
   bool foreign = false;
-  bool in_world = false;  // a world says where it stands
+  bool in_world = false;  // a world says where it stands, so its origin stays (coopdyn:in_world)
   bool lifts = false;     // what reaches below the floor is put on it (coopdyn:lift)
 };
 

@@ -61,8 +61,10 @@ void ReadJoints(const std::vector<ModelScope>& scopes, ModelReading& reading);
 void ReadAssembly(const std::vector<ModelScope>& scopes, ModelReading& reading);
 
 /// Footprint and height of the collisions. A robot of our own may not reach below the floor; one made for
-/// other programs is lifted.
+/// other programs is lifted, unless a world says where its origin stands.
 void MeasureModel(ModelReading& reading);
+/// The height of the lowest point of what moves, over the floor; infinite if there is nothing.
+double LowestOf(const RobotModel& robot, const Pose& X_WR);
 /// The robot of an SDF that has one <model> made for other programs.
 std::shared_ptr<const RobotModel> ReadRobotModelTree(XmlNode root, const std::string& file,
                                                      const std::string& type, const Resources* resources,

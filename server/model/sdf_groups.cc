@@ -96,6 +96,12 @@ void ReadGroup(XmlAttributes& attributes, RobotModel& robot, Diagnostics& diagno
 }
 
 void AddDefaultGroup(RobotModel& robot) {
+  // What has no limit in its file, and none by a plug-in.
+  for (JointModel& joint : robot.joints) {
+    if (std::isfinite(joint.max_effort)) joint.max_effort = std::min(joint.max_effort, kMaxMotorEffort);
+    if (std::isfinite(joint.max_velocity))
+      joint.max_velocity = std::min(joint.max_velocity, kMaxMotorVelocity);
+  }
   std::vector<int> joints;
   for (int i = 0; i < static_cast<int>(robot.joints.size()); ++i) {
     if (robot.FindCoupling(i) != nullptr) continue;

@@ -16,6 +16,7 @@ namespace coopdyn {
 namespace {
 
 constexpr double kNoLimit = 1e15;  // a limit from here on means none
+constexpr double kFar = 1e6;       // rad or m: no joint stands further from 0
 
 using Kind = JointModel::Kind;
 
@@ -232,8 +233,7 @@ class JointReader {
     for (const unsigned index : {0u, 1u}) {
       const sdf::JointAxis* axis = joint.Axis(index);
       if (axis == nullptr) continue;
-      constexpr double kNone = 1e15;
-      const bool stops = axis->Lower() > -kNone || axis->Upper() < kNone;
+      const bool stops = axis->Lower() > -kNoLimit || axis->Upper() < kNoLimit;
       if (!stops && axis->Damping() == 0 && axis->Friction() == 0 && axis->SpringStiffness() == 0) continue;
       reading_.Warn(line,
                     "<limit> and <dynamics> of " + what +
@@ -242,15 +242,40 @@ class JointReader {
     }
   }
 
+  /// The motor's `limit` by <effort> or <velocity>: infinite if nothing, or a negative number, stands there.
+  /// In a model of others one of kNoLimit or more stays until its plug-ins have said theirs.
   void ReadMotorLimit(const char* name, double value, double most, const std::string& what, int line,
                       double& limit) {
-    if (!std::isfinite(value) || value < 0 || value >= kNoLimit) return;
-    limit = std::min(value, most);
-    if (value > most) {
-      reading_.Warn(line, fmt::format("<{}> of {} is {}: its motor has {} at most", name, what,
-                                      FormatNumber(value), FormatNumber(most)));
-    } else if (value == 0) {
+    limit =
+        value >= kNoLimit && (reading_.source.foreign || std::isinf(value)) ? value : std::min(value, most);
+    if (value == 0) {
       reading_.Warn(line, fmt::format("<{}> of {} is 0: it has no motor and moves freely", name, what));
+    } else if (value > most && std::isfinite(value)) {
+      WarnMost(name, value < kNoLimit ? FormatNumber(value) : "no limit", most, what, line);
+    }
+  }
+
+  void WarnMost(const char* name, const std::string& given, double most, const std::string& what, int line) {
+    reading_.Warn(line, fmt::format("<{}> of {} is {}: its motor has {} at most", name, what, given,
+                                    FormatNumber(most)));
+  }
+
+  void ReadMotor(const sdf::JointAxis& axis, const std::string& what, int line, JointModel& out) {
+    double &effort = out.max_effort, &velocity = out.max_velocity;
+    ReadMotorLimit("effort", axis.Effort(), kMaxMotorEffort, what, line, effort);
+    ReadMotorLimit("velocity", axis.MaxVelocity(), kMaxMotorVelocity, what, line, velocity);
+    if (!reading_.source.foreign || effort == 0 || velocity == 0) return;
+    const sdf::ElementPtr limit = axis.Element()->FindElement("limit");
+    if (std::isinf(effort) && std::isinf(velocity)) {
+      if (limit != nullptr && (limit->HasElement("effort") || limit->HasElement("velocity")))
+        reading_.Warn(line, "<effort> and <velocity> of " + what +
+                                " are negative and give it no motor: write the most that its motor has");
+    } else if (std::isinf(velocity)) {
+      velocity = kNoLimit;
+      WarnMost("velocity", "no limit", kMaxMotorVelocity, what, line);
+    } else if (std::isinf(effort)) {
+      effort = kNoLimit;
+      WarnMost("effort", "no limit", kMaxMotorEffort, what, line);
     }
   }
 
@@ -258,8 +283,12 @@ class JointReader {
     const std::string what = "joint '" + out.name + "'";
     if (!endless && axis.Lower() > -kNoLimit) out.lower = axis.Lower();
     if (!endless && axis.Upper() < kNoLimit) out.upper = axis.Upper();
-    if (!(out.lower <= out.upper)) {
-      reading_.Complain(line, "<lower> of " + what + " must not lie above <upper>", "it has no stops");
+    const bool crossed = !(out.lower <= out.upper);
+    if (crossed || out.lower > kFar || out.upper < -kFar) {
+      reading_.Complain(line,
+                        crossed ? "<lower> of " + what + " must not lie above <upper>"
+                                : "the stops of " + what + " leave out all that is near 0",
+                        "it has no stops");
       out.lower = -JointModel::kInfinity;
       out.upper = JointModel::kInfinity;
     } else if (out.lower > 0 || out.upper < 0) {
@@ -267,8 +296,7 @@ class JointReader {
       reading_.Warn(line, what + " starts at " + FormatNumber(out.start) +
                               ", its nearest limit: 0, the pose in which the model is written, lies beyond");
     }
-    ReadMotorLimit("effort", axis.Effort(), kMaxMotorEffort, what, line, out.max_effort);
-    ReadMotorLimit("velocity", axis.MaxVelocity(), kMaxMotorVelocity, what, line, out.max_velocity);
+    ReadMotor(axis, what, line, out);
     out.damping = axis.Damping();
     out.friction = axis.Friction();
     out.stiffness = axis.SpringStiffness();
@@ -283,7 +311,7 @@ class JointReader {
     if (out.friction > 0 && (out.damping > 0 || out.stiffness > 0)) {
       reading_.Warn(line, "<friction> of " + what + " is not used beside a damper or a spring");
     }
-    if (!(std::abs(out.rest) <= 1e6))
+    if (!(std::abs(out.rest) <= kFar))
       reading_.Error(line, "<spring_reference> of " + what + " must be at most 1e6");
   }
 

@@ -190,12 +190,12 @@ class WorldConverter {
     if (read == nullptr) return;
     Pose X_WR = X_WM * Pose{read->p_MR, Quaternion::Identity()};
     if (AddThings(*read, name, X_WR)) return;
-    if (X_WR.p.z() < 0) {
-      if (X_WR.p.z() < -1e-3)
-        diagnostics_.Warning(given.where, "model '" + name + "' stands " +
-                                              FormatNumber(std::round(-X_WR.p.z() * 1e4) / 1e4) +
-                                              " m below the floor: it is put on the floor");
-      X_WR.p.z() = 0;
+    const double below_m = -std::min(X_WR.p.z(), LowestOf(*read, X_WR));
+    if (below_m > 0) X_WR.p.z() += below_m;
+    if (below_m > 1e-3) {
+      diagnostics_.Warning(given.where, "model '" + name + "' stands " +
+                                            FormatNumber(std::round(below_m * 1e4) / 1e4) +
+                                            " m below the floor: it is put on the floor");
     }
     models_.emplace(name, read);
     robots_ += "\n[ROBOT_" + std::to_string(++robot_count_) + "]\ntype " + type + "\nname " + name +

@@ -63,7 +63,7 @@ class Collector {
       finite = finite && v.allFinite() && v.cwiseAbs().maxCoeff() < kMaxVertex_m;
       parts.vertices.push_back(v);
     }
-    const bool mirrored = scale_.prod() < 0;
+    const bool mirrored = scale_.prod() * place.Determinant() < 0;
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
       const aiFace& face = mesh.mFaces[i];
       if (face.mNumIndices != 3) continue;

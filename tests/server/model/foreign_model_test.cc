@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Models made for other programs: URDF, older SDF, includes, meshes and Gazebo's plug-ins; and hostile ones.
+// Models made for other programs: URDF, older SDF, includes and Gazebo's plug-ins; and hostile ones.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,40 +8,14 @@
 #include <memory>
 #include <string>
 
-#include "server/geometry/mesh.h"
 #include "tests/cpu.h"
-#include "tests/server/model/read_text.h"
+#include "tests/server/model/foreign_rig.h"
 
 namespace coopdyn {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-struct ForeignAnswer {
-  std::shared_ptr<const RobotModel> robot;
-  std::string messages;
-};
-
-ForeignAnswer ReadFile(const TempFolder& folder, const std::string& name, const SearchPath& path = {}) {
-  Diagnostics diagnostics;
-  ForeignAnswer answer;
-  answer.robot = ReadRobotModel(folder.path() / name, path, diagnostics);
-  answer.messages = diagnostics.ToString();
-  return answer;
-}
-ForeignAnswer ReadAs(const std::string& name, const std::string& text) {
-  const TempFolder folder;
-  folder.Write(name, text);
-  return ReadFile(folder, name);
-}
-ForeignAnswer ReadUrdf(const std::string& inside) {
-  return ReadAs("rig.urdf", "<robot name=\"rig\">\n" + inside + "</robot>");
-}
-ForeignAnswer ReadSdf(const std::string& inside, const std::string& version = "1.6") {
-  return ReadAs("model.sdf",
-                "<sdf version=\"" + version + "\"><model name=\"rig\">\n" + inside + "</model></sdf>");
-}
 
 std::string UrdfInertia(const std::string& mass = "1", const std::string& moment = "0.01") {
   return "<inertial><mass value=\"" + mass + "\"/><inertia ixx=\"" + moment + "\" iyy=\"" + moment +
@@ -51,19 +25,6 @@ std::string UrdfBox(const std::string& name) {
   return "<link name=\"" + name + "\">" + UrdfInertia() +
          "<collision><geometry><box size=\"0.2 0.2 0.2\"/></geometry></collision></link>\n";
 }
-std::string SdfLink(const std::string& name, const std::string& pose, const std::string& geometry) {
-  return "<link name=\"" + name + "\"><pose>" + pose +
-         "</pose><inertial><mass>1</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia></"
-         "inertial>\n"
-         "<collision name=\"c\"><geometry>" +
-         geometry + "</geometry></collision></link>\n";
-}
-const std::string kSdfBox = "<box><size>0.2 0.2 0.2</size></box>";
-
-/// A cube from 0 to 1 m as an .obj file.
-const char* const kCube =
-    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
-    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
 TEST(UrdfTest, LinksStandWhereTheirJointsPutThem) {
   const auto [robot, messages] = ReadUrdf(UrdfBox("base") + UrdfBox("arm") +
@@ -189,95 +150,6 @@ TEST(ForeignModelTest, AnAxisOfSdf14IsInTheModelsFrame) {
   EXPECT_NEAR((newer->joints[0].axis_R - Vector3::UnitY()).norm(), 0, 1e-4);
 }
 
-TEST(ForeignModelTest, ADriveOfGazeboHasAModuleAndItsOriginUnderTheAxle) {
-  const auto wheel = [](const std::string& name, double y) {
-    return SdfLink(name, "0.1 " + std::to_string(y) + " 0.05 -1.570796326794897 0 0",
-                   "<cylinder><radius>0.05</radius><length>0.02</length></cylinder>") +
-           "<joint name=\"" + name + "_j\" type=\"revolute\"><parent>base</parent><child>" + name +
-           "</child><axis><xyz>0 0 1</xyz></axis></joint>\n";
-  };
-  const auto [robot, messages] =
-      ReadSdf(SdfLink("base", "0 0 0.15 0 0 0", kSdfBox) + wheel("left", 0.2) + wheel("right", -0.2) +
-              "<plugin filename=\"libgazebo_ros_diff_drive.so\" name=\"d\"><leftJoint>left_j</leftJoint>"
-              "<rightJoint>right_j</rightJoint><wheelTorque>3</wheelTorque></plugin>\n");
-  ASSERT_NE(robot, nullptr) << messages;
-  ASSERT_NE(robot->drive(), nullptr) << messages;
-  EXPECT_NEAR(robot->drive()->track_m, 0.4, 1e-9);
-  EXPECT_NEAR(robot->drive()->wheel_radius_m, 0.05, 1e-9);
-  EXPECT_EQ(robot->drive()->max_torque_nm, 3);
-  EXPECT_NEAR(robot->links[0].X_RL.p.x(), -0.1, 1e-9);
-  EXPECT_EQ(robot->modules()[0].type, "motors");
-}
-
-TEST(ForeignModelTest, AllWheelsOfADriveOfGazeboTurn) {
-  const auto wheel = [](const std::string& name, double x, double y) {
-    return SdfLink(name, std::to_string(x) + " " + std::to_string(y) + " 0.05 -1.570796326794897 0 0",
-                   "<cylinder><radius>0.05</radius><length>0.02</length></cylinder>") +
-           "<joint name=\"" + name + "_j\" type=\"revolute\"><parent>base</parent><child>" + name +
-           "</child><axis><xyz>0 0 1</xyz></axis></joint>\n";
-  };
-  const auto [robot, messages] =
-      ReadSdf(SdfLink("base", "0 0 0.15 0 0 0", kSdfBox) + wheel("a", 0.1, 0.2) + wheel("b", 0.1, -0.2) +
-              wheel("c", -0.1, 0.2) + wheel("d", -0.1, -0.2) +
-              "<plugin filename=\"gz-sim-diff-drive-system\" name=\"gz::sim::systems::DiffDrive\">"
-              "<left_joint>a_j</left_joint><left_joint>c_j</left_joint><right_joint>b_j</right_joint>"
-              "<right_joint>d_j</right_joint></plugin>\n");
-  ASSERT_NE(robot, nullptr) << messages;
-  ASSERT_NE(robot->drive(), nullptr) << messages;
-  ASSERT_EQ(robot->couplings.size(), 2u) << messages;
-  EXPECT_EQ(robot->joints[static_cast<std::size_t>(robot->couplings[0].follower)].name, "c_j");
-  EXPECT_EQ(robot->joints[static_cast<std::size_t>(robot->couplings[0].leader)].name, "a_j");
-  EXPECT_EQ(robot->couplings[0].multiplier, 1);
-}
-
-TEST(ForeignModelTest, AMotorOfManyRoundsHasTheMostAndIsSaid) {
-  const auto with = [](const std::string& limit) {
-    return ReadSdf(SdfLink("base", "0 0 0.1 0 0 0", kSdfBox) + SdfLink("arm", "0 0 0.4 0 0 0", kSdfBox) +
-                   "<joint name=\"j\" type=\"revolute\"><parent>base</parent><child>arm</child><axis>"
-                   "<xyz>0 0 1</xyz><limit>" +
-                   limit + "</limit></axis></joint>");
-  };
-  const auto [fast, said] = with("<effort>50000</effort><velocity>50000</velocity>");
-  ASSERT_NE(fast, nullptr) << said;
-  EXPECT_EQ(fast->actuators.size(), 1u) << said;
-  EXPECT_EQ(fast->joints[0].max_velocity, 1e4);
-  EXPECT_THAT(said, HasSubstr("<velocity> of joint 'j' is 50000: its motor has 10000 at most"));
-  EXPECT_THAT(with("<effort>0</effort><velocity>1</velocity>").messages,
-              HasSubstr("<effort> of joint 'j' is 0: it has no motor and moves freely"));
-}
-
-TEST(ForeignModelTest, AColladaFileStandsWhateverAxisItCallsUp) {
-  for (const std::string up : {"Y_UP", "Z_UP"}) {
-    const TempFolder folder;
-    folder.Write(
-        "part.dae",
-        "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset><up_axis>" +
-            up +
-            "</up_axis></asset><library_geometries><geometry id=\"g\"><mesh><source id=\"p\"><float_array "
-            "id=\"a\" count=\"12\">0 0 0 0.2 0 0 0 0.4 0 0 0 0.6</float_array><technique_common><accessor "
-            "source=\"#a\" count=\"4\" stride=\"3\"><param name=\"X\" type=\"float\"/><param name=\"Y\" "
-            "type=\"float\"/><param name=\"Z\" "
-            "type=\"float\"/></accessor></technique_common></source><vertices "
-            "id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices><triangles count=\"4\"><input "
-            "semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>0 2 1 0 1 3 0 3 2 1 2 "
-            "3</p></triangles></mesh>"
-            "</geometry></library_geometries><library_visual_scenes><visual_scene id=\"s\"><node id=\"n\">"
-            "<instance_geometry url=\"#g\"/></node></visual_scene></library_visual_scenes><scene>"
-            "<instance_visual_scene url=\"#s\"/></scene></COLLADA>");
-    folder.Write("model.sdf", "<sdf version=\"1.6\"><model name=\"rig\">" +
-                                  SdfLink("l", "0 0 0 0 0 0", "<mesh><uri>part.dae</uri></mesh>") +
-                                  "</model></sdf>");
-    const auto [robot, messages] = ReadFile(folder, "model.sdf");
-    ASSERT_NE(robot, nullptr) << messages;
-    double low_m = 1, high_m = -1;
-    for (const Vector3& v : std::get<Mesh>(robot->links[0].collisions[0].shape).data->vertices) {
-      low_m = std::min(low_m, v.z());
-      high_m = std::max(high_m, v.z());
-    }
-    EXPECT_NEAR(high_m - low_m, 0.6, 1e-6) << up;
-  }
-}
-
 TEST(ForeignModelTest, AnEmptyPoseIsTheFrameItself) {
   std::string hand = SdfLink("hand", "", kSdfBox);
   hand.replace(hand.find("<pose></pose>"), 13, "<pose relative_to=\"base\"/>");
@@ -366,87 +238,6 @@ TEST(IncludeTest, NothingOutsideTheFolderIsRead) {
     EXPECT_EQ(robot, nullptr) << uri;
     EXPECT_THAT(messages, HasSubstr("lies outside the model's folder and the search path")) << uri;
   }
-}
-
-TEST(MeshTest, WhatMovesCollidesByItsHull) {
-  const TempFolder folder;
-  folder.Write("cube.obj", kCube);
-  folder.Write("model.sdf",
-               "<sdf version=\"1.6\"><model name=\"m\">" +
-                   SdfLink("l", "0 0 0 0 0 0", "<mesh><uri>cube.obj</uri><scale>1 1 2</scale></mesh>") +
-                   "</model></sdf>");
-  const auto [robot, messages] = ReadFile(folder, "model.sdf");
-  ASSERT_NE(robot, nullptr) << messages;
-  const LinkShape& shape = robot->links[0].collisions.at(0);
-  const MeshData& data = *std::get<Mesh>(shape.shape).data;
-  EXPECT_NEAR(data.volume_m3, 2, 1e-9);
-  EXPECT_EQ(data.vertices.size(), 8u);
-  EXPECT_NEAR((shape.X_LG.p - Vector3(0.5, 0.5, 1)).norm(), 0, 1e-6);
-  EXPECT_NEAR(robot->height_m, 2, 1e-6);
-  EXPECT_NEAR(robot->footprint_radius_m, std::sqrt(2.0), 1e-6);
-}
-
-TEST(MeshTest, ARecordedTextGivesTheSameModelWithoutFiles) {
-  const TempFolder folder;
-  folder.Write("cube.obj", kCube);
-  folder.Write("model.sdf", "<sdf version=\"1.6\"><model name=\"m\">" +
-                                SdfLink("l", "0 0 0 0 0 0", "<mesh><uri>cube.obj</uri></mesh>") +
-                                "</model></sdf>");
-  const auto [robot, messages] = ReadFile(folder, "model.sdf");
-  ASSERT_NE(robot, nullptr) << messages;
-  Diagnostics diagnostics;
-  const auto again = ReadRobotModelText(robot->text, "model.sdf", "m", diagnostics);
-  ASSERT_NE(again, nullptr) << diagnostics.ToString();
-  EXPECT_EQ(std::get<Mesh>(again->links[0].collisions[0].shape).data->id,
-            std::get<Mesh>(robot->links[0].collisions[0].shape).data->id);
-  EXPECT_EQ(again->text, robot->text);
-}
-
-TEST(MeshTest, ACentredPartIsTheSameInARecordedText) {
-  const TempFolder folder;
-  std::string cube = kCube;
-  for (std::size_t at = 0; (at = cube.find("v 0", at)) != std::string::npos; ++at)
-    cube.replace(at, 3, at == 0 ? "v 1e-13" : "v 0.1234567");
-  folder.Write("cube.obj", "g part\n" + cube);
-  folder.Write(
-      "model.sdf",
-      "<sdf version=\"1.9\"><model name=\"rig\">" +
-          SdfLink("l", "0 0 1 0 0 0",
-                  "<mesh><uri>cube.obj</uri><submesh><name>part</name><center>true</center></submesh>"
-                  "</mesh>") +
-          "</model></sdf>");
-  const auto [robot, messages] = ReadFile(folder, "model.sdf");
-  ASSERT_NE(robot, nullptr) << messages;
-  Diagnostics diagnostics;
-  const auto again = ReadRobotModelText(robot->text, "model.sdf", "rig", diagnostics);
-  ASSERT_NE(again, nullptr) << diagnostics.ToString();
-  const LinkShape &before = robot->links[0].collisions.at(0), &after = again->links[0].collisions.at(0);
-  EXPECT_EQ(before.X_LG.p, after.X_LG.p);
-  EXPECT_NEAR(before.X_LG.p.norm(), 0, 1e-6);
-  EXPECT_EQ(std::get<Mesh>(before.shape).data->vertices, std::get<Mesh>(after.shape).data->vertices);
-  EXPECT_EQ(robot->meshes.at(0)->triangles, again->meshes.at(0)->triangles);
-  EXPECT_EQ(robot->meshes.at(0)->inertia_m5, again->meshes.at(0)->inertia_m5);
-}
-
-TEST(MeshTest, AMissingMeshIsAnErrorWithItsLine) {
-  const auto [robot, messages] =
-      ReadSdf(SdfLink("l", "0 0 0 0 0 0", "\n<mesh><uri>model://rig/none.stl</uri></mesh>"));
-  EXPECT_EQ(robot, nullptr);
-  EXPECT_THAT(messages, HasSubstr("model.sdf:4: error: mesh: there is no 'model://rig/none.stl'"));
-}
-
-TEST(MeshTest, TenMillionTrianglesAreRefusedUnread) {
-  const TempFolder folder;
-  std::string header(84, ' ');
-  const std::uint32_t count = 10'000'000;
-  header.replace(80, 4, reinterpret_cast<const char*>(&count), 4);
-  folder.Write("big.stl", header);
-  folder.Write("model.sdf", "<sdf version=\"1.6\"><model name=\"m\">" +
-                                SdfLink("l", "0 0 0 0 0 0", "<mesh><uri>big.stl</uri></mesh>") +
-                                "</model></sdf>");
-  const auto [robot, messages] = ReadFile(folder, "model.sdf");
-  EXPECT_EQ(robot, nullptr);
-  EXPECT_THAT(messages, HasSubstr("the mesh has 10000000 triangles, at most 200000 are taken: simplify it"));
 }
 
 TEST(HostileModelTest, ZeroInertiaIsReplacedAndSaid) {

@@ -89,6 +89,55 @@ TEST_F(SdfWorldTest, AModelBelowTheFloorIsPutOnIt) {
   EXPECT_EQ(scenario->robots.at(0).X_WR.p.z(), 0);
 }
 
+/// A moving body whose shape is a mesh, 0.4 m wide and 0.6 m high about its origin.
+std::string Rock(const TempFolder& folder) {
+  folder.Write("rock.obj",
+               "v -0.2 -0.2 -0.3\nv 0.2 -0.2 -0.3\nv 0.2 0.2 -0.3\nv -0.2 0.2 -0.3\nv -0.2 -0.2 0.3\n"
+               "v 0.2 -0.2 0.3\nv 0.2 0.2 0.3\nv -0.2 0.2 0.3\n"
+               "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
+  return "<link name=\"l\"><inertial><mass>1</mass></inertial><collision name=\"c\"><geometry><mesh>"
+         "<uri>rock.obj</uri></mesh></geometry></collision></link>";
+}
+
+TEST_F(SdfWorldTest, AMeshStandsWhereItsModelsOriginIs) {
+  const auto scenario = Load(Model("rock", Rock(folder()), "1 2 1.5 0 0 0.5") +
+                             Model("tilted", Rock(folder()), "4 2 1 3.141592653589793 0 0"));
+  ASSERT_NE(scenario, nullptr) << messages();
+  const RobotEntry& rock = scenario->robots.at(0);
+  EXPECT_NEAR((rock.X_WR.p - Vector3(1, 2, 1.5)).norm(), 0, 1e-9);
+  EXPECT_NEAR((rock.X_WR * rock.model->links[0].X_RL).p.z(), 1.5, 1e-9);
+  EXPECT_NEAR((scenario->robots.at(1).X_WR.p - Vector3(4, 2, 1)).norm(), 0, 1e-9);
+}
+
+TEST_F(SdfWorldTest, AMeshBelowTheFloorIsPutOnIt) {
+  const auto scenario = Load(Model("rock", Rock(folder()), "0 0 0.1 0 0 0"));
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_NEAR(scenario->robots.at(0).X_WR.p.z(), 0.3, 1e-6);
+  EXPECT_THAT(messages(), HasSubstr("model 'rock' stands 0.2 m below the floor: it is put on the floor"));
+}
+
+TEST_F(SdfWorldTest, ARecordedModelOfAWorldHasTheSameOrigin) {
+  const auto scenario = Load(Model("rock", Rock(folder()), "0 0 1 0 0 0"));
+  ASSERT_NE(scenario, nullptr) << messages();
+  const RobotModel& model = *scenario->robots.at(0).model;
+  Diagnostics diagnostics;
+  const auto again = ReadRobotModelText(model.text, "lab.sdf", "rock", diagnostics);
+  ASSERT_NE(again, nullptr) << diagnostics.ToString();
+  EXPECT_EQ(again->links[0].X_RL.p, model.links[0].X_RL.p);
+  EXPECT_EQ(again->text, model.text);
+}
+
+TEST_F(SdfWorldTest, AModelOfAWorldHasItsOriginInAScenario) {
+  folder().Write("a.scenario", "[ROBOT_1]\ntype \"lab.sdf#rock\"\nposition 0 0 1\n");
+  ASSERT_NE(Load(Model("rock", Rock(folder()), "0 0 1 0 0 0")), nullptr) << messages();
+  RobotLibrary library(SearchPath{{folder().path().string()}});
+  Diagnostics diagnostics;
+  const auto scenario = LoadScenario((folder().path() / "a.scenario").string(), library, diagnostics);
+  ASSERT_NE(scenario, nullptr) << diagnostics.ToString();
+  const RobotEntry& rock = scenario->robots.at(0);
+  EXPECT_NEAR((rock.X_WR * rock.model->links[0].X_RL).p.z(), 1, 1e-9);
+}
+
 TEST_F(SdfWorldTest, TheGroundPlaneIsTheFloorAndPhysicsHasItsStepAndGravity) {
   const auto scenario = Load(
       "<gravity>0 0 -3.7</gravity><physics type=\"ode\"><max_step_size>0.002</max_step_size></physics>\n" +
