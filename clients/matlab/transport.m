@@ -19,7 +19,8 @@ function ok = transport(varargin)
   team.select('distances', 'targets', 'support', 'pose');
   [~, front] = ismember(strcat(names, '_leader'), team.names);
   [~, back] = ismember(strcat(names, '_helper'), team.names);
-  geometry = geometry_of(team.names);
+  leaders = geometry_of(team.names(front));
+  helpers = geometry_of(team.names(back));
   speed = zeros(2 * n, 1);
   arrived = inf(1, n);
   dt = sim.dt;
@@ -30,9 +31,9 @@ function ok = transport(varargin)
     goal = 2 * mod((1:n) - 1, size(s.targets, 2) / 2) + 1;  % the column of its distance
     goal = sub2ind(size(s.targets), front, goal);
     target = [s.targets(goal).' s.targets(goal + size(s.targets, 1)).'];
-    [speed(front), V(front, :)] = lead(p, rows(geometry, front), speed(front), target, s.distances(front, :), ...
+    [speed(front), V(front, :)] = lead(p, leaders, speed(front), target, s.distances(front, :), ...
                                        s.support(front, :), dt);
-    [speed(back), V(back, :)] = help_carry(p, rows(geometry, back), speed(back), s.distances(back, :), s.support(back, :), dt);
+    [speed(back), V(back, :)] = help_carry(p, helpers, speed(back), s.distances(back, :), s.support(back, :), dt);
     for k = find(target(:, 1).' < p.reached & isinf(arrived))
       arrived(k) = s.time;
       fprintf('%s arrived: %.2f %.2f at t = %.2f s\n', names{k}, s.pose(front(k), 1:2), s.time);
@@ -95,11 +96,6 @@ function geometry = geometry_of(names)
     geometry.opening(k, :) = g.opening;
   end
   sim.close();
-end
-
-function some = rows(geometry, which)
-  some.bearing = geometry.bearing(which, :);
-  some.opening = geometry.opening(which, :);
 end
 
 function [speed, V] = lead(p, geometry, speed, target, distances, load, dt)

@@ -49,6 +49,8 @@ def read_options(words):
     add("--set", action="append", default=[], metavar="SECTION.key=a,b", help="values of a key of the scenario; may stand several times")
     add("--controller", action="append", default=[], help='a loaded controller for all robots, with values of its parameters: "diffuse speed=0.1,0.2"')
     add("--client", help='a program that drives, started for each run: "python3 mine.py {server}"; also {seed}, and COOPDYN_SERVER is set')
+    add("--input", action="append", default=[], metavar="FILE",
+        help="a file that runs read though no command names it, as a program that a script starts: if it changes, they run again; may stand several times")
     add("--table", metavar="FILE.csv", help="rows of values: the first line names SECTION.key, seed or controller")
     add("--seeds", default="1", help="1..30, or 1,5,9 (default: 1)")
     add("--duration", type=positive, help="simulated time of a run, s; needed unless a score or the scenario ends it")

@@ -54,6 +54,32 @@ def read_options(words, parser):
     return given
 
 
+def starts_of(words, ranges):
+    """{name: value} of --start."""
+    starts = {}
+    for word in words:
+        name, _, value = word.partition("=")
+        try:
+            starts[name] = float(value)
+        except ValueError:
+            raise Wrong(f"--start takes NAME=VALUE, for example --start swing=0.2, not {word}") from None
+        if all(name != varied for varied, _, _ in ranges):
+            raise Wrong(f"--start {word}: no --vary has {name}")
+    return starts
+
+
+def refuse_doubles(ranges, given):
+    """What is varied has no other value."""
+    fixed = {"--controller": (given.controller or "").split()[1:], "--set": given.set}
+    varied = [name.lower() for name, _, _ in ranges]
+    for name, _, _ in ranges:
+        if varied.count(name.lower()) > 1:
+            raise Wrong(f"{name} is in two --vary: leave one out")
+        for option, words in fixed.items():
+            if any(word.partition("=")[0].lower() == name.lower() for word in words):
+                raise Wrong(f"{name} is in {option} and in --vary: leave one out")
+
+
 class Child:
     """Values between 0 and 1, and how far its own children are from it."""
 
@@ -64,6 +90,7 @@ class Child:
 class Evolution:
     def __init__(self, ranges, given):
         self._ranges, self._given, self._random = ranges, given, random.Random(given.random)
+        self._starts = starts_of(given.start, ranges)
         self._best = []
 
     def values_of(self, child):
@@ -73,8 +100,8 @@ class Evolution:
     def children(self):
         count = self._given.children
         if not self._best:
-            starts = dict(word.split("=", 1) for word in self._given.start)
-            first = [(float(starts[name]) - least) / (most - least) if name in starts else 0.5 for name, least, most in self._ranges]
+            starts = self._starts
+            first = [(starts[name] - least) / (most - least) if name in starts else 0.5 for name, least, most in self._ranges]
             if starts:
                 return [Child(first, 0.15), *(self._changed(first, 0.15) for _ in range(count - 1))]
             return [Child([self._random.random() for _ in self._ranges], 0.2) for _ in range(count)]
@@ -121,6 +148,7 @@ def evolve(words, parser, run_sweep):
     """`run_sweep(words)` does a sweep quietly and returns its results in order, those of a row's seeds together."""
     given = read_options(words, parser)
     ranges = [range_of(word) for word in given.vary]
+    refuse_doubles(ranges, given)
     evolution, story = Evolution(ranges, given), []
     try:
         os.makedirs(given.out, exist_ok=True)

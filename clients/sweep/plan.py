@@ -11,6 +11,9 @@ import shlex
 import shutil
 
 
+kInput = "input "  # begins the names of digests of --input
+
+
 class Wrong(Exception):
     """What the user wrote cannot be done; says what to write instead."""
 
@@ -121,16 +124,43 @@ def modules_of(content):
     return [name.replace(".", os.sep) for name in names]
 
 
-def files_of(client):
-    """{name: path} of the files of a client's command: its program, the files that it names, and what Python programs among
-    them import from their own folder, a folder that it names, or PYTHONPATH."""
+def files_of_module(module, folders):
+    """Of the first folder that has it; with its packages."""
+    for folder in folders:
+        files = [os.path.join(folder, module + end) for end in (".py", os.sep + "__init__.py", os.sep + "__main__.py")]
+        if any(map(os.path.isfile, files)):
+            while module := os.path.dirname(module):
+                files.append(os.path.join(folder, module, "__init__.py"))
+            return list(filter(os.path.isfile, files))
+    return []
+
+
+def words_inside(text):
+    """Of the commands inside a word, as of sh -c "cd x; python3 mine.py"."""
+    reader = shlex.shlex(text, posix=True, punctuation_chars=True)
+    reader.whitespace_split = True
     try:
-        words = [part for word in shlex.split(client or "") for part in (word, word.partition("=")[2])]
+        words = list(reader)
+    except ValueError:  # it is something else
+        return []
+    return [inner for word in words if word != text for inner in (word, *words_inside(word))]
+
+
+def files_of(client):
+    """{name: path} of the files of a client's command: its program, the files and modules that it names, and what Python programs
+    among them import from their own folder, a folder that it names, or PYTHONPATH."""
+    try:
+        words = shlex.split(client or "")
     except ValueError as error:
         raise Wrong(f"--client {client} cannot be read: {error}") from None
-    folders = [word for word in words if os.path.isdir(word)] + list(filter(None, os.environ.get("PYTHONPATH", "").split(":")))
     program = shutil.which(words[0]) if words else None
+    words = [part for word in words + [inner for word in words for inner in words_inside(word)] for part in (word, word.partition("=")[2])]
+    folders = [word for word in words if os.path.isdir(word)] + list(filter(None, os.environ.get("PYTHONPATH", "").split(":")))
+    modules = [words[k + 2].replace(".", os.sep) for k, word in enumerate(words[:-2]) if word == "-m"]
+    if modules:
+        folders.append("")  # where the sweep was started
     waiting = [(word, word) for word in words if os.path.isfile(word)] + ([(words[0], program)] if program else [])
+    waiting += [(path, path) for module in modules for path in files_of_module(module, folders)]
     files = {}
     while waiting:
         name, path = waiting.pop()
@@ -140,8 +170,7 @@ def files_of(client):
         if not path.endswith(".py"):
             continue
         for module in modules_of(read(path)):
-            places = [os.path.join(folder, module + end) for folder in (os.path.dirname(path), *folders) for end in (".py", os.sep + "__init__.py")]
-            waiting += [(place, place) for place in places if os.path.isfile(place)][:1]
+            waiting += [(place, place) for place in files_of_module(module, (os.path.dirname(path), *folders))]
     return files
 
 
@@ -224,8 +253,8 @@ def lay_out(given, version, program, folders, look):
     checks = [tuple(check_of(program, scenario, inputs)) for inputs in chosen_inputs]
     distinct = list(dict.fromkeys(checks))
     digests = dict(zip(distinct, look(distinct)))
-    client = client_digests(given.client)
-    jobs = [job_of({**inputs, "digests": {**digests[check], **client}}, serve_of(program, scenario, inputs), given.record, given.out)
+    own = own_digests(given.client, given.input)
+    jobs = [job_of({**inputs, "digests": {**digests[check], **own}}, serve_of(program, scenario, inputs), given.record, given.out)
             for inputs, check in zip(chosen_inputs, checks)]
     if len({job["key"] for job in jobs}) < len(jobs):
         raise Wrong("two runs of this sweep are the same: look for a value that is written twice")
@@ -238,8 +267,21 @@ def whole_seed(text, file):
     return int(text)
 
 
-def client_digests(client):
-    return {f"client {name}": digest(read(path)) for name, path in files_of(client).items()}
+def own_files(client, inputs):
+    """{name: path} of what no daemon looks at: the files of the client, and those of --input."""
+    for name in inputs:
+        if not os.path.isfile(name):
+            raise Wrong(f"--input {name}: there is no such file here")
+    return {**{f"client {name}": path for name, path in files_of(client).items()}, **{kInput + name: name for name in inputs}}
+
+
+def own_digests(client, inputs):
+    return {name: digest(read(path)) for name, path in own_files(client, inputs).items()}
+
+
+def inputs_among(digests):
+    """The names that --input gave."""
+    return [name.removeprefix(kInput) for name in digests if name.startswith(kInput)]
 
 
 def settings_words(inputs):
@@ -271,5 +313,6 @@ def job_of(inputs, words, record, out):
     """`inputs` are all that the run's key is made of, and what its result has of them."""
     return {
         "key": key_of(inputs), "inputs": inputs, "words": words, "record": record, "recordings": os.path.abspath(os.path.join(out, "recordings")),
-        "client_files": {f"client {name}": path for name, path in files_of(inputs["client"]).items() if os.path.exists(name)},
+        "own_files": {name: path for name, path in own_files(inputs["client"], inputs_among(inputs["digests"])).items()
+                      if os.path.exists(name.partition(" ")[2])},
     }

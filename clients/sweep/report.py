@@ -63,7 +63,7 @@ def numbers_of(result):
 
 def ended_at_limit(result):
     """Its time is not how long something took: the run might have gone on."""
-    return result["ended"] == "duration" or (result["ended"] == "score" and not any(result["met"].values()))
+    return result["ended"] in ("duration", "limit", "score") and not any(result["met"].values())  # older versions said score of a limit
 
 
 def measures_of(result):

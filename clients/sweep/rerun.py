@@ -45,7 +45,7 @@ def rerun(words, parser, program, look):
     if not os.path.isfile(scenario):
         raise Wrong(f"{scenario}, the scenario of {line['key']}, is not there any more")
     [digests] = look([plan.check_of(program, scenario, inputs)])
-    inputs["digests"] = {**digests, **plan.client_digests(inputs["client"])}
+    inputs["digests"] = {**digests, **plan.own_digests(inputs["client"], plan.inputs_among(line["digests"]))}
     differ = [name for name in sorted({**line["digests"], **inputs["digests"]}) if line["digests"].get(name) != inputs["digests"].get(name)]
     if differ:
         print(f"{line['key']}: not what it was: {', '.join(differ)}", flush=True)

@@ -16,7 +16,7 @@ import tempfile
 import threading
 import time
 
-_ENDED_AS_MEANT = ("duration", "score", "client", "supervisor")
+_ENDED_AS_MEANT = ("duration", "score", "limit", "client", "supervisor")
 _ENDED_BY_SIGNAL = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 
 
@@ -216,14 +216,14 @@ def _take_summary(told, result):
     result["units"] = {one["name"]: one["unit"] for one in summary["scores"]}
     for key in ("met", "met_s"):
         result[key] = {one["name"]: one[key] for one in summary["scores"] if one["until"]}
-    planned = {name: value for name, value in result["digests"].items() if not name.startswith("client ")}
+    planned = {name: value for name, value in result["digests"].items() if not name.startswith(("client ", "input "))}
     return sorted({name for name, _ in planned.items() ^ summary["digests"].items()})
 
 
 def _changed_files(job):
-    """The files of the client that are not as the sweep has found them."""
+    """The files of the client and of --input that are not as the sweep has found them."""
     changed = []
-    for name, path in job["client_files"].items():
+    for name, path in job["own_files"].items():
         with contextlib.suppress(OSError), open(path, "rb") as stream:
             if hashlib.sha256(stream.read()).hexdigest()[:16] != job["inputs"]["digests"][name]:
                 changed.append(name)

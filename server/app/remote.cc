@@ -16,6 +16,7 @@
 #include "server/app/commands.h"
 #include "server/app/print.h"
 #include "server/app/remote_connection.h"
+#include "server/devices/module_core.h"
 #include "server/model/text_file.h"
 #include "server/model/values.h"
 
@@ -258,18 +259,27 @@ void PrintWorld(const std::string& text) {
   }
 }
 
+void SayHello(RemoteConnection& connection, const std::string& token) {
+  if (token.empty()) return;
+  Message hello;
+  hello.command = command::kHello;
+  hello.text = "coopdyn-call " + token;
+  if (const Message reply = connection.Call(hello); reply.error != 0)
+    throw RemoteError(kExitErrors, reply.text);
+}
+
+/// What an error reply says to somebody at a shell. `text`: instead of its own.
+std::string Refusal(const Message& reply, std::string text) {
+  const bool wants_token = reply.text == ModuleCore::NotAllowed(reply).text;
+  return wants_token ? "this needs the daemon's token: give it with --token, or in COOPDYN_TOKEN" : text;
+}
+
 /// `coopdyn world`.
 void CallWorld(RemoteConnection& connection, const RemoteOptions& options, const Message& request) {
   connection.Open("/world");
-  if (!options.at->token.empty()) {
-    Message hello;
-    hello.command = command::kHello;
-    hello.text = "coopdyn-call " + options.at->token;
-    if (const Message reply = connection.Call(hello); reply.error != 0)
-      throw RemoteError(kExitErrors, reply.text);
-  }
+  SayHello(connection, options.at->token);
   const Message reply = connection.Call(request);
-  if (reply.error != 0) throw RemoteError(kExitErrors, reply.text);
+  if (reply.error != 0) throw RemoteError(kExitErrors, Refusal(reply, reply.text));
   if (request.command == command::kListWorld) return PrintWorld(reply.text);
   if (request.command != command::kSaveWorld) return Print("{}: {}\n", options.words.front(), reply.text);
   if (options.words.size() < 2) return Print("{}", reply.text);
@@ -301,13 +311,16 @@ std::string InWords(const std::string& reply) {
   const Message& error = decoded.message;
   const auto code = static_cast<std::size_t>(error.error);
   if (decoded.status != DecodeStatus::kMessage || code >= kMeanings.size()) return reply;
-  return fmt::format("{} (error {}, {})", error.text, code, kMeanings[code]);
+  return Refusal(error, fmt::format("{} (error {}, {})", error.text, code, kMeanings[code]));
 }
 
 void CallModule(RemoteConnection& connection, const RemoteOptions& options) {
   connection.Open(options.words[0]);
   const std::string& token = options.at->token;
-  if (!token.empty()) connection.CallLine("hello coopdyn-call " + token);
+  if (!token.empty()) {
+    const std::string reply = connection.CallLine("hello coopdyn-call " + token);
+    if (!reply.starts_with("0 ")) throw RemoteError(kExitErrors, InWords(reply));
+  }
   std::string line = options.words[1];
   for (std::size_t i = 2; i < options.words.size(); ++i) line += ' ' + Quoted(options.words[i]);
   const std::string first = line.substr(0, line.find(' '));
@@ -324,20 +337,9 @@ void CallModule(RemoteConnection& connection, const RemoteOptions& options) {
 /// One command of /simulation.
 void CallSimulation(RemoteConnection& connection, const RemoteOptions& options, const Message& request) {
   connection.Open("/simulation");
-  if (!options.at->token.empty()) {
-    Message hello;
-    hello.command = command::kHello;
-    hello.text = "coopdyn-call " + options.at->token;
-    if (const Message reply = connection.Call(hello); reply.error != 0) {
-      throw RemoteError(kExitErrors, reply.text);
-    }
-  }
+  SayHello(connection, options.at->token);
   const Message reply = connection.Call(request);
-  if (reply.error == static_cast<std::int32_t>(Error::kNotAllowed)) {
-    throw RemoteError(kExitErrors,
-                      "this needs the daemon's token: give it with --token, or in COOPDYN_TOKEN");
-  }
-  if (reply.error != 0) throw RemoteError(kExitErrors, WithFileName(reply.text, options));
+  if (reply.error != 0) throw RemoteError(kExitErrors, Refusal(reply, WithFileName(reply.text, options)));
   if (request.command == command::kGetStatus) return PrintStatus(reply.text);
   Print("{}: ok{}\n", options.verb, Moment(reply));
   if (request.command == command::kStopAll && !reply.text.empty()) Print("{}\n", reply.text);

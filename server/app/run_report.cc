@@ -31,7 +31,8 @@ double Factor(const RunReport& run) {
 
 bool IsCutShort(const RunReport& run) {
   const double duration_s = run.status.duration_s;
-  constexpr std::array kAsMeant = {RunEnd::kDuration, RunEnd::kScore, RunEnd::kClient, RunEnd::kSupervisor};
+  constexpr std::array kAsMeant = {RunEnd::kDuration, RunEnd::kScore, RunEnd::kLimit, RunEnd::kClient,
+                                   RunEnd::kSupervisor};
   return run.end && std::ranges::find(kAsMeant, *run.end) == kAsMeant.end() && duration_s > 0 &&
          run.frame->time_s() < duration_s;
 }

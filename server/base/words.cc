@@ -70,7 +70,7 @@ std::size_t EditDistance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string Nearest(std::string_view word, std::span<const std::string> candidates) {
-  constexpr std::size_t kLongest = 64;
+  constexpr std::size_t kLongest = 64, kShortest = 3;
   if (word.empty() || word.size() > kLongest) return {};
   const std::string lower = ToLower(word);
   std::string best;
@@ -82,7 +82,11 @@ std::string Nearest(std::string_view word, std::span<const std::string> candidat
       best = candidate;
     }
   }
-  return best;
+  if (!best.empty()) return best;
+  // Nobody ends in the middle of a word by chance.
+  const auto begun = [&lower](const std::string& candidate) { return ToLower(candidate).starts_with(lower); };
+  const auto found = std::ranges::find_if(candidates, begun);
+  return word.size() < kShortest || found == candidates.end() ? "" : *found;
 }
 
 std::string DidYouMean(std::string_view word, std::span<const std::string> candidates) {

@@ -27,6 +27,7 @@ struct Incoming {
   /// A request of `asker`, this connection, that is not the endpoint's. Calls what it gets once, on any
   /// thread, now or later; then comes Reply(), with kNothing. With kLeave nobody waits for that.
   std::function<void(const Connection& asker, ReplyFunction)> ask = {};
+  bool changes = false;  // the request is to change something, whatever `message` does first
 };
 
 /// Of one connection; the thread of its session only.

@@ -157,7 +157,7 @@ void Session::GoOn() {
 /// Handles the next thing in the buffer. Returns false if more must come first.
 bool Session::HandleNext() {
   if (next_) {
-    HandRequest(*std::exchange(next_, std::nullopt));
+    HandRequest(*std::exchange(next_, std::nullopt), false);
     return true;
   }
   if (in_.size() == 0) return false;
@@ -187,7 +187,7 @@ bool Session::HandleNext() {
       return incoming.consumed > 0;
     case DecodeStatus::kMessage:
       malformed_ = 0;
-      HandRequest(std::move(incoming.message));
+      HandRequest(std::move(incoming.message), incoming.changes);
       return true;
     case DecodeStatus::kLeave:
       Close("goodbye");
@@ -214,10 +214,9 @@ void Session::TakeEncoding(std::unique_ptr<Encoding> encoding) {
   out_.AddRaw(encoding_->Greeting());
 }
 
-bool Session::MustNotChange(std::int32_t command) const {
+bool Session::Changes(std::int32_t command) const {
   constexpr std::int32_t kSaveWorld = 146;  // returns a text, unlike save of /simulation
-  if (!services_.read_only() || endpoint_ == nullptr || command == command::kHello || command == kSaveWorld)
-    return false;
+  if (endpoint_ == nullptr || command == command::kHello || command == kSaveWorld) return false;
   const CommandSpec* const spec = endpoint_->table().Find(command);
   return spec != nullptr && !IsReadingCommand(spec->name);
 }
@@ -236,11 +235,12 @@ void Session::Await(std::shared_ptr<AskedAnswer> answer) {
   });
 }
 
-void Session::HandRequest(Message request) {
+void Session::HandRequest(Message request, bool changes) {
   ReplyFunction reply = AwaitReply();
   const std::uint64_t serial = serial_;
   const std::int32_t command = request.command;
-  if (MustNotChange(command)) return OnReply(serial, ErrorReply(command, Error::kNotAllowed, kReadOnlyText));
+  if (services_.read_only() && (changes || Changes(command)))
+    return OnReply(serial, ErrorReply(command, Error::kNotAllowed, kReadOnlyText));
   const bool ok = CallEndpoint(
       [&](Endpoint& endpoint) { endpoint.OnRequest(*this, std::move(request), std::move(reply)); });
   if (!ok)

@@ -113,11 +113,11 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   void GoOn();
   bool HandleNext();
   void TakeEncoding(std::unique_ptr<Encoding> encoding);
-  void HandRequest(Message request);
+  void HandRequest(Message request, bool changes);
   /// Counts a request; what its reply is given to, on this thread.
   ReplyFunction AwaitReply();
-  /// `--read-only`, and the command is not one that only reads.
-  bool MustNotChange(std::int32_t command) const;
+  /// The command is not one that only reads.
+  bool Changes(std::int32_t command) const;
   void OnReply(std::uint64_t serial, const Message& reply);
   /// Waits for `answer`, which may be given already.
   void Await(std::shared_ptr<AskedAnswer> answer);

@@ -218,7 +218,7 @@ void Stepper::StepNow(Nanoseconds now) {
   if (const int ending = EndingScore(*frame); ending >= 0) {
     const ScoreEntry& score = frame->scene->scenario->scores[static_cast<std::size_t>(ending)];
     const Score& now = frame->scores[static_cast<std::size_t>(ending)];
-    EndRun(RunEnd::kScore,
+    EndRun(now.met ? RunEnd::kScore : RunEnd::kLimit,
            fmt::format("the score {} is {:.6g} {}: {}", score.name, now.value, UnitOf(score.kind),
                        now.met ? "the run has reached its aim" : "the time for it is over"));
   }

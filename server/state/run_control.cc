@@ -21,8 +21,8 @@ bool IsLogName(std::string_view name) {
 }
 
 const char* ToString(RunEnd end) {
-  constexpr std::array kNames{"duration", "controller", "recording", "quit",
-                              "signal",   "score",      "client",    "supervisor"};
+  constexpr std::array kNames{"duration", "controller", "recording", "quit",      "signal",
+                              "score",    "limit",      "client",    "supervisor"};
   return kNames[static_cast<std::size_t>(end)];
 }
 
@@ -38,6 +38,7 @@ const char* WhyEarly(RunEnd end) {
                               "by quit",
                               "by a signal",
                               "by a score",
+                              "by the limit of a score",
                               "by a client",
                               "by the supervisor"};
   return kTexts[static_cast<std::size_t>(end)];

@@ -23,7 +23,17 @@ enum class RunState { kRunning, kPaused, kWaiting, kPlaying, kEnded };
 const char* ToString(RunState state);
 
 /// Why a run has ended.
-enum class RunEnd { kDuration, kController, kRecording, kQuit, kSignal, kScore, kClient, kSupervisor };
+enum class RunEnd {
+  kDuration,
+  kController,
+  kRecording,
+  kQuit,
+  kSignal,
+  kScore,
+  kLimit,
+  kClient,
+  kSupervisor
+};
 const char* ToString(RunEnd end);
 /// "the run has ended: it has reached its duration", from "the run has reached its duration".
 std::string RunEndedText(const std::string& why);

@@ -251,7 +251,8 @@ class YarpEncoding final : public Encoding {
     if (translator_ != nullptr) {
       awaited_ = Awaited::kTranslated;
       Decoded decoded = translator_->Decode(*request);
-      return {.status = decoded.status, .message = std::move(decoded.message)};
+      return {
+          .status = decoded.status, .message = std::move(decoded.message), .changes = translator_->changes()};
     }
     as_message_ = IsMessageBottle(*request);
     Decoded decoded = DecodeYarpRequest(*request, endpoint_.table());

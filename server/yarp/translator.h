@@ -31,6 +31,8 @@ class YarpTranslator {
   virtual void set_dialect(YarpDialect /*dialect*/) {}
   /// kMessage, or kBad with the reason.
   virtual Decoded Decode(const Bottle& request) = 0;
+  /// Whether the request decoded last is to change something, whatever its first message does.
+  virtual bool changes() const { return false; }
   /// After `reply`, also an error, to the message before: what else the module must do before the request is
   /// answered. Nothing: Reply() answers it.
   virtual std::optional<Message> Next(const Message& /*reply*/) { return std::nullopt; }

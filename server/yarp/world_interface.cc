@@ -205,6 +205,11 @@ class WorldTranslator final : public YarpTranslator {
     return {DecodeStatus::kMessage, 0, *std::move(first)};
   }
 
+  bool changes() const override {
+    return request_.call != nullptr && request_.call->act != WorldAct::kPose &&
+           request_.call->act != WorldAct::kList;
+  }
+
   std::optional<Message> Next(const Message& reply) override {
     const bool asked = std::exchange(asked_, false);
     if (reply.error != 0) return {};

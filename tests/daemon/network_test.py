@@ -87,6 +87,23 @@ class StrangerScenes(unittest.TestCase):
             daemon.text("/simulation").must("run")  # from loopback nobody asks
             stranger.close()
 
+    def scene_shell(self):
+        with Daemon(scenario(1, mode="realtime"), "--host", "0.0.0.0", "--token", "chalk-and-board") as daemon:
+            def shell(*words, token=()):
+                done = subprocess.run([BINARY, *words, *token, "--server", f"{OUTER}:{daemon.names[1]}"], capture_output=True, text=True,
+                                      timeout=LIMIT_S, check=False)
+                return done.returncode, done.stderr
+
+            for words in (("pause",), ("call", "/simulation", "pause"), ("world", "undo")):
+                code, said = shell(*words)
+                self.assertEqual(code, 1, words)
+                self.assertIn("give it with --token, or in COOPDYN_TOKEN", said, words)
+                code, said = shell(*words, token=("--token", "wrong"))
+                self.assertEqual(code, 1, words)
+                self.assertRegex(said, "wrong token|wait", words)
+            self.assertEqual(shell("call", "/simulation", "get_time"), (0, ""))
+            daemon.text("/simulation").must("get_time")
+
     def scene_silence(self):
         with Daemon(scenario(2, mode="realtime"), "--host", "0.0.0.0", "--token", "chalk-and-board") as daemon:
             stranger, near = Stranger(daemon, "/robot1/motors"), daemon.text("/robot2/motors")
@@ -265,6 +282,9 @@ class StrangerScenes(unittest.TestCase):
 class NetworkTest(unittest.TestCase):
     def test_strangers_change_the_world_only_with_the_token(self):
         inside("world")
+
+    def test_the_shell_says_how_to_give_the_token(self):
+        inside("shell")
 
     def test_a_silent_client_of_another_machine_stops_its_robot_after_five_seconds(self):
         inside("silence")

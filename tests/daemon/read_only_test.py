@@ -1,10 +1,12 @@
 """A daemon that may be watched and not changed: in every encoding, on the port of names and over HTTP."""
 import json
+import subprocess
 import unittest
 import urllib.error
 import urllib.request
 
-from harness import Connection, Daemon
+from harness import BINARY, LIMIT_S, Connection, Daemon
+from yarp_ports import registration
 
 WHY = "--read-only"
 
@@ -47,6 +49,36 @@ class ReadOnlyTest(unittest.TestCase):
             motors.must("subscribe 1")
             first, second = motors.receive(), motors.receive()
             self.assertLess(first.step, second.step)
+
+    def test_the_world_interface_of_yarp_refuses_also_what_would_change_nothing(self):
+        with Daemon(None, "--read-only", name="classroom") as daemon:
+            port = Connection(registration(daemon, "/world_input_port"))
+            port.write("CONNECT me\r\n")
+            port.read_line()
+
+            def ask(line):
+                port.write(f"d\r\n{line}\r\n")
+                return port.read_line()
+
+            place = "0 0 1 0 0 0"
+            for line in (f"makeSphere 0.1 {place} 0 0 0", f"makeSphere 0.1 {place} 0 0 0 robot1", f"makeBox 0.1 0.1 0.1 {place} 0 0 0",
+                         f"makeCylinder 0.1 0.1 {place} 0 0 0", "changeColor robot1 0 0 0", f"setPose robot1 {place}", "enableGravity robot1 1",
+                         "enableCollision robot1 1", "loadModelFromFile coopbot", f"loadModelFromFileWithPose coopbot {place}",
+                         "deleteObject robot1", "deleteAll", "rename robot1 eva"):
+                answer = ask(line)
+                self.assertTrue(answer.startswith("[fail]"), f"{line}: {answer}")
+                self.assertIn(WHY, answer, line)
+            self.assertEqual(ask("getList"), "()")
+            self.assertEqual(len(ask("getPose robot1").split()), 6)
+            port.close()
+
+    def test_the_shell_does_not_ask_for_a_token(self):
+        with Daemon(None, "--read-only", name="classroom") as daemon:
+            for words in (("pause",), ("call", "/simulation", "pause"), ("world", "undo")):
+                done = subprocess.run([BINARY, *words, "--server", "%s:%d" % daemon.names], capture_output=True, text=True,
+                                      timeout=LIMIT_S, check=False)
+                self.assertEqual(done.returncode, 1, words)
+                self.assertIn("the daemon was started with --read-only", done.stderr, words)
 
     def test_names_neither_come_nor_go(self):
         with Daemon(None, "--read-only", name="classroom") as daemon:

@@ -85,7 +85,7 @@ class ScoresTest(SwarmTestCase):
 
     def test_a_limit_ends_the_run_unmet(self):
         told = self.run_to("--set", "SCORE_1.until=all", "--set", "SCORE_1.limit=0.25")
-        self.assertEqual((told["ended"], told["steps"], told["scores"][0]["met"], told["scores"][0]["met_s"]), ("score", 25, False, None))
+        self.assertEqual((told["ended"], told["steps"], told["scores"][0]["met"], told["scores"][0]["met_s"]), ("limit", 25, False, None))
 
     def test_threads_and_recording_change_nothing(self):
         plain = self.run_to()

@@ -202,6 +202,7 @@ class RemoteTest(unittest.TestCase):
         self.ask("reload")
         self.ask("stop-all")
         self.ask("load", "nothing_of_that_name", code=1)
+        self.assertIn("did you mean 'classroom'?", self.ask("load", "clas", code=1))
 
     def test_any_command_of_any_module_can_be_called(self):
         self.assertTrue(self.ask("call", "/robot1/motors", "set_velocity", "0.2", "-0.5").startswith('0 "" 11 1 1 '))

@@ -52,6 +52,14 @@ class EvolveTest(unittest.TestCase):
         self.assertIn("--vary takes NAME=LEAST..MOST", self.evolve("--vary", "swing=1", "--score", "travelled", code=1).stderr)
         self.assertIn("must be less", self.evolve("--vary", "swing=2..1", "--score", "travelled", code=1).stderr)
         self.assertIn("name the controller", self.evolve("--vary", "swing=0..1", "--score", "travelled", code=1).stderr)
+        twice = self.evolve(*few, "--controller", "gait swing=0.1", "--vary", "swing=0..1", "--score", "travelled", code=1).stderr
+        self.assertIn("swing is in --controller and in --vary: leave one out", twice)
+        twice = self.evolve(*few, "--set", "FLOOR.friction=1", "--vary", "floor.friction=0.1..1", "--score", "travelled", code=1).stderr
+        self.assertIn("floor.friction is in --set and in --vary: leave one out", twice)
+        twice = self.evolve(*DOG, "--vary", "swing=0..1", "--score", "travelled", code=1).stderr
+        self.assertIn("swing is in two --vary: leave one out", twice)
+        for start, why in (("swing", "--start takes NAME=VALUE"), ("swing=much", "--start takes NAME=VALUE"), ("swnig=1", "--start swnig=1: no --vary has swnig")):
+            self.assertIn(why, self.evolve("--controller", "gait", "--vary", "swing=0..1", "--score", "travelled", "--start", start, code=1).stderr)
         self.assertIn("unknown option", self.evolve(*few, "--controller", "gait", "--vary", "swnig=0..1", "--score", "travelled", code=1).stderr
                       .replace("has no option", "unknown option"))
 

@@ -109,6 +109,46 @@ class InputsTest(SweepCase):
         self.assertEqual(len(cells), 3)
         self.assertEqual(len({row[f"digest client {helper}"] for row in cells}), 2)
 
+    def to_do(self, *words):
+        return self.sweep(*words, "--dry-run").stdout.splitlines()[0]
+
+    def test_a_client_inside_other_words_runs_again_when_it_changes(self):
+        self.scenario = self.write("one.scenario", ONE)
+        os.mkdir(self.path("own"))
+        files = {"own/__init__.py": "", "own/drive.py": "import own.speed\n", "own/speed.py": "", "mine.py": "", "numbers.json": ""}
+        for name, text in files.items():
+            self.write(name, text)
+        for client, names in (('sh -c "cd . && exec python3 mine.py {server} <numbers.json"', ("mine.py", "numbers.json")),
+                              ("sh -c 'sh -c \"python3 mine.py; true\"'", ("mine.py",)),
+                              ("python3 -m own.drive {server}", ("own/__init__.py", "own/drive.py", "own/speed.py"))):
+            words = ["--client", client, "--duration", "0.1"]
+            self.sweep(*words)
+            for name in names:
+                self.assertEqual(self.to_do(*words), "1 runs, 0 to do", client)
+                self.write(name, files[name] + "\n")
+                self.assertEqual(self.to_do(*words), "1 runs, 1 to do", f"{client}: {name}")
+                self.write(name, files[name])
+
+    def test_code_among_the_words_of_a_client_is_no_mistake(self):
+        self.assertEqual(self.to_do("--client", "python3 -c 'print(\"it is\", 1) # \"'"), "1 runs, 1 to do")
+
+    def test_inputs_that_no_command_names_are_named(self):
+        self.write("run.sh", "exec python3 mine.py\n")
+        mine = self.write("mine.py", "")
+        words = ["--client", "sh run.sh", "--duration", "0.1", "--input", "mine.py"]
+        self.sweep(*words)
+        self.assertEqual(self.to_do(*words), "1 runs, 0 to do")
+        [line] = self.results()
+        self.assertIn("input mine.py", line["digests"])
+        self.write("mine.py", "pass\n")
+        self.assertEqual(self.to_do(*words), "1 runs, 1 to do")
+        again = engines.answers([BINARY, "sweep", "rerun", self.path("out"), "--key", line["key"]], cwd=self.folder)
+        self.assertIn("not what it was: input mine.py", again.stdout)
+        self.assertIn("--input none.py: there is no such file", self.refused(*words[:-1], "none.py"))
+        os.remove(mine)
+        again = engines.answers([BINARY, "sweep", "rerun", self.path("out"), "--key", line["key"]], cwd=self.folder)
+        self.assertIn("--input mine.py: there is no such file", again.stderr)
+
     def test_another_binary_of_the_same_version_runs_again(self):
         program = shutil.copy(BINARY, self.path("coopdyn"))
         words = [sys.executable, os.path.join(ROOT, "clients/sweep"), program, ROOT, self.scenario, "--duration", "0.1", "--out", self.path("out")]
@@ -148,7 +188,7 @@ class InputsTest(SweepCase):
     def test_a_plug_in_that_is_rebuilt_while_the_sweep_runs_is_told(self):
         job = {"key": "k", "words": ["sh", "-c", "echo '{\"ended\":\"duration\",\"scores\":[],\"digests\":{\"build\":\"b\",\"controller own\":\"2\"}}'"],
                "inputs": {"client": None, "time_limit_s": None, "memory_limit_mib": None, "digests": {"build": "b", "controller own": "1"}},
-               "record": "none", "client_files": {}}
+               "record": "none", "own_files": {}}
         self.assertIn("controller own: not what it was when the sweep began", run.run_one(job)["error"])
 
     def test_lines_of_an_older_version_are_named_and_not_mixed(self):
@@ -222,7 +262,7 @@ class InputsTest(SweepCase):
                             "print(json.dumps({'ended': 'duration', 'steps': 30, 'time_s': 0.3, 'hash': 'h', 'cpu': 'c', 'logged': [], 'digests': {},\n"
                             "  'scores': [{'name': 'way', 'value': 1.5, 'unit': 'm', 'met': None, 'met_s': None, 'until': None}]}))\n")
         words = [sys.executable, "-c", f"import signal; signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGTERM]); exec(open({daemon!r}).read())"]
-        job = {"key": "k", "words": words, "record": "none", "client_files": {},
+        job = {"key": "k", "words": words, "record": "none", "own_files": {},
                "inputs": {"client": "false", "seed": 1, "time_limit_s": None, "memory_limit_mib": None, "digests": {}}}
         result = run.run_one(job)
         self.assertEqual((result["ended"], result["error"], result["scores"]), ("duration", None, {"way": 1.5}))

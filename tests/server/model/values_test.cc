@@ -60,6 +60,8 @@ TEST(DidYouMeanTest, FindsSlips) {
   EXPECT_EQ(Nearest("MAS", words), "mass");
   EXPECT_EQ(Nearest("oreintation", words), "orientation");
   EXPECT_EQ(Nearest("colour", words), "");
+  EXPECT_EQ(Nearest("Orient", words), "orientation");
+  EXPECT_EQ(Nearest("or", words), "");
   EXPECT_EQ(DidYouMean("xyzzy", words), "; known are position, orientation and mass");
 }
 
