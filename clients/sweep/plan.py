@@ -11,7 +11,7 @@ import shlex
 import shutil
 
 
-kInput = "input "  # begins the names of digests of --input
+INPUT = "input "  # begins the names of digests of --input
 
 
 class Wrong(Exception):
@@ -272,7 +272,7 @@ def own_files(client, inputs):
     for name in inputs:
         if not os.path.isfile(name):
             raise Wrong(f"--input {name}: there is no such file here")
-    return {**{f"client {name}": path for name, path in files_of(client).items()}, **{kInput + name: name for name in inputs}}
+    return {**{f"client {name}": path for name, path in files_of(client).items()}, **{INPUT + name: name for name in inputs}}
 
 
 def own_digests(client, inputs):
@@ -281,7 +281,7 @@ def own_digests(client, inputs):
 
 def inputs_among(digests):
     """The names that --input gave."""
-    return [name.removeprefix(kInput) for name in digests if name.startswith(kInput)]
+    return [name.removeprefix(INPUT) for name in digests if name.startswith(INPUT)]
 
 
 def settings_words(inputs):
