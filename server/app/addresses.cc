@@ -54,6 +54,8 @@ std::string WithAdvice(const std::string& error, const char* flags) {
            ": this machine has no such address: leave --host out, or write --host 0.0.0.0 for all that it "
            "has";
   }
+  if (error.find("Too many open files") != std::string::npos)
+    return error + (error.find("ulimit") == std::string::npos ? ": raise 'ulimit -n'" : "");
   return error + ": --host takes an address of this machine, e.g. --host 0.0.0.0 for all that it has";
 }
 

@@ -287,6 +287,7 @@ void Daemon::Stop() {
   recordings_.Close();
   // The robots' host belongs to the control thread, which may be bringing up a scenario just now.
   control_.Call([this] {
+    name_server_.reset();  // first: nobody is to hear that a name is not there
     applied_.clear();
     opens_yarp_ports_ = false;
     if (robots_ != nullptr) robots_->Stop(run_.stopping_text());
@@ -300,7 +301,6 @@ void Daemon::Stop() {
   }
   control_.Call([this] {
     yars_desk_.Close();
-    name_server_.reset();
     clock_timer_.reset();
     sweep_timer_.reset();
   });

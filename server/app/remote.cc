@@ -131,7 +131,8 @@ void PrintRobots(const json::array& robots) {
 void PrintStatus(const std::string& text) {
   boost::system::error_code error;
   const json::value parsed = json::parse(text, error);
-  if (error || !parsed.is_object()) throw RemoteError(kExitErrors, "the daemon's status is unreadable");
+  if (error || !parsed.is_object() || !parsed.as_object().contains("protocol"))
+    throw RemoteError(kExitErrors, "the daemon's status is unreadable");
   const json::object& status = parsed.as_object();
   Print("{}  {}  {}  t = {:.3f} s  step {:.0f}  real-time factor {:.2f}\n", WordAt(status, "scenario"),
         WordAt(status, "mode"), WordAt(status, "state"), NumberAt(status, "time_s"), NumberAt(status, "step"),

@@ -14,6 +14,8 @@ namespace coopdyn {
 namespace {
 
 constexpr std::chrono::seconds kConnectTime{3};
+constexpr std::chrono::seconds kAnswerTime{10};  // for names, which a daemon knows at once
+constexpr std::size_t kMostShown = 200;          // of a line that is none of ours
 
 }  // namespace
 
@@ -63,7 +65,7 @@ RemoteConnection::RemoteConnection(const ServerAddress& server) {
                       "no daemon answers at " + server.host + ":" + port + " (" + error.message() +
                           "): start one with coopdyn serve, or say where it is with --server HOST:PORT");
   }
-  stream_.expires_at(asio::ip::tcp::iostream::time_point::max());
+  stream_.expires_after(kAnswerTime);
   stream_.socket().set_option(asio::ip::tcp::no_delay(true));
 }
 
@@ -74,15 +76,33 @@ void RemoteConnection::Send(const std::string& bytes) {
 
 std::string RemoteConnection::ReadLine() {
   std::string line;
-  if (!std::getline(stream_, line)) throw RemoteError(kExitErrors, "the daemon closed the connection");
+  for (int c = stream_.get(); c != '\n'; c = stream_.get()) {
+    if (c == std::char_traits<char>::eof()) throw NoAnswer();
+    if (line.size() > kMaxReplyBytes) throw Unreadable();
+    line += static_cast<char>(c);
+  }
   if (line.ends_with('\r')) line.pop_back();
   return line;
+}
+
+RemoteError RemoteConnection::NoAnswer() const {
+  if (stream_.error() != boost::asio::error::timed_out)
+    return {kExitErrors, "the daemon closed the connection"};
+  return {kExitNoDaemon,
+          "something takes connections there and does not answer: a daemon that starts answers when it is "
+          "ready; anything else is no coopdyn"};
+}
+
+RemoteError RemoteConnection::Unreadable() {
+  return {kExitErrors, "the daemon answered something unreadable"};
 }
 
 std::vector<std::string> RemoteConnection::AskNames(const std::string& line) {
   Send("NAME_SERVER " + line + "\n");
   std::vector<std::string> answer;
+  std::size_t bytes = 0;
   for (std::string reply = ReadLine(); !reply.starts_with("*** end of message"); reply = ReadLine()) {
+    if (bytes += reply.size() + sizeof reply; bytes > kMaxReplyBytes) throw Unreadable();
     answer.push_back(std::move(reply));
   }
   return answer;
@@ -90,7 +110,9 @@ std::vector<std::string> RemoteConnection::AskNames(const std::string& line) {
 
 void RemoteConnection::Open(const std::string& name) {
   Send("OPEN " + name + "\n");
-  if (const std::string reply = ReadLine(); reply != "ok") throw RemoteError(kExitErrors, reply);
+  if (const std::string reply = ReadLine(); reply != "ok")
+    throw RemoteError(kExitErrors, reply.substr(0, kMostShown));
+  stream_.expires_at(boost::asio::ip::tcp::iostream::time_point::max());  // a reply may wait for a step
 }
 
 Message RemoteConnection::Call(const Message& request) {
@@ -111,7 +133,7 @@ Message RemoteConnection::Call(const Message& request) {
       continue;
     }
     if (decoded.status != DecodeStatus::kMessage) {
-      throw RemoteError(kExitErrors, "the daemon answered something unreadable");
+      throw Unreadable();
     }
     received.erase(0, decoded.consumed);
     if (decoded.message.command == -1) throw RemoteError(kExitErrors, decoded.message.text);  // it closes

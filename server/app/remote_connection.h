@@ -37,7 +37,7 @@ struct ServerAddress {
 /// Each function throws RemoteError with a text that says what is wrong and what to do.
 class RemoteConnection {
  public:
-  /// Connects to the name port; gives up after 3 s.
+  /// Connects to the name port; gives up after 3 s, and 10 s later if it does not answer to a name.
   explicit RemoteConnection(const ServerAddress& server);
 
   /// Sends one line to the name server and returns the lines of its answer, without the end line.
@@ -54,6 +54,9 @@ class RemoteConnection {
  private:
   void Send(const std::string& bytes);
   std::string ReadLine();
+  /// Why nothing more comes.
+  RemoteError NoAnswer() const;
+  static RemoteError Unreadable();
 
   boost::asio::ip::tcp::iostream stream_;
   bool binary_started_ = false;

@@ -100,7 +100,8 @@ class MeshLoader {
     }
     const std::string what = file->string() + "|" + FormatNumber(scale.x()) + " " + FormatNumber(scale.y()) +
                              " " + FormatNumber(scale.z()) + "|" + part + (centred ? "|c" : "");
-    if (const auto known = keys_.find(what); known != keys_.end()) return known->second;
+    if (const auto known = keys_.find(what); known != keys_.end()) return Known(known->second, uri, found);
+    keys_.emplace(what, "");
     auto loaded = LoadMesh(*file, scale, part, *resources_, reader_, uri.where, found);
     if (!loaded) return {};
     if (centred) {
@@ -119,7 +120,13 @@ class MeshLoader {
     }
     std::string key = "mesh:" + std::to_string(table_.size() + 1);
     table_.emplace(key, std::move(mesh));
-    keys_.emplace(what, key);
+    keys_[what] = key;
+    return key;
+  }
+
+  /// What is damaged may take seconds to refuse: once is enough.
+  static std::string Known(const std::string& key, const XmlNode& uri, Diagnostics& found) {
+    if (key.empty()) found.Error(uri.where, "'" + uri.text + "' cannot be used, as is said above");
     return key;
   }
 
@@ -156,7 +163,8 @@ class MeshLoader {
       return FormatNumber(v.x()) + " " + FormatNumber(v.y()) + " " + FormatNumber(v.z()) + "|";
     };
     const std::string what = file->string() + "|" + text(*size) + text(*pos) + FormatNumber(*sampling);
-    if (const auto known = keys_.find(what); known != keys_.end()) return known->second;
+    if (const auto known = keys_.find(what); known != keys_.end()) return Known(known->second, uri, found);
+    keys_.emplace(what, "");
     const auto bytes = ReadImageFile(*file, why);
     const auto heights = bytes ? reader_.ReadHeights(*bytes, why) : std::nullopt;
     if (!heights) return fail("'" + uri.text + "': " + why);

@@ -177,6 +177,14 @@ class MistakeTest(unittest.TestCase):
         self.assertTrue(any(line.lstrip().startswith("--printComPortsToFile ") for line in lines), lines)
 
 
+class SilentServerTest(unittest.TestCase):
+    def test_a_server_that_does_not_answer_is_left(self):
+        with socket.create_server(("127.0.0.1", 0)) as server:
+            done = run("status", "--server", f"127.0.0.1:{server.getsockname()[1]}")
+        self.assertEqual(done.returncode, 3)
+        self.assertIn(b"does not answer", done.stderr)
+
+
 class RemoteTest(unittest.TestCase):
     def setUp(self):
         self.daemon = Daemon(scenario(1))

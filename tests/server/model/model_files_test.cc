@@ -344,6 +344,17 @@ TEST(MalformedModelTest, AMeshThatIsAPipeIsNotWaitedFor) {
               HasSubstr("model.sdf:4: error: mesh 'pipe.stl': it cannot be read"));
 }
 
+TEST(MalformedModelTest, ADamagedMeshIsReadOnceForAllItsUses) {
+  const TempFolder folder;
+  folder.Write("bad.stl", "no mesh");
+  const std::string mesh = "<geometry>\n<mesh><uri>bad.stl</uri></mesh></geometry>";
+  folder.Write("model.sdf", FixedModel("<collision name=\"a\">" + mesh +
+                                       "</collision><collision name=\"b\">" + mesh + "</collision>\n"));
+  const std::string messages = ReadIn(folder, "model.sdf").messages;
+  EXPECT_THAT(messages, HasSubstr("model.sdf:4: error: mesh 'bad.stl': "));
+  EXPECT_THAT(messages, HasSubstr("model.sdf:5: error: 'bad.stl' cannot be used, as is said above"));
+}
+
 TEST(MalformedModelTest, AMeshThatIsNotThereIsAnErrorThatSaysWhereToPutIt) {
   const TempFolder folder;
   folder.Write("model.sdf", FixedModel("<collision name=\"c\"><geometry>\n<mesh><uri>none.stl</uri></mesh>"
