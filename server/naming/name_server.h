@@ -33,8 +33,8 @@ class NameServer {
   NameServer& operator=(const NameServer&) = delete;
 
   /// Listener::Listen(); if that is loopback only, listens besides on the unix socket LocalName(port), which
-  /// costs its clients half of what TCP does. Without that (another program has it) there is TCP. Who connects
-  /// waits until Serve(). Any thread, once.
+  /// costs its clients half of what TCP does. Without that (another program has it) there is TCP. Who
+  /// connects waits until Serve(). Any thread, once.
   std::string Listen(const std::vector<std::string>& addresses, int port);
   /// Answers from now on, as all names are there. Any thread, once.
   void Serve();
