@@ -16,6 +16,7 @@ namespace {
 constexpr std::chrono::seconds kConnectTime{3};
 constexpr std::chrono::seconds kAnswerTime{10};  // for names, which a daemon knows at once
 constexpr std::size_t kMostShown = 200;          // of a line that is none of ours
+constexpr std::size_t kOfEachLine = 32;          // bytes that keep it
 
 }  // namespace
 
@@ -102,7 +103,7 @@ std::vector<std::string> RemoteConnection::AskNames(const std::string& line) {
   std::vector<std::string> answer;
   std::size_t bytes = 0;
   for (std::string reply = ReadLine(); !reply.starts_with("*** end of message"); reply = ReadLine()) {
-    if (bytes += reply.size() + sizeof reply; bytes > kMaxReplyBytes) throw Unreadable();
+    if (bytes += reply.size() + kOfEachLine; bytes > kMaxReplyBytes) throw Unreadable();
     answer.push_back(std::move(reply));
   }
   return answer;
