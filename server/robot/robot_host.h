@@ -43,7 +43,7 @@ class RobotHost {
   /// The pool: one thread for this many robots, at most kMaxPool and half the cores, as their clients need
   /// the others.
   static constexpr std::size_t kRobotsPerThread = 4, kMaxPool = 2;
-  /// At most so many go or come in one GoOn(): a few milliseconds, tens if they have sockets. To let robots
+  /// The most that go or come in one GoOn(): a few milliseconds, tens if they have sockets. To let robots
   /// go takes two visits to each thread, so they are more.
   static constexpr std::size_t kGoAtOnce = 256, kComeAtOnce = 32;
 
