@@ -133,11 +133,12 @@ class Beside(DaemonTestCase):
         for participants, names in ((["robot1"], "one of them"), (["robot1", "robot3"], "another joins"), (["robot2"], "only a third")):
             with self.subTest(names):
                 sim.set_participants(participants)
+                sim.step()  # a command that came after the last step may have run already
                 poses = [robot.get_pose() for robot in robots]
                 for _ in range(20):
                     before = sim.steps
                     for robot in robots:
-                        robot.set_velocity(0.1, 0.05)
+                        robot.set_velocity(0.2, 0.05)
                     sim.step()
                     self.assertEqual(sim.steps, before + 1)
                 for robot, pose in zip(robots, poses):
