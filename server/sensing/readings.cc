@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/base/portable_math.h"
+
 namespace coopdyn {
 
 namespace {
@@ -143,7 +145,8 @@ PlaneMotion MotionOf(const Frame& frame, int robot, int link) {
   const Twist twist = OriginTwist(frame, robot, X_WR, link);
   const double heading_rad = Heading(X_WR.q);
   return {X_WR.p.x(), X_WR.p.y(), heading_rad,
-          twist.v_W.x() * std::cos(heading_rad) + twist.v_W.y() * std::sin(heading_rad), twist.w_W.z()};
+          twist.v_W.x() * portable::Cos(heading_rad) + twist.v_W.y() * portable::Sin(heading_rad),
+          twist.w_W.z()};
 }
 
 }  // namespace coopdyn
