@@ -363,6 +363,7 @@ double coopdyn_cbrt(double x);
 double coopdyn_atan2(double y, double x);
 double coopdyn_pow(double x, double y);
 double coopdyn_hypot(double x, double y);
+void coopdyn_sincos(double x, double* sine, double* cosine);
 
 #if defined(__GNUC__)
 #define COOPDYN_EXPORT __attribute__((visibility("default")))

@@ -54,10 +54,6 @@ double Cbrt(double x) {
   return Sleef_cinz_cbrtd1_u10purec(x);
 }
 
-double Hypot(double x, double y) {
-  return Sleef_cinz_hypotd1_u05purec(x, y);
-}
-
 Eigen::Quaterniond AngleAxis(double angle_rad, const Eigen::Vector3d& axis) {
   const auto [sin, cos] = SinCos(angle_rad / 2);
   Eigen::Quaterniond q;

@@ -5,6 +5,8 @@
 // floor, fmod and remainder are exact by IEEE 754 and need no other. Pure; any thread. Angles in radians.
 #pragma once
 
+#include <cmath>
+
 #include <Eigen/Geometry>
 
 namespace coopdyn::portable {
@@ -26,7 +28,10 @@ double Exp(double x);
 double Log(double x);
 double Pow(double x, double y);
 double Cbrt(double x);
-double Hypot(double x, double y);
+/// Neither x nor y above 1e150: nothing here is, and a plain root is a fifth of SLEEF's.
+inline double Hypot(double x, double y) {
+  return std::sqrt(x * x + y * y);
+}
 /// The rotation about `axis`, of length 1. Eigen's own has libm's sine.
 Eigen::Quaterniond AngleAxis(double angle_rad, const Eigen::Vector3d& axis);
 

@@ -70,14 +70,14 @@ Standing StandingOf(const RobotEntry& robot) {
 /// The reach of `one` from its middle along a direction.
 double Reach(const Standing& one, double x, double y) {
   if (one.radius_m > 0) return one.radius_m;
-  const double c = portable::Cos(one.yaw_rad), s = portable::Sin(one.yaw_rad);
+  const auto [s, c] = portable::SinCos(one.yaw_rad);
   return one.half_length_m * std::abs(c * x + s * y) + one.half_width_m * std::abs(c * y - s * x);
 }
 
 /// The distance of the point from the rectangle; 0 inside.
 double Distance(const Standing& rectangle, double x_m, double y_m) {
   const double dx = x_m - rectangle.x_m, dy = y_m - rectangle.y_m;
-  const double c = portable::Cos(rectangle.yaw_rad), s = portable::Sin(rectangle.yaw_rad);
+  const auto [s, c] = portable::SinCos(rectangle.yaw_rad);
   const double along = std::abs(c * dx + s * dy) - rectangle.half_length_m;
   const double across = std::abs(c * dy - s * dx) - rectangle.half_width_m;
   return portable::Hypot(std::max(0.0, along), std::max(0.0, across));
@@ -92,7 +92,7 @@ bool ShadowsOverlap(const Standing& a, const Standing& b) {
   constexpr double kQuarter = 1.57079632679489662;
   const std::array<double, 4> angles = {a.yaw_rad, a.yaw_rad + kQuarter, b.yaw_rad, b.yaw_rad + kQuarter};
   return std::ranges::all_of(angles, [&](double angle) {
-    const double x = portable::Cos(angle), y = portable::Sin(angle);
+    const auto [y, x] = portable::SinCos(angle);
     return std::abs(dx * x + dy * y) < Reach(a, x, y) + Reach(b, x, y) + kGap_m;
   });
 }

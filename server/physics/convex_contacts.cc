@@ -179,7 +179,8 @@ Patch PatchOf(const PlacedPart& part, const Vector3& n_W) {
   constexpr int kAround = 16;
   const auto leaning = [&](int i, double lean) {
     const double turn = (i + 0.5) * 2 * std::numbers::pi / kAround;
-    return Vector3(n_W + lean * (portable::Cos(turn) * side + portable::Sin(turn) * other));
+    const auto [sine, cosine] = portable::SinCos(turn);
+    return Vector3(n_W + lean * (cosine * side + sine * other));
   };
   const Cylinder* cylinder = std::get_if<Cylinder>(&part.part->shape);
   const Capsule* capsule = std::get_if<Capsule>(&part.part->shape);

@@ -384,8 +384,9 @@ void Measures::Measure(const OdometryModel& model, const Measured& of, std::uint
   const double half_rad = turn_rad / 2;
   const double chord_m =
       std::abs(half_rad) > 1e-9 ? forward_m * portable::Sin(half_rad) / half_rad : forward_m;
-  values[0] += chord_m * portable::Cos(values[2] + half_rad);
-  values[1] += chord_m * portable::Sin(values[2] + half_rad);
+  const auto [sine, cosine] = portable::SinCos(values[2] + half_rad);
+  values[0] += chord_m * cosine;
+  values[1] += chord_m * sine;
   values[2] += turn_rad;
   values[3] = forward_m / moment.dt_s;
   values[4] = turn_rad / moment.dt_s;

@@ -15,7 +15,8 @@ namespace {
 
 Ray RayOf(const InfraredModel& model, const Pose& X_WS, int index) {
   const double angle_rad = BeamAngle(model.opening_rad, model.rays, index);
-  return {X_WS.p, X_WS.q * Vector3(portable::Cos(angle_rad), portable::Sin(angle_rad), 0)};
+  const auto [sine, cosine] = portable::SinCos(angle_rad);
+  return {X_WS.p, X_WS.q * Vector3(cosine, sine, 0)};
 }
 
 }  // namespace

@@ -19,8 +19,8 @@ std::vector<SensorFan> SensorFan::MakeAll(const DistanceModel& model, double thi
       // Spread evenly from the right edge of the sector to its left one.
       const double angle_rad =
           sector.rays > 1 ? sector.opening_rad * (static_cast<double>(i) / (sector.rays - 1) - 0.5) : 0;
-      rays.push_back({sector.X_RS.p,
-                      sector.X_RS.q * Vector3(portable::Cos(angle_rad), portable::Sin(angle_rad), 0),
+      const auto [sine, cosine] = portable::SinCos(angle_rad);
+      rays.push_back({sector.X_RS.p, sector.X_RS.q * Vector3(cosine, sine, 0),
                       std::nextafter(sector.max_range_m, kNoHit), static_cast<std::uint32_t>(k)});
     }
   }

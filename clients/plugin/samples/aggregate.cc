@@ -43,8 +43,9 @@ class Aggregate {
       double x_m = 0, y_m = 0;  // of the neighbours' middle; x ahead, y left
       for (size_t i = 0; i < readings.neighbour_count; ++i) {
         const coopdyn_sighting& other = readings.neighbours[i];
-        x_m += other.distance_m * coopdyn_cos(other.bearing_rad);
-        y_m += other.distance_m * coopdyn_sin(other.bearing_rad);
+        const coopdyn::Direction there = coopdyn::DirectionOf(other.bearing_rad);
+        x_m += other.distance_m * there.x;
+        y_m += other.distance_m * there.y;
       }
       bearing = coopdyn_atan2(y_m, x_m);
       const double middle_m = coopdyn_hypot(x_m, y_m) / static_cast<double>(readings.neighbour_count);
@@ -54,7 +55,7 @@ class Aggregate {
     // Nothing may be nearer than the gap in the direction of travel.
     for (size_t i = 0; i < readings.distance_count; ++i) {
       const double side = robot_.distance_bearing_rad[i];
-      if (coopdyn_cos(side) < 0.3 || readings.distance_m[i] > gap_m_) continue;
+      if (readings.distance_m[i] > gap_m_ || coopdyn_cos(side) < 0.3) continue;
       forward = 0;
       if (readings.neighbour_count == 0) command.turn_rad_s = side > 0 ? -turn_rad_s_ : turn_rad_s_;
     }

@@ -50,15 +50,18 @@ class Flock {
       const double heading = other.values[0] - readings.heading_rad;
       const double off = std::clamp((other.from.distance_m - gap_m_) / (gap_m_ + 1e-9), -1.0, 1.0);
       const double weight = 1 / static_cast<double>(readings.heard_count);
-      x += weight * (align_ * coopdyn_cos(heading) + attract_ * off * coopdyn_cos(other.from.bearing_rad));
-      y += weight * (align_ * coopdyn_sin(heading) + attract_ * off * coopdyn_sin(other.from.bearing_rad));
+      const coopdyn::Direction theirs = coopdyn::DirectionOf(heading),
+                               there = coopdyn::DirectionOf(other.from.bearing_rad);
+      x += weight * (align_ * theirs.x + attract_ * off * there.x);
+      y += weight * (align_ * theirs.y + attract_ * off * there.y);
     }
     for (size_t i = 0; i < readings.distance_count; ++i) {
-      const double bearing = robot_.distance_bearing_rad[i];
-      if (readings.distance_m[i] >= near_m_ || coopdyn_cos(bearing) < 0) continue;
+      if (readings.distance_m[i] >= near_m_) continue;
+      const coopdyn::Direction side = coopdyn::DirectionOf(robot_.distance_bearing_rad[i]);
+      if (side.x < 0) continue;
       const double near = 3 * (1 - readings.distance_m[i] / near_m_);
-      x -= near * coopdyn_cos(bearing);
-      y -= near * (coopdyn_sin(bearing) + 0.1);  // what is straight ahead is passed on the right
+      x -= near * side.x;
+      y -= near * (side.y + 0.1);  // what is straight ahead is passed on the right
     }
     const double wanted = coopdyn_atan2(y, x);
     command.forward_m_s = speed_m_s_ * std::max(0.0, coopdyn_cos(wanted));

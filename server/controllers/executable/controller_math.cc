@@ -41,3 +41,8 @@ double coopdyn_pow(double x, double y) {
 double coopdyn_hypot(double x, double y) {
   return portable::Hypot(x, y);
 }
+void coopdyn_sincos(double x, double* sine, double* cosine) {
+  const auto [sin, cos] = portable::SinCos(x);
+  *sine = sin;
+  *cosine = cos;
+}
