@@ -24,7 +24,8 @@ set(ours $<BOOL:$<TARGET_PROPERTY:COOPDYN_WARNINGS>>)
 
 add_library(coopdyn_options INTERFACE)
 target_compile_options(coopdyn_options INTERFACE
-  $<${ours}:-Wall> $<${ours}:-Wextra> $<${ours}:-Wpedantic> $<${ours}:-Werror> -fno-fast-math)
+  $<${ours}:-Wall> $<${ours}:-Wextra> $<${ours}:-Wpedantic> $<${ours}:-Werror> -fno-fast-math
+  -ffp-contract=off)  # a * b + c is rounded twice on every machine
 target_include_directories(coopdyn_options INTERFACE ${PROJECT_SOURCE_DIR})
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   target_compile_options(coopdyn_options INTERFACE $<${ours}:-Wthread-safety>)

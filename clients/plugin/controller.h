@@ -349,6 +349,22 @@ typedef struct coopdyn_controller {
   void (*destroy)(void* instance);
 } coopdyn_controller;
 
+/* The same bits on every machine, within 1 ulp; angles in rad. libm's functions are not: it chooses them by
+ * the processor. sqrt, floor, fmod and remainder are exact everywhere. */
+double coopdyn_sin(double x);
+double coopdyn_cos(double x);
+double coopdyn_tan(double x);
+double coopdyn_asin(double x);
+double coopdyn_acos(double x);
+double coopdyn_atan(double x);
+double coopdyn_exp(double x);
+double coopdyn_ln(double x);
+double coopdyn_cbrt(double x);
+double coopdyn_atan2(double y, double x);
+double coopdyn_pow(double x, double y);
+double coopdyn_hypot(double x, double y);
+void coopdyn_sincos(double x, double* sine, double* cosine);
+
 #if defined(__GNUC__)
 #define COOPDYN_EXPORT __attribute__((visibility("default")))
 #else

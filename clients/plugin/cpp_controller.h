@@ -55,6 +55,16 @@ const coopdyn_controller* Entry() {
   return &functions;
 }
 
+/// A unit vector; x ahead, y left.
+struct Direction {
+  double x = 1, y = 0;
+};
+inline Direction DirectionOf(double angle_rad) {
+  Direction direction;
+  coopdyn_sincos(angle_rad, &direction.y, &direction.x);
+  return direction;
+}
+
 /// A number from 0 up to but not 1 that depends on its arguments alone: the same in every run, on every
 /// thread.
 inline double Random(std::uint64_t seed, std::uint32_t robot, std::uint64_t step, std::uint32_t use = 0) {

@@ -219,9 +219,13 @@ std::string ToJson(const RunInfo& info) {
   object["version"] = header.version;
   object["build"] = header.build;
   object["cpu"] = header.cpu;
-  json::object controllers;
-  for (const PluginHash& one : header.controllers) controllers[one.name] = one.hash;
-  object["controllers"] = std::move(controllers);
+  const auto hashes = [](const std::vector<PluginHash>& files) {
+    json::object of;
+    for (const PluginHash& one : files) of[one.name] = one.hash;
+    return of;
+  };
+  object["controllers"] = hashes(header.controllers);
+  object["libraries"] = hashes(header.libraries);
   object["digests"] = json::value_from(DigestsOf(header));
   object["started"] = header.started;
   object["command"] = header.command;

@@ -70,6 +70,7 @@ std::string Named(const char* what, const std::vector<std::string>& names) {
 std::map<std::string, std::string> DigestsNow(const Frame& frame) {
   RunHeader header = HeaderOf(frame, Mode::kRealtime, {}, 0);
   header.build = BuildId();
+  header.libraries = LibrariesHere();
   return DigestsOf(header);
 }
 

@@ -8,6 +8,7 @@
 #include <functional>
 #include <latch>
 
+#include "server/base/portable_math.h"
 #include "server/sensing/readings.h"
 #include "server/state/controller_driver.h"
 #include "server/state/world_change.h"
@@ -34,8 +35,8 @@ void WriteMotion(const Frame& frame, int robot, RobotReadings& readings) {
   const Vector3 v_R = R_WR.transpose() * twist.v_W, w_R = R_WR.transpose() * twist.w_W;
   readings.height_m = X_WR.p.z();
   readings.heading_rad = Heading(X_WR.q);
-  readings.roll_rad = std::atan2(R_WR(2, 1), R_WR(2, 2));
-  readings.pitch_rad = std::asin(std::clamp(-R_WR(2, 0), -1.0, 1.0));
+  readings.roll_rad = portable::Atan2(R_WR(2, 1), R_WR(2, 2));
+  readings.pitch_rad = portable::Asin(std::clamp(-R_WR(2, 0), -1.0, 1.0));
   std::copy_n(v_R.data(), 3, readings.velocity_m_s);
   std::copy_n(w_R.data(), 3, readings.angular_velocity_rad_s);
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "server/base/portable_math.h"
 #include "server/geometry/convex_overlap.h"
 #include "server/geometry/mesh.h"
 
@@ -21,7 +22,9 @@ struct OpenCone {
   double sine, cosine;
 
   explicit OpenCone(const Cone& cone)
-      : axis(cone.axis), sine(std::sin(cone.half_angle_rad)), cosine(std::cos(cone.half_angle_rad)) {}
+      : axis(cone.axis),
+        sine(portable::Sin(cone.half_angle_rad)),
+        cosine(portable::Cos(cone.half_angle_rad)) {}
 
   bool Holds(const Vector3& p) const {
     const double along = p.dot(axis);

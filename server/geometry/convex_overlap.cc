@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "server/base/portable_math.h"
 #include "server/geometry/ray.h"
 
 namespace coopdyn {
@@ -14,7 +15,7 @@ Vector3 FurthestPoint(const Box& box, const Vector3& direction) {
 }
 
 Vector3 FurthestPoint(const Cylinder& cylinder, const Vector3& direction) {
-  const double across = std::hypot(direction.x(), direction.y());
+  const double across = portable::Hypot(direction.x(), direction.y());
   const double part = across > 0 ? cylinder.radius_m / across : 0;
   return {part * direction.x(), part * direction.y(), std::copysign(cylinder.length_m / 2, direction.z())};
 }

@@ -9,22 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "server/base/portable_math.h"
+#include "server/base/random.h"
+
 namespace coopdyn {
 
 namespace {
-
-/// FNV-1a over the bits.
-class Hash {
- public:
-  void Add(const void* data, std::size_t bytes) {
-    const auto* byte = static_cast<const unsigned char*>(data);
-    for (std::size_t i = 0; i < bytes; ++i) value_ = (value_ ^ byte[i]) * 1099511628211u;
-  }
-  std::uint64_t value() const { return value_; }
-
- private:
-  std::uint64_t value_ = 14695981039346656037u;
-};
 
 /// Volume and moments of the solid that the triangles enclose, summed over the tetrahedra from the origin.
 void Weigh(MeshData& mesh) {
@@ -70,7 +60,7 @@ std::vector<Vector3> Furthest(std::span<const Vector3> points) {
   const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
   for (int i = 0; i < kDirections; ++i) {
     const double z = 1 - 2 * (i + 0.5) / kDirections, r = std::sqrt(1 - z * z);
-    const Vector3 direction(r * std::cos(golden * i), r * std::sin(golden * i), z);
+    const Vector3 direction(r * portable::Cos(golden * i), r * portable::Sin(golden * i), z);
     std::size_t best = 0;
     for (std::size_t k = 1; k < points.size(); ++k) {
       if (points[k].dot(direction) > points[best].dot(direction)) best = k;
@@ -177,7 +167,7 @@ MeshData MakeMesh(std::vector<Vector3> vertices, std::vector<MeshData::Triangle>
   middle = (low + high) / 2;
   for (Vector3& v : mesh.vertices) v -= middle;
   mesh.half_m = (high - low) / 2;
-  Hash hash;
+  BytesHash hash;
   for (const Vector3& v : mesh.vertices) {
     mesh.radius_m = std::max(mesh.radius_m, v.norm());
     hash.Add(v.data(), 3 * sizeof(double));

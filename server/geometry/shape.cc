@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/base/portable_math.h"
 #include "server/geometry/mesh.h"
 
 namespace coopdyn {
@@ -20,13 +21,13 @@ Overloaded(Fs...) -> Overloaded<Fs...>;
 }  // namespace
 
 double Heading(const Quaternion& q) {
-  return std::atan2(2 * (q.w() * q.z() + q.x() * q.y()), 1 - 2 * (q.y() * q.y() + q.z() * q.z()));
+  return portable::Atan2(2 * (q.w() * q.z() + q.x() * q.y()), 1 - 2 * (q.y() * q.y() + q.z() * q.z()));
 }
 
 Vector3 ToRollPitchYaw(const Quaternion& q) {
   const Matrix3 R = q.toRotationMatrix();
-  return {std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
-          std::atan2(R(1, 0), R(0, 0))};
+  return {portable::Atan2(R(2, 1), R(2, 2)), portable::Asin(std::clamp(-R(2, 0), -1.0, 1.0)),
+          portable::Atan2(R(1, 0), R(0, 0))};
 }
 
 double WrapAngle(double angle_rad) {
@@ -37,7 +38,7 @@ double WrapAngle(double angle_rad) {
 
 double BoundingRadius(const Shape& shape) {
   return std::visit(Overloaded{[](const Box& box) { return box.size_m.norm() / 2; },
-                               [](const Cylinder& c) { return std::hypot(c.radius_m, c.length_m / 2); },
+                               [](const Cylinder& c) { return portable::Hypot(c.radius_m, c.length_m / 2); },
                                [](const Sphere& s) { return s.radius_m; },
                                [](const Capsule& c) { return c.radius_m + c.length_m / 2; },
                                [](const Mesh& m) { return m.data->radius_m; }},

@@ -6,6 +6,8 @@
 #include <Eigen/Geometry>
 #include <variant>
 
+#include "server/base/portable_math.h"
+
 namespace coopdyn {
 
 using Vector3 = Eigen::Vector3d;
@@ -57,9 +59,8 @@ struct Pose {
 
 /// Rotation by roll, pitch, yaw about the fixed axes x, y, z (in this order).
 inline Quaternion FromRollPitchYaw(double roll_rad, double pitch_rad, double yaw_rad) {
-  return Quaternion(Eigen::AngleAxisd(yaw_rad, Vector3::UnitZ()) *
-                    Eigen::AngleAxisd(pitch_rad, Vector3::UnitY()) *
-                    Eigen::AngleAxisd(roll_rad, Vector3::UnitX()));
+  return portable::AngleAxis(yaw_rad, Vector3::UnitZ()) * portable::AngleAxis(pitch_rad, Vector3::UnitY()) *
+         portable::AngleAxis(roll_rad, Vector3::UnitX());
 }
 
 /// The reverse: roll and yaw in [−π, π], pitch in [−π/2, π/2].

@@ -12,6 +12,7 @@
 #include <array>
 #include <cmath>
 
+#include "server/base/portable_math.h"
 #include "server/model/robot_model.h"
 
 namespace coopdyn {
@@ -38,8 +39,8 @@ inline std::array<double, 2> SteeringAngles(const DriveModel& drive, const Wheel
   const double curvature = (wheel_speed_rad_s[1] - wheel_speed_rad_s[0]) / (drive.track_m * middle);
   const auto& [joints, wheelbase_m, half_track_m, most] = *drive.steering;
   const double kept = std::clamp(curvature, -most, most);
-  return {std::atan(wheelbase_m * kept / (1 - kept * half_track_m)),
-          std::atan(wheelbase_m * kept / (1 + kept * half_track_m))};
+  return {portable::Atan(wheelbase_m * kept / (1 - kept * half_track_m)),
+          portable::Atan(wheelbase_m * kept / (1 + kept * half_track_m))};
 }
 
 /// Scales both speeds by one factor into the limits, and `factor` with them; of a drive with steered wheels

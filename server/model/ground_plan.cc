@@ -6,6 +6,8 @@
 #include <cmath>
 #include <variant>
 
+#include "server/base/portable_math.h"
+
 namespace coopdyn {
 
 namespace {
@@ -37,7 +39,7 @@ Standing StandingOf(const WorldObject& object) {
   } else if (box != nullptr && IsUpright(R)) {
     standing.half_length_m = box->size_m.x() / 2;
     standing.half_width_m = box->size_m.y() / 2;
-    standing.yaw_rad = std::atan2(R(1, 0), R(0, 0));
+    standing.yaw_rad = portable::Atan2(R(1, 0), R(0, 0));
   } else {
     standing.half_length_m = half.x();
     standing.half_width_m = half.y();
@@ -58,7 +60,7 @@ Standing StandingOf(const RobotEntry& robot) {
     standing.low_m = p.z();
     standing.high_m = p.z() + height_m;
   } else {
-    standing.radius_m = std::hypot(radius_m, height_m);
+    standing.radius_m = portable::Hypot(radius_m, height_m);
     standing.low_m = p.z() - standing.radius_m;
     standing.high_m = p.z() + standing.radius_m;
   }
@@ -68,29 +70,29 @@ Standing StandingOf(const RobotEntry& robot) {
 /// The reach of `one` from its middle along a direction.
 double Reach(const Standing& one, double x, double y) {
   if (one.radius_m > 0) return one.radius_m;
-  const double c = std::cos(one.yaw_rad), s = std::sin(one.yaw_rad);
+  const auto [s, c] = portable::SinCos(one.yaw_rad);
   return one.half_length_m * std::abs(c * x + s * y) + one.half_width_m * std::abs(c * y - s * x);
 }
 
 /// The distance of the point from the rectangle; 0 inside.
 double Distance(const Standing& rectangle, double x_m, double y_m) {
   const double dx = x_m - rectangle.x_m, dy = y_m - rectangle.y_m;
-  const double c = std::cos(rectangle.yaw_rad), s = std::sin(rectangle.yaw_rad);
+  const auto [s, c] = portable::SinCos(rectangle.yaw_rad);
   const double along = std::abs(c * dx + s * dy) - rectangle.half_length_m;
   const double across = std::abs(c * dy - s * dx) - rectangle.half_width_m;
-  return std::hypot(std::max(0.0, along), std::max(0.0, across));
+  return portable::Hypot(std::max(0.0, along), std::max(0.0, across));
 }
 
 bool ShadowsOverlap(const Standing& a, const Standing& b) {
   const double dx = b.x_m - a.x_m, dy = b.y_m - a.y_m;
-  if (a.radius_m > 0 && b.radius_m > 0) return std::hypot(dx, dy) < a.radius_m + b.radius_m + kGap_m;
+  if (a.radius_m > 0 && b.radius_m > 0) return portable::Hypot(dx, dy) < a.radius_m + b.radius_m + kGap_m;
   if (a.radius_m > 0) return Distance(b, a.x_m, a.y_m) < a.radius_m + kGap_m;
   if (b.radius_m > 0) return Distance(a, b.x_m, b.y_m) < b.radius_m + kGap_m;
   // Two rectangles are apart if they are along a side of either.
   constexpr double kQuarter = 1.57079632679489662;
   const std::array<double, 4> angles = {a.yaw_rad, a.yaw_rad + kQuarter, b.yaw_rad, b.yaw_rad + kQuarter};
   return std::ranges::all_of(angles, [&](double angle) {
-    const double x = std::cos(angle), y = std::sin(angle);
+    const auto [y, x] = portable::SinCos(angle);
     return std::abs(dx * x + dy * y) < Reach(a, x, y) + Reach(b, x, y) + kGap_m;
   });
 }

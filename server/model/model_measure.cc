@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/base/portable_math.h"
 #include "server/model/sdf_body.h"
 #include "server/model/values.h"
 
@@ -42,7 +43,7 @@ double Reach(const Shape& shape, const Pose& X_RG) {
   for (int i = 0; i < kPoints; ++i) {
     const double angle = 2 * std::numbers::pi * i / kPoints;
     for (const double end : {-0.5, 0.5}) {
-      const Vector3 p(cylinder.radius_m * std::cos(angle), cylinder.radius_m * std::sin(angle),
+      const Vector3 p(cylinder.radius_m * portable::Cos(angle), cylinder.radius_m * portable::Sin(angle),
                       end * cylinder.length_m);
       reach = std::max(reach, (X_RG * p).head<2>().norm());
     }

@@ -4,13 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/base/portable_math.h"
+
 namespace coopdyn {
 
 double LengthFactor(const MuscleModel& muscle, double length_m) {
   if (!muscle.use_length) return 1;
   const double off =
       std::abs((length_m - muscle.optimal_length_m) / (muscle.width * muscle.optimal_length_m));
-  return std::exp(-muscle.c * off * off * off);
+  return portable::Exp(-muscle.c * off * off * off);
 }
 
 VelocityFactor VelocityFactorOf(const MuscleModel& muscle, double shortening_m_s) {

@@ -5,9 +5,9 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 #include <span>
 
+#include "server/base/random.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
@@ -16,33 +16,20 @@ namespace {
 
 constexpr const char* kForms = "uniform LEAST MOST, normal MEAN DEVIATION or choice A B C";
 
-// The finaliser of SplitMix64: every input bit changes every output bit with probability one half.
-std::uint64_t Mix(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
-  return x ^ (x >> 31);
-}
-
-std::uint64_t Absorb(std::uint64_t state, std::uint64_t value) {
-  return Mix(state + 0x9e3779b97f4a7c15 + Mix(value + 0x9e3779b97f4a7c15));
-}
-
 /// The numbers of one component, by counting.
 class Numbers {
  public:
   Numbers(const RandomDraw& draw, std::size_t component) {
-    std::uint64_t name = 0xcbf29ce484222325;  // FNV-1a
-    for (const char c : draw.key) name = (name ^ static_cast<unsigned char>(c)) * 0x100000001b3;
-    state_ = Absorb(Absorb(0, draw.seed), name);
-    state_ = Absorb(state_, static_cast<std::uint64_t>(draw.attempt) << 32 | component);
+    state_ = AbsorbBits(AbsorbBits(0, draw.seed), HashOfBytes(draw.key));
+    state_ = AbsorbBits(state_, static_cast<std::uint64_t>(draw.attempt) << 32 | component);
   }
   /// In (0, 1), never an end.
-  double Next() { return (static_cast<double>(Absorb(state_, count_++) >> 11) + 0.5) * 0x1p-53; }
+  double Next() { return UniformOf(AbsorbBits(state_, count_++)); }
   /// Of mean 0 and standard deviation 1, cut.
   double NextNormal() {
     for (;;) {
       const double u = Next(), v = Next();
-      const double z = std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);  // Box–Muller
+      const double z = NormalOf(u, v);
       if (std::abs(z) <= RandomValue::kMostDeviations) return z;
     }
   }

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "server/base/random.h"
 #include "server/model/section_reader.h"
 #include "server/model/values.h"
 
@@ -319,8 +320,7 @@ void RobotSections::ReadSwarm(SectionReader& reader) {
   request.spacing_m = spacing.value_or(2.5 * request.radius_m);
   request.area = area.value_or(FloorArea{0, 0, scenario_.floor.length_m, scenario_.floor.width_m});
   // Another draw for each swarm, or all would stand alike.
-  constexpr std::uint64_t kApart = 0x9e3779b97f4a7c15;
-  request.seed = seed.value_or(scenario_.simulation.seed + kApart * scenario_.swarms.size());
+  request.seed = seed.value_or(scenario_.simulation.seed + kGolden * scenario_.swarms.size());
   if (request.spacing_m < 2 * request.radius_m) {
     reader.ErrorAt("spacing", "'spacing' is the distance between the robots' centres: at least " +
                                   FormatNumber(2 * request.radius_m) + " m, the diameter of a " +

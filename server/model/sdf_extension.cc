@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "server/base/portable_math.h"
 #include "server/model/sdf_parts.h"
 #include "server/model/sdf_sensors.h"
 #include "server/model/values.h"
@@ -323,7 +324,7 @@ class ExtensionReader {
           "same distance left and right of the middle");
     }
     // The inner wheel turns most.
-    const double tangent = std::tan(angle_rad);
+    const double tangent = portable::Tan(angle_rad);
     steering.max_curvature_1_m = tangent / (steering.wheelbase_m + steering.half_track_m * tangent);
     return steering;
   }

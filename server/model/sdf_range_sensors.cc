@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "server/base/portable_math.h"
 #include "server/model/sdf_sensors.h"
 #include "server/model/values.h"
 
@@ -48,8 +49,9 @@ SectorModel ReadSector(XmlAttributes& attributes, const SectorDefaults& common) 
   } else if (bearing_deg && values.radius_m && values.height_m) {
     sector.bearing_rad = WrapAngle(*bearing_deg * kRadPerDeg);
     const double b = sector.bearing_rad;
-    sector.X_RS = {Vector3(*values.radius_m * std::cos(b), *values.radius_m * std::sin(b), *values.height_m),
-                   FromRollPitchYaw(0, 0, b)};
+    sector.X_RS = {
+        Vector3(*values.radius_m * portable::Cos(b), *values.radius_m * portable::Sin(b), *values.height_m),
+        FromRollPitchYaw(0, 0, b)};
   } else {
     attributes.Error(
         "needs 'bearing_deg' with 'radius' and 'height' (here or in <coopdyn:distance_sensors>), or 'pose'");

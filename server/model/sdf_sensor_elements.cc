@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "server/base/portable_math.h"
 #include "server/model/sdf_sensors.h"
 #include "server/model/values.h"
 
@@ -191,7 +192,7 @@ SonarModel ToSonar(ElementValues& values) {
   beam.min_range_m = values.Number(element, "min", 0, 0, kMaxSensorLength_m);
   beam.max_range_m = values.Number(element, "max", 1, 1e-3, kMaxSensorLength_m);
   const double radius_m = values.Number(element, "radius", 0.5, 0, kMaxSensorLength_m);
-  beam.opening_rad = 2 * std::atan(radius_m / beam.max_range_m);
+  beam.opening_rad = 2 * portable::Atan(radius_m / beam.max_range_m);
   if (beam.min_range_m >= beam.max_range_m)
     values.Error(values.sensor(), "<min> of <sonar> must lie below <max>");
   if (const std::string shape = ElementValues::TextOf(element, "geometry", "cone"); shape != "cone")

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "server/base/portable_math.h"
 #include "server/model/model_source.h"
 #include "server/model/resources.h"
 #include "server/model/sdf_body.h"
@@ -32,8 +33,8 @@ std::string Exact(const Vector3& v) {
 /// Roll, pitch, yaw about the fixed axes.
 std::string Angles(const Quaternion& q) {
   const Matrix3 R = q.toRotationMatrix();
-  const double pitch = std::asin(std::clamp(-R(2, 0), -1.0, 1.0));
-  return Exact(Vector3(std::atan2(R(2, 1), R(2, 2)), pitch, std::atan2(R(1, 0), R(0, 0))));
+  const double pitch = portable::Asin(std::clamp(-R(2, 0), -1.0, 1.0));
+  return Exact(Vector3(portable::Atan2(R(2, 1), R(2, 2)), pitch, portable::Atan2(R(1, 0), R(0, 0))));
 }
 
 class WorldConverter {

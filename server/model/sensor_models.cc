@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/base/portable_math.h"
+
 namespace coopdyn {
 
 namespace {
@@ -95,16 +97,16 @@ std::size_t MeasuredCount(const SensorKind& kind) {
 Vector3 SonarModel::Beam::Direction(int index) const {
   if (index == 0 || rays < 2) return Vector3::UnitX();
   const double round_rad = 2 * std::numbers::pi * (index - 1) / (rays - 1);
-  const double left_rad = opening_rad / 2 * std::cos(round_rad),
-               up_rad = opening_up_rad / 2 * std::sin(round_rad);
-  const double angle_rad = std::hypot(left_rad, up_rad);
+  const double left_rad = opening_rad / 2 * portable::Cos(round_rad),
+               up_rad = opening_up_rad / 2 * portable::Sin(round_rad);
+  const double angle_rad = portable::Hypot(left_rad, up_rad);
   if (angle_rad <= 0) return Vector3::UnitX();
-  const double part = std::sin(angle_rad) / angle_rad;
-  return {std::cos(angle_rad), part * left_rad, part * up_rad};
+  const double part = portable::Sin(angle_rad) / angle_rad;
+  return {portable::Cos(angle_rad), part * left_rad, part * up_rad};
 }
 
 double CameraModel::focal_px() const {
-  return width / (2 * std::tan(horizontal_fov_rad / 2));
+  return width / (2 * portable::Tan(horizontal_fov_rad / 2));
 }
 
 }  // namespace coopdyn

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/base/portable_math.h"
 #include "server/model/robot_model.h"
 #include "server/model/sdf_body.h"
 
@@ -38,7 +39,7 @@ bool MoveJoint(RobotModel& robot, std::size_t index, double by) {
   }
   const Vector3 axis = joint.axis_R.normalized();
   Pose X;
-  if (joint.kind != JointModel::Kind::kSlider) X.q = Quaternion(Eigen::AngleAxisd(by, axis));
+  if (joint.kind != JointModel::Kind::kSlider) X.q = portable::AngleAxis(by, axis);
   const double way_m = joint.kind == JointModel::Kind::kSlider ? by : joint.pitch_m_rad * by;
   X.p = joint.p_RJ - X.q * joint.p_RJ + way_m * axis;
   const auto moves = [&](int link) { return beyond[static_cast<std::size_t>(link)]; };

@@ -8,6 +8,8 @@
 #include <utility>
 #include <variant>
 
+#include "server/base/portable_math.h"
+#include "server/base/random.h"
 #include "server/geometry/uniform_grid.h"
 #include "server/model/section_reader.h"
 #include "server/model/values.h"
@@ -18,23 +20,6 @@ namespace {
 
 constexpr double kGap_m = 0.01;  // between a robot and what is not of its swarm
 constexpr int kTriesPerRobot = 2000;
-
-/// splitmix64: the same numbers on every machine.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  /// In [0, 1).
-  double Next() {
-    state_ += 0x9E3779B97F4A7C15u;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
-  }
-
- private:
-  std::uint64_t state_;
-};
 
 /// Places hashed by cells, to find those near a point.
 class PlaceHash {
@@ -54,7 +39,7 @@ class PlaceHash {
         const auto cell = cells_.find(Key(i, j));
         if (cell == cells_.end()) continue;
         for (const Place& place : cell->second) {
-          if (std::hypot(place.x - x, place.y - y) < place.keep_m) return false;
+          if (portable::Hypot(place.x - x, place.y - y) < place.keep_m) return false;
         }
       }
     }
@@ -116,9 +101,9 @@ double FootprintRadius(const Shape& shape, const Quaternion& q) {
   const auto* cylinder = std::get_if<Cylinder>(&shape);
   if (cylinder != nullptr && upright) return cylinder->radius_m;
   const auto* box = std::get_if<Box>(&shape);
-  if (box != nullptr && upright) return std::hypot(box->size_m.x(), box->size_m.y()) / 2;
+  if (box != nullptr && upright) return portable::Hypot(box->size_m.x(), box->size_m.y()) / 2;
   const Vector3 half = HalfExtents(shape, q);
-  return std::hypot(half.x(), half.y());
+  return portable::Hypot(half.x(), half.y());
 }
 
 double DistanceToShadow(const WorldObject& object, double x_m, double y_m) {
@@ -127,19 +112,19 @@ double DistanceToShadow(const WorldObject& object, double x_m, double y_m) {
   const bool upright = std::abs(R(2, 2)) > 1 - 1e-9;
   const double dx = x_m - centre.x(), dy = y_m - centre.y();
   if (const auto* sphere = std::get_if<Sphere>(&object.shape)) {
-    return std::max(0.0, std::hypot(dx, dy) - sphere->radius_m);
+    return std::max(0.0, portable::Hypot(dx, dy) - sphere->radius_m);
   }
   const auto* cylinder = std::get_if<Cylinder>(&object.shape);
-  if (cylinder != nullptr && upright) return std::max(0.0, std::hypot(dx, dy) - cylinder->radius_m);
+  if (cylinder != nullptr && upright) return std::max(0.0, portable::Hypot(dx, dy) - cylinder->radius_m);
   const auto* box = std::get_if<Box>(&object.shape);
   if (box != nullptr && upright) {
     // In the box's own axes.
     const double ax = std::abs(R(0, 0) * dx + R(1, 0) * dy) - box->size_m.x() / 2;
     const double ay = std::abs(R(0, 1) * dx + R(1, 1) * dy) - box->size_m.y() / 2;
-    return std::hypot(std::max(0.0, ax), std::max(0.0, ay));
+    return portable::Hypot(std::max(0.0, ax), std::max(0.0, ay));
   }
   const Vector3 half = HalfExtents(object.shape, object.X_WO.q);
-  return std::hypot(std::max(0.0, std::abs(dx) - half.x()), std::max(0.0, std::abs(dy) - half.y()));
+  return portable::Hypot(std::max(0.0, std::abs(dx) - half.x()), std::max(0.0, std::abs(dy) - half.y()));
 }
 
 std::vector<FloorPlace> PlaceSwarm(const SwarmRequest& request, std::span<const WorldObject> objects,
@@ -155,7 +140,7 @@ std::vector<FloorPlace> PlaceSwarm(const SwarmRequest& request, std::span<const 
   PlaceHash others(largest_m), own(std::max(request.spacing_m, 0.01));
   for (const FloorPlace& place : taken)
     others.Add(place.x_m, place.y_m, place.radius_m + request.radius_m + kGap_m);
-  Random random(request.seed);
+  RandomNumbers random(request.seed);
   for (int robot = 0; robot < request.count; ++robot) {
     bool found = false;
     for (int attempt = 0; attempt < kTriesPerRobot && !found; ++attempt) {

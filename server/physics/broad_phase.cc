@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/base/portable_math.h"
 #include "server/physics/wheel_drive.h"
 
 namespace coopdyn {
@@ -151,7 +152,7 @@ RobotSpace SpaceOfLimbs(const Mechanism& robot, const BodyState* bodies, double 
     const Vector3& q = bodies[k].p_WB;
     const double reach_m = robot.limb_radii_m[k] + margin_m;
     space.circle.radius_m =
-        std::max(space.circle.radius_m, std::hypot(q.x() - p.x(), q.y() - p.y()) + reach_m);
+        std::max(space.circle.radius_m, portable::Hypot(q.x() - p.x(), q.y() - p.y()) + reach_m);
     space.min_z = std::min(space.min_z, q.z() - reach_m);
     space.max_z = std::max(space.max_z, q.z() + reach_m);
   }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "server/base/portable_math.h"
 #include "server/geometry/mesh.h"
 
 namespace coopdyn {
@@ -107,7 +108,7 @@ ClosedForm UprightCylinders(const Cylinder& a, const PlacedRotation& X_WA, const
   if (height.depth_m <= 0) return kNoContact;
   const double dx = X_WA.p[0] - X_WB.p[0];
   const double dy = X_WA.p[1] - X_WB.p[1];
-  const double distance = std::hypot(dx, dy);
+  const double distance = portable::Hypot(dx, dy);
   const double depth = a.radius_m + b.radius_m - distance;
   if (depth <= -margin_m) return kNoContact;
   if (height.depth_m < depth) return kDoesNotApply;
@@ -131,7 +132,7 @@ ClosedForm UprightCylinderAndBox(const Cylinder& a, const PlacedRotation& X_WA, 
   const double beyond_x = x - std::clamp(x, -hx, hx), beyond_y = y - std::clamp(y, -hy, hy);
   double n_x = 0, n_y = 0, depth = 0;
   if (beyond_x != 0 || beyond_y != 0) {
-    const double distance = std::hypot(beyond_x, beyond_y);
+    const double distance = portable::Hypot(beyond_x, beyond_y);
     depth = a.radius_m - distance;
     if (depth <= -margin_m) return kNoContact;
     n_x = beyond_x / distance;
@@ -155,12 +156,13 @@ double DepthInside(const Shape& shape, const PlacedRotation& X_WS, const Vector3
   const Vector3 local(d.dot(X_WS.axis(0)), d.dot(X_WS.axis(1)), d.dot(X_WS.axis(2)));
   if (const Box* box = std::get_if<Box>(&shape)) return (box->size_m / 2 - local.cwiseAbs()).minCoeff();
   if (const Cylinder* c = std::get_if<Cylinder>(&shape)) {
-    return std::min(c->radius_m - std::hypot(local.x(), local.y()), c->length_m / 2 - std::abs(local.z()));
+    return std::min(c->radius_m - portable::Hypot(local.x(), local.y()),
+                    c->length_m / 2 - std::abs(local.z()));
   }
   if (const Sphere* sphere = std::get_if<Sphere>(&shape)) return sphere->radius_m - local.norm();
   if (const Capsule* capsule = std::get_if<Capsule>(&shape)) {
     const double beyond = std::max(0.0, std::abs(local.z()) - capsule->length_m / 2);
-    return capsule->radius_m - std::hypot(local.x(), local.y(), beyond);
+    return capsule->radius_m - Vector3(local.x(), local.y(), beyond).norm();
   }
   return -std::get<Mesh>(shape).data->radius_m;  // only what its triangles touch
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/base/portable_math.h"
 #include "server/geometry/mesh.h"
 #include "server/physics/convex_contacts.h"
 
@@ -136,7 +137,7 @@ bool IsConvexSolid(const MeshData& mesh) {
   const std::size_t vertices = mesh.vertices.size();
   // A closed surface without holes has as many (Euler).
   if (vertices > kMostVertices || 2 * vertices != mesh.triangles.size() + 4) return false;
-  const double rounding = 1e-6 * std::pow(mesh.radius_m, 3);
+  const double rounding = 1e-6 * mesh.radius_m * mesh.radius_m * mesh.radius_m;
   return std::ranges::all_of(mesh.triangles, [&](const MeshData::Triangle& t) {
     const Vector3& p = mesh.vertices[t[0]];
     const Vector3 n = (mesh.vertices[t[1]] - p).cross(mesh.vertices[t[2]] - p);

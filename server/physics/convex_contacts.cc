@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/base/portable_math.h"
 #include "server/geometry/convex_overlap.h"
 #include "server/geometry/mesh.h"
 
@@ -178,7 +179,8 @@ Patch PatchOf(const PlacedPart& part, const Vector3& n_W) {
   constexpr int kAround = 16;
   const auto leaning = [&](int i, double lean) {
     const double turn = (i + 0.5) * 2 * std::numbers::pi / kAround;
-    return Vector3(n_W + lean * (std::cos(turn) * side + std::sin(turn) * other));
+    const auto [sine, cosine] = portable::SinCos(turn);
+    return Vector3(n_W + lean * (cosine * side + sine * other));
   };
   const Cylinder* cylinder = std::get_if<Cylinder>(&part.part->shape);
   const Capsule* capsule = std::get_if<Capsule>(&part.part->shape);
@@ -190,7 +192,7 @@ Patch PatchOf(const PlacedPart& part, const Vector3& n_W) {
     return {middle - half, middle + half};
   }
   if (std::holds_alternative<Sphere>(part.part->shape) || capsule ||
-      (cylinder && std::abs(along) < std::cos(kLean)))
+      (cylinder && std::abs(along) < portable::Cos(kLean)))
     return {Furthest(part, n_W)};
   Patch patch;
   patch.reserve(kAround);

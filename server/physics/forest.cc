@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/base/portable_math.h"
+
 namespace coopdyn {
 
 namespace {
@@ -29,15 +31,11 @@ Spatial CrossForce(const Spatial& v, const Spatial& force) {
   return Join(w.cross(force.head<3>()) + v.tail<3>().cross(f), w.cross(f));
 }
 
-Quaternion Turn(double angle_rad, const Vector3& axis) {
-  return Quaternion(Eigen::AngleAxisd(angle_rad, axis));
-}
-
 /// The rotation of `dt_s` at `w`.
 Quaternion Turn(const Vector3& w, double dt_s) {
   const double rate = w.norm();
   if (rate == 0) return Quaternion::Identity();
-  return Turn(rate * dt_s, w / rate);
+  return portable::AngleAxis(rate * dt_s, w / rate);
 }
 
 /// The first axis, on the side of the root, and the second.
@@ -62,7 +60,7 @@ void Orient(BodyState& body, const Quaternion& q) {
 }  // namespace
 
 double AngleAbout(const Quaternion& q, const Vector3& axis) {
-  return std::remainder(2 * std::atan2(q.vec().dot(axis), q.w()), 2 * std::numbers::pi);
+  return std::remainder(2 * portable::Atan2(q.vec().dot(axis), q.w()), 2 * std::numbers::pi);
 }
 
 void Forest::Inertia::operator+=(const Inertia& other) {
@@ -161,8 +159,8 @@ void Forest::Measure(Node& node) {
     case Kind::kUniversal: {
       const auto [a, b] = AxesOf(joint, node.sign);
       const Vector3 from = b - b.dot(a) * a, to = q * b;
-      node.position = std::atan2(a.dot(from.cross(to)), from.dot(to));
-      node.position2 = AngleAbout(Turn(-node.position, a) * q, b);
+      node.position = portable::Atan2(a.dot(from.cross(to)), from.dot(to));
+      node.position2 = AngleAbout(portable::AngleAxis(-node.position, a) * q, b);
       const Vector3 a_W = parent.R_WR * a, b_W = node.R_WR * b;
       const double c = a_W.dot(b_W), x = a_W.dot(w), y = b_W.dot(w);
       rates[0] = (x - c * y) / (1 - c * c);
@@ -376,7 +374,7 @@ void Forest::Place(Node& node, std::span<const double> rates, double dt_s) {
     if (joint.kind == Kind::kUniversal) {
       node.position2 += dt_s * now[1];
       const auto [a, b] = AxesOf(joint, node.sign);
-      q = Turn(node.position, a) * Turn(node.position2, b);
+      q = portable::AngleAxis(node.position, a) * portable::AngleAxis(node.position2, b);
       w_W = parent.R_WR * (now[0] * a + now[1] * (q * b));
     } else {
       const bool slides = joint.kind == Kind::kSlider;
@@ -384,7 +382,7 @@ void Forest::Place(Node& node, std::span<const double> rates, double dt_s) {
       slide_m = node.sign * way_m * node.position;
       slide_m_s = node.sign * way_m * now[0];
       if (!slides) {
-        q = Turn(node.sign * node.position, joint.axis_R);
+        q = portable::AngleAxis(node.sign * node.position, joint.axis_R);
         w_W = parent.R_WR * (node.sign * now[0] * joint.axis_R);
       }
     }

@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <variant>
 
+#include "server/base/portable_math.h"
 #include "server/physics/rest.h"
 #include "server/state/noise.h"
 
@@ -24,7 +25,7 @@ Quaternion TurnBack(const BodyState& body, double dt_s) {
   const Vector3 turn = -body.w_WB * dt_s;
   const double angle_rad = turn.norm();
   if (!(angle_rad > 0)) return Quaternion::Identity();
-  return Quaternion(Eigen::AngleAxisd(angle_rad, turn / angle_rad));
+  return portable::AngleAxis(angle_rad, turn / angle_rad);
 }
 
 void Write(const Vector3& v, std::span<double> values) {
@@ -381,9 +382,11 @@ void Measures::Measure(const OdometryModel& model, const Measured& of, std::uint
   }
   const double forward_m = (way_m[0] + way_m[1]) / 2, turn_rad = (way_m[1] - way_m[0]) / drive.track_m;
   const double half_rad = turn_rad / 2;
-  const double chord_m = std::abs(half_rad) > 1e-9 ? forward_m * std::sin(half_rad) / half_rad : forward_m;
-  values[0] += chord_m * std::cos(values[2] + half_rad);
-  values[1] += chord_m * std::sin(values[2] + half_rad);
+  const double chord_m =
+      std::abs(half_rad) > 1e-9 ? forward_m * portable::Sin(half_rad) / half_rad : forward_m;
+  const auto [sine, cosine] = portable::SinCos(values[2] + half_rad);
+  values[0] += chord_m * cosine;
+  values[1] += chord_m * sine;
   values[2] += turn_rad;
   values[3] = forward_m / moment.dt_s;
   values[4] = turn_rad / moment.dt_s;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/base/portable_math.h"
 #include "server/physics/things.h"
 
 namespace coopdyn {
@@ -152,8 +153,8 @@ double RadiusOf(const PlacedPart& placed) {
   const bool round =
       std::holds_alternative<Sphere>(placed.part->shape) ||
       (std::holds_alternative<Cylinder>(placed.part->shape) && std::abs(placed.R[10]) > 1 - 1e-9);
-  if (round) return std::hypot(x, y) + placed.half_m.x();
-  return std::hypot(std::abs(x) + placed.half_m.x(), std::abs(y) + placed.half_m.y());
+  if (round) return portable::Hypot(x, y) + placed.half_m.x();
+  return portable::Hypot(std::abs(x) + placed.half_m.x(), std::abs(y) + placed.half_m.y());
 }
 
 void Measure(Mechanism& robot) {
@@ -173,7 +174,8 @@ void Measure(Mechanism& robot) {
     const PlacedPart placed = AtOrigin(robot, robot.parts[i]);
     const auto* cylinder = std::get_if<Cylinder>(&robot.parts[i].shape);
     if (cylinder == nullptr || placed.R[10] < 1 - 1e-9) continue;
-    if (std::hypot(placed.p[0], placed.p[1]) > 1e-9 || cylinder->radius_m < robot.radius_m - 1e-9) continue;
+    if (portable::Hypot(placed.p[0], placed.p[1]) > 1e-9 || cylinder->radius_m < robot.radius_m - 1e-9)
+      continue;
     robot.shell = static_cast<int>(i);
   }
 }

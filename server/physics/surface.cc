@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/base/portable_math.h"
+
 namespace coopdyn {
 
 namespace {
@@ -58,7 +60,7 @@ Surface Rolling(const FoundContact& found, const Toucher& robot, int sign, const
   // The rolling direction at mid-step: the robot turns on while it rolls.
   const BodyState& state = robot.actor->bodies[0];
   const double half_turn = state.w_WB.z() * dt_s / 2;
-  const double c = std::cos(half_turn), s = std::sin(half_turn);
+  const auto [s, c] = portable::SinCos(half_turn);
   const std::array<double, 9>& R = state.R_WB;
   const Vector3 axle(c * R[1] - s * R[4], s * R[1] + c * R[4], R[7]);
   Surface surface;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "server/base/portable_math.h"
 #include "server/physics/rest.h"
 #include "server/physics/things.h"
 
@@ -241,7 +242,7 @@ WheelSpeeds TurnedWheels(const OneBodyDrive& drive, const BodyState& body,
 void Advance(const OneBodyDrive& drive, const DrivePlan& plan, double rest_z_m, double dt_s,
              BodyState& body) {
   const double half_turn = plan.turn_rad_s * dt_s / 2;
-  const double s = std::sin(half_turn), c = std::cos(half_turn);
+  const auto [s, c] = portable::SinCos(half_turn);
   const double chord_m = plan.forward_m_s * dt_s * (half_turn != 0 ? s / half_turn : 1);
   const Heading2 before = HeadingOf(body.q_WB);
   const Vector3& p_RB = drive.p_RB;

@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "server/base/portable_math.h"
 #include "server/physics/ode.h"
 #include "server/physics/rest.h"
 #include "server/physics/world.h"
@@ -22,7 +23,7 @@ constexpr std::size_t kBatchThings = 8;
 
 /// Puts a planar robot back into its plane, upright.
 void Flatten(BodyState& body, double rest_z_m) {
-  const double norm = std::hypot(body.q_WB[0], body.q_WB[3]);
+  const double norm = portable::Hypot(body.q_WB[0], body.q_WB[3]);
   const double w = body.q_WB[0] / norm, z = body.q_WB[3] / norm;
   const double c = w * w - z * z, s = 2 * w * z;
   body.q_WB = {w, 0, 0, z};

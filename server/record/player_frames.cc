@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "server/base/portable_math.h"
 #include "server/state/sample_keeper.h"
 #include "server/state/world_change.h"
 
@@ -140,7 +141,7 @@ Vector3 AngularVelocity(const Quaternion& from, const Quaternion& to, double sec
   if (turn.w() < 0) turn.coeffs() = -turn.coeffs();
   const double sine = turn.vec().norm();
   if (sine == 0) return Vector3::Zero();
-  return turn.vec() * (2 * std::atan2(sine, turn.w()) / (sine * seconds));
+  return turn.vec() * (2 * portable::Atan2(sine, turn.w()) / (sine * seconds));
 }
 
 std::optional<RecordedStep> PlayFrames::Read(std::uint64_t step) {

@@ -63,6 +63,7 @@ class RecordingFiles {
     options.header.command = options_.command;
     options.header.started = options_.started;
     options.header.build = build_;
+    options.header.libraries = libraries_;
     options.header.cpu = CpuName();
     while (true) {
       const std::string file = Name(number++);
@@ -86,6 +87,7 @@ class RecordingFiles {
 
   const RecorderOptions& options_;
   const std::string build_ = BuildId();  // before the run, as it reads the whole program
+  const std::vector<PluginHash> libraries_ = LibrariesHere();
   bool has_made_ = false;
 };
 

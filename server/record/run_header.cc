@@ -5,10 +5,13 @@
 #include <link.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <filesystem>
 #include <fstream>
 #include <string_view>
+#include <system_error>
 
 namespace coopdyn {
 
@@ -26,25 +29,30 @@ bool AddFile(const std::string& file, XXH3_state_t& state) {
   return stream.eof();
 }
 
-/// dl_iterate_phdr()'s callback: stops at the physics library, whose file goes to `data`, a std::string.
-int FindPhysics(dl_phdr_info* info, std::size_t /*size*/, void* data) {
-  const std::string_view file = info->dlpi_name;
-  if (file.substr(file.rfind('/') + 1).rfind("libode.so", 0) != 0) return 0;
-  *static_cast<std::string*>(data) = file;
-  return 1;
+/// dl_iterate_phdr()'s callback: adds the file, if it computes, to `data`, a std::vector<PluginHash>.
+int AddLibrary(dl_phdr_info* info, std::size_t /*size*/, void* data) {
+  constexpr std::array<std::string_view, 5> kComputing = {"libode.", "libccd.", "libsleef.", "libsdformat",
+                                                          "libignition-math"};
+  std::error_code error;
+  const std::filesystem::path file = std::filesystem::canonical(info->dlpi_name, error);
+  const std::string name = file.filename().string();
+  const auto starts = [&name](std::string_view begin) { return name.starts_with(begin); };
+  if (!error && std::ranges::any_of(kComputing, starts))
+    static_cast<std::vector<PluginHash>*>(data)->push_back({name, FileHash(file.string())});
+  return 0;
 }
 
 }  // namespace
 
 std::string BuildId() {
-  // The program's file is read as it was started, also if a newer one has taken its name since.
-  std::string physics;
-  dl_iterate_phdr(FindPhysics, &physics);
-  XXH3_state_t state;
-  XXH3_64bits_reset(&state);
-  AddFile("/proc/self/exe", state);
-  if (!physics.empty()) AddFile(physics, state);
-  return HashText(XXH3_64bits_digest(&state));
+  return FileHash("/proc/self/exe");  // also if a newer one has taken its name since
+}
+
+std::vector<PluginHash> LibrariesHere() {
+  std::vector<PluginHash> found;
+  dl_iterate_phdr(AddLibrary, &found);
+  std::ranges::sort(found, {}, &PluginHash::name);
+  return found;
 }
 
 std::string FileHash(const std::string& file) {
@@ -61,6 +69,7 @@ std::map<std::string, std::string> DigestsOf(const RunHeader& header) {
     digests[source.kind + " " + source.name] = digest(source.text);
   }
   for (const PluginHash& one : header.controllers) digests["controller " + one.name] = one.hash;
+  for (const PluginHash& one : header.libraries) digests["library " + one.name] = one.hash;
   return digests;
 }
 

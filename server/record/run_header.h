@@ -18,13 +18,13 @@ inline constexpr std::int64_t kRunApplicationId = 0x434F4F50;  // "COOP": SQLite
 
 /// A loaded controller of the run.
 struct PluginHash {
-  std::string name;  // as the scenario has it
+  std::string name;  // as the scenario has it; of a library its file's
   std::string hash;  // FileHash() when the recording began
 };
 
 struct RunHeader {
   std::string version;  // of coopdyn
-  std::string build;    // BuildId(): same build and CPU, same bits
+  std::string build;    // BuildId(): the same of this and of `libraries`, the same bits
   std::string cpu;      // model name
   std::string started;  // UTC, ISO 8601
   std::string command;  // line; for people
@@ -40,10 +40,13 @@ struct RunHeader {
   RecordWhat what;
   Nanoseconds pose_every = 0;  // 0: each step
   std::vector<PluginHash> controllers;
+  std::vector<PluginHash> libraries;  // LibrariesHere()
 };
 
-/// 16 hex digits that differ if this program or its physics library does.
+/// 16 hex digits of this program's file, as it was started.
 std::string BuildId();
+/// The libraries of others in this process that compute something of a run's hash, by their files.
+std::vector<PluginHash> LibrariesHere();
 /// XXH3-64 of the bytes of `file`, 16 hex digits; empty if it cannot be read.
 std::string FileHash(const std::string& file);
 /// What tells this run's inputs from another's: "build", "scenario", "robot coopbot", "controller diffuse", …

@@ -149,6 +149,7 @@ void WriteHeader(const Database& database, const RunHeader& header) {
   SetMeta(database, "mode", std::string_view(ToString(header.mode)));
   SetMeta(database, "what", ToString(header.what));
   if (!header.controllers.empty()) SetMeta(database, "controllers", PluginsText(header.controllers));
+  if (!header.libraries.empty()) SetMeta(database, "libraries", PluginsText(header.libraries));
   if (header.substeps) SetMeta(database, "substeps", *header.substeps);
   SetMeta(database, "step_ns", header.step_length);
   SetMeta(database, "pose_every_ns", header.pose_every);
@@ -176,6 +177,7 @@ std::string ReadHeader(const Database& database, RunHeader& header) {
   for (const auto& [key, text] : kTexts) header.*text = meta[key];
   header.substeps = NumberOf<int>(meta, "substeps");
   header.controllers = PluginsIn(meta["controllers"]);
+  header.libraries = PluginsIn(meta["libraries"]);
   std::string wrong;
   const auto take = [&wrong](const char* key, const auto& read, bool fits, auto& value) {
     if (read && fits) {

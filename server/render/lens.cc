@@ -6,6 +6,9 @@
 #include <cmath>
 #include <cstdint>
 
+#include "server/base/portable_math.h"
+#include "server/base/random.h"
+
 namespace coopdyn {
 
 namespace {
@@ -20,7 +23,7 @@ const std::array<float, kQuantiles>& NormalQuantiles() {
     constexpr double kFrom = -6, kStep = 1e-4;
     std::array<double, kQuantiles> quantiles{};
     double below = 0, x = kFrom;
-    const auto density = [](double at) { return std::exp(-at * at / 2) / std::sqrt(2 * M_PI); };
+    const auto density = [](double at) { return portable::Exp(-at * at / 2) / std::sqrt(2 * M_PI); };
     for (std::size_t i = 0; i < kQuantiles / 2; ++i) {
       const double share = (static_cast<double>(i) + 0.5) / kQuantiles;
       while (below < share) {
@@ -40,12 +43,9 @@ const std::array<float, kQuantiles>& NormalQuantiles() {
   return table;
 }
 
-/// 64 well-mixed bits of pixel `index` (SplitMix64).
+/// 64 well-mixed bits of pixel `index`.
 std::uint64_t PixelBits(std::uint64_t base, std::uint64_t index) {
-  std::uint64_t x = base + 0x9e3779b97f4a7c15 * (index + 1);
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
-  return x ^ (x >> 31);
+  return MixBits(base + kGolden * (index + 1));
 }
 
 /// Part `k` (0, 1 or 2) of `bits` as an even sample from -1 to 1.

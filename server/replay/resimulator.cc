@@ -37,13 +37,21 @@ std::string Errors(const Diagnostics& diagnostics) {
 }  // namespace
 
 std::string OtherOrigin(const RunHeader& header) {
-  const bool other_build = header.build != BuildId(), other_cpu = header.cpu != CpuName();
-  if (!other_build && !other_cpu) return {};
-  const std::string version = header.version.empty() ? "" : "version " + header.version + ", ";
-  std::string text = "made ";
-  if (other_build) text += "by another build (" + version + header.build + ")";
-  if (other_cpu) text += std::string(other_build ? " " : "") + "on another processor (" + header.cpu + ")";
-  return text + ": equal bits are not promised";
+  std::string text;
+  const auto add = [&text](const std::string& other) { text += (text.empty() ? "made " : ", ") + other; };
+  if (header.build != BuildId()) {
+    const std::string version = header.version.empty() ? "" : "version " + header.version + ", ";
+    add("by another build (" + version + header.build + ")");
+  }
+  const std::vector<PluginHash> here = LibrariesHere();
+  for (const PluginHash& one : header.libraries) {
+    const auto same = [&one](const PluginHash& mine) {
+      return mine.name == one.name && mine.hash == one.hash;
+    };
+    if (std::ranges::none_of(here, same)) add("with another " + one.name);
+  }
+  if (header.cpu != CpuName()) add("on another processor (" + header.cpu + ")");
+  return text;
 }
 
 std::vector<std::string> OtherPlugins(const RunHeader& header, const Scene& scene) {

@@ -113,7 +113,8 @@ class Resimulator {
 /// "controller flock is not the one that was recorded (…)": a line for each of `scene` of which `header` has
 /// another hash.
 std::vector<std::string> OtherPlugins(const RunHeader& header, const Scene& scene);
-/// "made by another build (…)", if `header` says so, else empty.
+/// "made by another build (…), with another libode.so.8.0.1, on another processor (…)", as far as `header`
+/// says so, else empty.
 std::string OtherOrigin(const RunHeader& header);
 
 }  // namespace coopdyn

@@ -26,7 +26,7 @@ struct ReplayServices {
 
 /// The state after step `step` of the run, whose frame has the scene that `reader` made. Null with `error` if
 /// the file is damaged, the step is not in it, or the repetition does not give the recorded hash there
-/// (another build or processor; the text says so). Its `warning` names controllers that have
+/// (another build or library; the text says so). Its `warning` names controllers that have
 /// changed. Takes as long as the steps since the keyframe. Any one thread, while no other steps a world.
 SavedStatePtr StateAt(RunReader& reader, std::uint64_t step, const ReplayServices& services,
                       std::string& error);

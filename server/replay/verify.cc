@@ -42,7 +42,7 @@ class Verifier {
     }
     if (progress_) progress_(1);
     Conclude();
-    const std::string origin = OtherOrigin(reader_.header());
+    const std::string origin = report_.difference ? OtherOrigin(reader_.header()) : "";
     report_.warning = origin.empty() ? "" : reader_.file() + " was " + origin;
     AddLine(run_.warning(), report_.warning);
     if (!head_.empty() && !head_said_) AddLine(reader_.file() + ": " + head_, report_.warning);

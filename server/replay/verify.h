@@ -30,7 +30,8 @@ struct VerifyReport {
   std::uint64_t steps = 0;         // that are equal
   std::uint64_t not_verified = 0;  // that were lost, or are missing in a damaged file
   std::optional<Difference> difference;
-  std::string warning;  // another build or processor, controllers that were not found
+  std::string
+      warning;  // with a difference: another build, library or processor; controllers that were not found
 };
 
 /// Called now and then with the share done, 0…1.

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "server/base/portable_math.h"
 #include "server/base/printable.h"
 #include "server/rosiml/lines.h"
 
@@ -176,7 +177,7 @@ class Connector {
       if (p.z() > Lowest(bodies) + kTiny) continue;  // it stands on something else
       roots = {base};
       wheels_ = wheels;
-      return Pose{p, FromRollPitchYaw(0, 0, std::atan2(-y.x(), y.y()))};
+      return Pose{p, FromRollPitchYaw(0, 0, portable::Atan2(-y.x(), y.y()))};
     }
     return std::nullopt;
   }

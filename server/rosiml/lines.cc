@@ -5,6 +5,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "server/base/portable_math.h"
+
 namespace coopdyn::rosiml {
 
 std::string Exact(double value) {
@@ -29,13 +31,13 @@ std::string Places(const Vector3& v) {
 
 std::string RollPitchYaw(const Quaternion& q) {
   const Matrix3 R = q.normalized().toRotationMatrix();
-  const double pitch = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0)));
+  const double pitch = portable::Atan2(-R(2, 0), portable::Hypot(R(0, 0), R(1, 0)));
   double roll = 0, yaw = 0;
-  if (std::hypot(R(2, 1), R(2, 2)) < 1e-9) {  // upright: roll and yaw turn about one axis
-    yaw = std::atan2(-R(0, 1), R(1, 1));
+  if (portable::Hypot(R(2, 1), R(2, 2)) < 1e-9) {  // upright: roll and yaw turn about one axis
+    yaw = portable::Atan2(-R(0, 1), R(1, 1));
   } else {
-    roll = std::atan2(R(2, 1), R(2, 2));
-    yaw = std::atan2(R(1, 0), R(0, 0));
+    roll = portable::Atan2(R(2, 1), R(2, 2));
+    yaw = portable::Atan2(R(1, 0), R(0, 0));
   }
   return Places(Vector3(roll, pitch, yaw));
 }

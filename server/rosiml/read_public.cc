@@ -8,6 +8,7 @@
 #include <ranges>
 #include <utility>
 
+#include "server/base/portable_math.h"
 #include "server/base/printable.h"
 #include "server/base/words.h"
 #include "server/rosiml/lines.h"
@@ -353,7 +354,7 @@ class PublicReader : Reader {
     y_deg = std::clamp(y_deg, kLeast_deg, kMost_deg);
     sensor.kind = Sensor::Kind::kCamera;
     sensor.opening_deg = 2 * x_deg;
-    const double ratio = std::tan(y_deg * kRadPerDeg) / std::tan(x_deg * kRadPerDeg);
+    const double ratio = portable::Tan(y_deg * kRadPerDeg) / portable::Tan(x_deg * kRadPerDeg);
     constexpr double kHighest = 4096;
     sensor.height = static_cast<int>(std::clamp(std::round(sensor.width * ratio), 1.0, kHighest));
   }

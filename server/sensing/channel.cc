@@ -2,6 +2,7 @@
 // What the channel of a robot carries: values in, set-points out.
 #include <cmath>
 
+#include "server/base/portable_math.h"
 #include "server/sensing/channel_filters.h"
 #include "server/sensing/range_noise.h"
 #include "server/sensing/readings.h"
@@ -42,7 +43,7 @@ JointState StateOf(const Frame& frame, int robot, const JointModel& joint) {
     return {joint.start + axis_W.dot(p_W - X_WP * joint.p_RJ), axis_W.dot(v_W)};
   }
   const Quaternion q_PC = X_WP.q.conjugate() * X_WC.q;
-  const double turned_rad = WrapAngle(2 * std::atan2(q_PC.vec().dot(joint.axis_R), q_PC.w()));
+  const double turned_rad = WrapAngle(2 * portable::Atan2(q_PC.vec().dot(joint.axis_R), q_PC.w()));
   const Vector3 w_W = LinkTurn(frame, robot, joint.child) - LinkTurn(frame, robot, joint.parent);
   return {joint.start + turned_rad, axis_W.dot(w_W)};
 }

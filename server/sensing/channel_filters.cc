@@ -6,6 +6,7 @@
 #include <numeric>
 #include <vector>
 
+#include "server/base/portable_math.h"
 #include "server/sensing/readings.h"
 
 namespace coopdyn {
@@ -27,7 +28,7 @@ void TakeValue(const ValueFilter& filter, double value, double step_s, std::span
   if (filter.kind == ValueFilter::Kind::kLowPass) {
     const bool is_first = cells[0] < 1;
     // Exact for a value that stays as it is through the step.
-    cells[1] = is_first ? value : value + (cells[1] - value) * std::exp(-step_s / filter.time_s);
+    cells[1] = is_first ? value : value + (cells[1] - value) * portable::Exp(-step_s / filter.time_s);
     cells[0] = 1;
     return;
   }

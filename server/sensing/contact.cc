@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/base/portable_math.h"
 #include "server/sensing/readings.h"
 
 namespace coopdyn {
@@ -42,7 +43,7 @@ std::vector<double> PressedZones(const Frame& frame, int robot, std::size_t numb
   std::vector<double> pressed;
   for (const ContactModel::Zone& zone : model->zones) {
     const double sum_n = force_n([&zone](const Touch& touch) {
-      const double bearing_rad = std::atan2(touch.p_R.y(), touch.p_R.x());
+      const double bearing_rad = portable::Atan2(touch.p_R.y(), touch.p_R.x());
       return std::abs(WrapAngle(bearing_rad - zone.bearing_rad)) <= zone.opening_rad / 2;
     });
     pressed.push_back(sum_n > model->threshold_n ? 1.0 : 0.0);

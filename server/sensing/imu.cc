@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Inertial measurement units: turn rates, acceleration and orientation, each with its noise.
+#include "server/base/portable_math.h"
 #include "server/sensing/readings.h"
 #include "server/state/noise.h"
 
@@ -46,7 +47,7 @@ std::optional<ImuReading> Imu(const Frame& frame, int robot, std::size_t number)
       lean_S[axis] = model->orientation_noise_stddev_rad * GaussianNoise(key);
   }
   if (const double angle_rad = lean_S.norm(); angle_rad > 0)
-    reading.q_WS = reading.q_WS * Quaternion(Eigen::AngleAxisd(angle_rad, lean_S / angle_rad));
+    reading.q_WS = reading.q_WS * portable::AngleAxis(angle_rad, lean_S / angle_rad);
   return reading;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/base/portable_math.h"
 #include "server/sensing/range_noise.h"
 #include "server/sensing/ray_caster.h"
 #include "server/sensing/readings.h"
@@ -14,7 +15,8 @@ namespace {
 
 Ray RayOf(const InfraredModel& model, const Pose& X_WS, int index) {
   const double angle_rad = BeamAngle(model.opening_rad, model.rays, index);
-  return {X_WS.p, X_WS.q * Vector3(std::cos(angle_rad), std::sin(angle_rad), 0)};
+  const auto [sine, cosine] = portable::SinCos(angle_rad);
+  return {X_WS.p, X_WS.q * Vector3(cosine, sine, 0)};
 }
 
 }  // namespace
@@ -50,7 +52,7 @@ void Compute(const InfraredModel& model, const KeptSensor& sensor, const Sensing
       continue;
     }
     const InfraredModel::Row row = OnCurve(model.curve, nearest_m);
-    noise.stddev = std::hypot(noise.stddev, row.noise_stddev);
+    noise.stddev = portable::Hypot(noise.stddev, row.noise_stddev);
     values[k] = Noisy(row.value, noise, key);
   }
 }

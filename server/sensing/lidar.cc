@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "server/base/portable_math.h"
 #include "server/sensing/range_noise.h"
 #include "server/sensing/ray_caster.h"
 #include "server/sensing/readings.h"
@@ -17,20 +18,17 @@ double Spread(double first, double last, int count, int index) {
 }
 
 std::vector<Vector3> DirectionsOf(const LidarModel& model) {
-  struct Turn {
-    double cosine, sine;
-  };
-  std::vector<Turn> columns;
+  std::vector<portable::SineCosine> columns;
   for (int column = 0; column < model.columns; ++column) {
     const double azimuth_rad = Spread(model.first_azimuth_rad, model.last_azimuth_rad, model.columns, column);
-    columns.push_back({std::cos(azimuth_rad), std::sin(azimuth_rad)});
+    columns.push_back(portable::SinCos(azimuth_rad));
   }
   std::vector<Vector3> directions_S;
   directions_S.reserve(model.rays());
   for (int row = 0; row < model.rows; ++row) {
     const double elevation_rad = Spread(model.first_elevation_rad, model.last_elevation_rad, model.rows, row);
-    const double across = std::cos(elevation_rad), up = std::sin(elevation_rad);
-    for (const Turn& turn : columns) directions_S.emplace_back(across * turn.cosine, across * turn.sine, up);
+    const auto [up, across] = portable::SinCos(elevation_rad);
+    for (const auto& [sine, cosine] : columns) directions_S.emplace_back(across * cosine, across * sine, up);
   }
   return directions_S;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/base/portable_math.h"
 #include "server/sensing/range_noise.h"
 #include "server/sensing/ray_caster.h"
 #include "server/sensing/readings.h"
@@ -45,7 +46,7 @@ class EyeLight {
   double AngleFactor(const PointLight& light) const {
     if (eye_.opening_rad <= 0) return 1;
     const Vector3 p_SP = X_WS_.q.conjugate() * (light.p_WP - X_WS_.p);
-    const double angle_rad = std::atan2(std::hypot(p_SP.y(), p_SP.z()), p_SP.x());
+    const double angle_rad = portable::Atan2(portable::Hypot(p_SP.y(), p_SP.z()), p_SP.x());
     return 1 - 2 * angle_rad / eye_.opening_rad;
   }
   /// By the square of its distance; 0 of a lamp that something hides.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/base/portable_math.h"
+
 namespace coopdyn {
 
 namespace {
@@ -142,8 +144,8 @@ PlaneMotion MotionOf(const Frame& frame, int robot, int link) {
   const Pose X_WR = CarriedFrame(frame, robot, link);
   const Twist twist = OriginTwist(frame, robot, X_WR, link);
   const double heading_rad = Heading(X_WR.q);
-  return {X_WR.p.x(), X_WR.p.y(), heading_rad,
-          twist.v_W.x() * std::cos(heading_rad) + twist.v_W.y() * std::sin(heading_rad), twist.w_W.z()};
+  const auto [sine, cosine] = portable::SinCos(heading_rad);
+  return {X_WR.p.x(), X_WR.p.y(), heading_rad, twist.v_W.x() * cosine + twist.v_W.y() * sine, twist.w_W.z()};
 }
 
 }  // namespace coopdyn

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "server/base/portable_math.h"
+
 namespace coopdyn {
 
 namespace {
@@ -67,7 +69,7 @@ RobotHull::RobotHull(const RobotModel& model) {
     all_hidden_ = all_hidden_ && parts_[i].hidden;
   }
   if (!all_.empty()) {
-    whole_radius_m_ = std::hypot(all_.radius_m, std::max(std::abs(all_.min_z), std::abs(all_.max_z)));
+    whole_radius_m_ = portable::Hypot(all_.radius_m, std::max(std::abs(all_.min_z), std::abs(all_.max_z)));
   }
   upright_radius_m_ = all_.radius_m;
   for (const Part& part : parts_) {
@@ -112,7 +114,7 @@ Extent RobotHull::ExtentOf(const RobotModel& model, const Part& part) {
     // Turning leaves it as it is: a disc on edge.
     const double along = std::abs(axis_R.dot(part.X_RG.p)) + cylinder->length_m / 2;
     const double ahead = std::abs(axis_R.cross(Vector3::UnitZ()).dot(part.X_RG.p)) + cylinder->radius_m;
-    extent.Include(std::hypot(along, ahead) + kPad_m, part.X_RG.p.z() - cylinder->radius_m - kPad_m,
+    extent.Include(portable::Hypot(along, ahead) + kPad_m, part.X_RG.p.z() - cylinder->radius_m - kPad_m,
                    part.X_RG.p.z() + cylinder->radius_m + kPad_m);
   } else {
     extent.Include(Across(part.p_RC) + part.radius_m, part.p_RC.z() - part.radius_m,

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "server/base/portable_math.h"
 #include "server/geometry/ray.h"
 
 namespace coopdyn {
@@ -18,7 +19,8 @@ std::vector<SensorFan> SensorFan::MakeAll(const DistanceModel& model, double thi
       // Spread evenly from the right edge of the sector to its left one.
       const double angle_rad =
           sector.rays > 1 ? sector.opening_rad * (static_cast<double>(i) / (sector.rays - 1) - 0.5) : 0;
-      rays.push_back({sector.X_RS.p, sector.X_RS.q * Vector3(std::cos(angle_rad), std::sin(angle_rad), 0),
+      const auto [sine, cosine] = portable::SinCos(angle_rad);
+      rays.push_back({sector.X_RS.p, sector.X_RS.q * Vector3(cosine, sine, 0),
                       std::nextafter(sector.max_range_m, kNoHit), static_cast<std::uint32_t>(k)});
     }
   }
@@ -36,7 +38,7 @@ SensorFan::SensorFan(std::vector<FanRay> rays, double thing_radius_m)
     : rays_(std::move(rays)), thing_radius_m_(thing_radius_m) {
   for (const FanRay& ray : rays_) {
     const Vector3 end = ray.p_RO + ray.limit_m * ray.d_R;
-    for (const Vector3& p : {ray.p_RO, end}) reach_.Include(std::hypot(p.x(), p.y()), p.z(), p.z());
+    for (const Vector3& p : {ray.p_RO, end}) reach_.Include(portable::Hypot(p.x(), p.y()), p.z(), p.z());
   }
   DrawMap();
 }
@@ -62,7 +64,7 @@ void SensorFan::DrawMap() {
   const double most_m = near_m + cell_m * std::numbers::sqrt2 / 2;
   for (std::size_t k = 0; k < rays_.size(); ++k) {
     const FanRay& ray = rays_[k];
-    const double length_m = ray.limit_m * std::hypot(ray.d_R.x(), ray.d_R.y());
+    const double length_m = ray.limit_m * portable::Hypot(ray.d_R.x(), ray.d_R.y());
     const double ux = length_m > 0 ? ray.d_R.x() * ray.limit_m / length_m : 1;
     const double uy = length_m > 0 ? ray.d_R.y() * ray.limit_m / length_m : 0;
     for (std::size_t row = 0; row < kCells; ++row) {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "server/base/portable_math.h"
 #include "server/sensing/readings.h"
 #include "server/sensing/sensing_cache.h"
 #include "server/state/noise.h"
@@ -48,7 +49,7 @@ class Lookout {
     Sighting sighting{index, distance_m, 0};
     if (distance_m > 0) {
       sighting.bearing_rad =
-          WrapAngle(std::atan2(p_W.y() - X_WR_.p.y(), p_W.x() - X_WR_.p.x()) - heading_rad_);
+          WrapAngle(portable::Atan2(p_W.y() - X_WR_.p.y(), p_W.x() - X_WR_.p.x()) - heading_rad_);
     }
     if (model_.distance_noise_stddev_m > 0) {
       const double noise_m = model_.distance_noise_stddev_m * GaussianNoise(Key(noise.distance, id));
@@ -95,7 +96,7 @@ bool IsHidden(const Eye& eye, const Vector3& p_W, int robot) {
 /// it is, -1 if none.
 void Look(const Eye& eye, int index, std::uint32_t id, const Vector3& p_W, int robot, const SightNoise& noise,
           std::vector<Sighting>& seen) {
-  const double distance_m = std::hypot(p_W.x() - eye.X_WR().p.x(), p_W.y() - eye.X_WR().p.y());
+  const double distance_m = portable::Hypot(p_W.x() - eye.X_WR().p.x(), p_W.y() - eye.X_WR().p.y());
   const double most_m = eye.model().max_range_m;
   if (distance_m > most_m) return;
   if (!eye.model().see_through && IsHidden(eye, p_W, robot)) return;

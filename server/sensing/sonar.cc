@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "server/base/portable_math.h"
 #include "server/geometry/cone.h"
 #include "server/sensing/range_noise.h"
 #include "server/sensing/ray_caster.h"
@@ -37,7 +38,7 @@ class ConeSearch {
     found_ = true;
   }
   void MeetFloor() {
-    const double down_rad = std::acos(std::clamp(-cone_W_.axis.z(), -1.0, 1.0));
+    const double down_rad = portable::Acos(std::clamp(-cone_W_.axis.z(), -1.0, 1.0));
     if (down_rad <= cone_W_.half_angle_rad) Found(std::max(0.0, cone_W_.apex.z()));
   }
   void MeetShape(const Shape& shape, const Pose& X_WG) {
@@ -63,7 +64,7 @@ class ConeSearch {
   }
   void MeetRobot(const RobotField::Entry& entry, int ignored_link) {
     const Vector3 middle(entry.x, entry.y, (entry.min_z + entry.max_z) / 2);
-    if (!ConeMeetsSphere(cone_W_, middle, std::hypot(entry.radius_m, (entry.max_z - entry.min_z) / 2)))
+    if (!ConeMeetsSphere(cone_W_, middle, portable::Hypot(entry.radius_m, (entry.max_z - entry.min_z) / 2)))
       return;
     cache_.scene()
         .type(entry.robot)

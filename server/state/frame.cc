@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "server/base/portable_math.h"
+
 namespace coopdyn {
 
 namespace {
@@ -65,7 +67,7 @@ Pose LinkPose(const Frame& frame, int index, int link) {
       const JointModel& joint = model.joints[static_cast<std::size_t>(channel.joint)];
       const double angle_rad = frame.channels[static_cast<std::size_t>(i)].position;
       if (joint.child != link || !(std::abs(angle_rad) > 0)) continue;
-      const Quaternion turn(Eigen::AngleAxisd(angle_rad, joint.axis_R.normalized()));
+      const Quaternion turn = portable::AngleAxis(angle_rad, joint.axis_R.normalized());
       return X_WR * Pose{joint.p_RJ - turn * joint.p_RJ, turn} * link_model.X_RL;
     }
     return X_WR * link_model.X_RL;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/base/portable_math.h"
 #include "server/model/values.h"
 #include "server/state/world_change.h"
 
@@ -61,8 +62,8 @@ double DistanceTo(const Shape& shape, const Pose& X_WO, const Vector3& p_W) {
     return (p.cwiseAbs() - box->size_m / 2).cwiseMax(0).norm();
   }
   if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
-    return std::hypot(std::max(0.0, std::hypot(p.x(), p.y()) - cylinder->radius_m),
-                      std::max(0.0, std::abs(p.z()) - cylinder->length_m / 2));
+    return portable::Hypot(std::max(0.0, portable::Hypot(p.x(), p.y()) - cylinder->radius_m),
+                           std::max(0.0, std::abs(p.z()) - cylinder->length_m / 2));
   }
   if (const auto* sphere = std::get_if<Sphere>(&shape)) return std::max(0.0, p.norm() - sphere->radius_m);
   return kInfinity;  // things of a world are no others
@@ -113,7 +114,7 @@ double NearestOf(const Frame& frame, std::span<const Body> subjects) {
       const double dx = std::abs(other.p_W.x() - body.p_W.x());
       if (dx - body.radius_m - largest_m >= nearest) return false;
       if (other.id == body.id) return true;
-      const double apart = std::hypot(dx, other.p_W.y() - body.p_W.y()) - body.radius_m - other.radius_m;
+      const double apart = portable::Hypot(dx, other.p_W.y() - body.p_W.y()) - body.radius_m - other.radius_m;
       nearest = std::min(nearest, std::max(0.0, apart));
       return true;
     };
@@ -226,14 +227,14 @@ void ScoreKeeper::Look(Book& book, const Frame& frame, bool follows) {
       for (Subject& subject : book.subjects) {
         if (!p_WT || subject.marked) continue;
         const Vector3 p = PoseOf(frame, subject.id, subject.index, subject.part).p;
-        subject.marked = std::hypot(p.x() - p_WT->x(), p.y() - p_WT->y()) <= entry.within_m;
+        subject.marked = portable::Hypot(p.x() - p_WT->x(), p.y() - p_WT->y()) <= entry.within_m;
       }
       break;
     }
     case ScoreKind::kDistance:
       for (Subject& subject : book.subjects) {
         const Vector3 p = PoseOf(frame, subject.id, subject.index, subject.part).p;
-        if (follows) book.sum += std::hypot(p.x() - subject.x, p.y() - subject.y);
+        if (follows) book.sum += portable::Hypot(p.x() - subject.x, p.y() - subject.y);
         subject.x = p.x();
         subject.y = p.y();
       }
@@ -266,7 +267,7 @@ void ScoreKeeper::Look(Book& book, const Frame& frame, bool follows) {
     case ScoreKind::kUpright:
       for (Subject& subject : book.subjects) {
         const Vector3 up = PoseOf(frame, subject.id, subject.index, subject.part).q * Vector3::UnitZ();
-        subject.marked |= std::acos(std::clamp(up.z(), -1.0, 1.0)) > entry.tilt_rad;
+        subject.marked |= portable::Acos(std::clamp(up.z(), -1.0, 1.0)) > entry.tilt_rad;
       }
       break;
     case ScoreKind::kCoverage:
@@ -310,7 +311,7 @@ double ScoreKeeper::ValueOf(const Book& book, const Frame& frame) const {
         for (std::size_t j = i + 1; j < book.subjects.size(); ++j) {
           const Subject &a = book.subjects[i], &b = book.subjects[j];
           const Vector3 apart = at(a) - at(b);
-          const double error = std::hypot(apart.x(), apart.y()) - std::hypot(a.x - b.x, a.y - b.y);
+          const double error = portable::Hypot(apart.x(), apart.y()) - portable::Hypot(a.x - b.x, a.y - b.y);
           sum += error * error;
         }
       }

@@ -16,8 +16,8 @@ int PlaceOf(const Things& things, std::uint32_t id) {
 
 /// Differs from where it is now by no more than rounding.
 bool IsThere(const Pose& a, const Pose& b) {
-  constexpr double kTiny = 1e-12;
-  return (a.p - b.p).cwiseAbs().maxCoeff() < kTiny && a.q.angularDistance(b.q) < 1e-9;
+  constexpr double kTiny = 1e-12, kTiny_rad = 1e-9;
+  return (a.p - b.p).cwiseAbs().maxCoeff() < kTiny && (a.q.conjugate() * b.q).vec().norm() < kTiny_rad / 2;
 }
 
 }  // namespace

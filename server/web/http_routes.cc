@@ -10,6 +10,7 @@
 
 #include "protocol/ascii.h"
 #include "protocol/text_scan.h"
+#include "server/base/random.h"
 #include "server/naming/run_names.h"
 #include "server/web/access.h"
 
@@ -391,10 +392,7 @@ std::string_view ContentType(std::string_view path) {
 }
 
 std::string EntityTag(const Asset& asset) {
-  std::uint64_t hash = 0xcbf29ce484222325U;  // FNV-1a
-  for (const char c : asset.bytes) {
-    hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
-  }
+  const std::uint64_t hash = HashOfBytes(asset.bytes);
   constexpr std::string_view kDigits = "0123456789abcdef";
   std::string tag = "\"";
   for (int shift = 60; shift >= 0; shift -= 4) tag += kDigits[(hash >> shift) & 15U];

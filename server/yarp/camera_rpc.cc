@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "server/base/portable_math.h"
 #include "server/yarp/reading_translator.h"
 
 namespace coopdyn {
@@ -53,7 +54,7 @@ std::optional<CameraView> ReadCamera(const Message& reply) {
   const auto is_side = [](double pixels) { return pixels >= 0 && pixels <= kMaxSide; };
   if (reply.data.size() != 11 || !is_side(reply.data[0]) || !is_side(reply.data[1])) return {};
   const auto angle_deg = [](double side, double focal_length) {
-    return 360 / std::numbers::pi * std::atan(side / (2 * focal_length));
+    return 360 / std::numbers::pi * portable::Atan(side / (2 * focal_length));
   };
   CameraView view;
   view.width = static_cast<std::int32_t>(reply.data[0]);

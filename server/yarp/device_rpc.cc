@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "protocol/command_ids.h"
+#include "server/base/portable_math.h"
 #include "server/yarp/camera_rpc.h"
 #include "server/yarp/reading_translator.h"
 #include "server/yarp/sensor_samples.h"
@@ -129,7 +130,7 @@ class BaseTranslator final : public ReadingTranslator {
     if (!kind || !values || limits.data.size() < 3 || (*kind != 1 && *kind != 2 && *kind != 3)) return {};
     const auto [first, second, turn] = *values;
     if (*kind == 3) return SetVelocity(first, turn * kOneDegree);
-    const double ahead = second * std::cos(first * kOneDegree);
+    const double ahead = second * portable::Cos(first * kOneDegree);
     if (*kind == 2) return SetVelocity(ahead, turn * kOneDegree);
     const double max_speed = limits.data[0] * limits.data[1], track = limits.data[2];
     return SetVelocity(ahead / 100 * max_speed, turn / 100 * 2 * max_speed / track);

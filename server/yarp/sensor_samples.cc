@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "protocol/command_ids.h"
+#include "server/base/portable_math.h"
 #include "server/yarp/board.h"
 #include "server/yarp/struct_writer.h"
 
@@ -42,9 +43,9 @@ using Measures = std::array<std::vector<double>, kMeasureKinds>;
 /// Roll, pitch and yaw in degrees: turned about x, then y, then z of the world (as YARP's dcm2rpy).
 std::vector<double> RollPitchYaw(std::span<const double> q) {
   const double w = q[0], x = q[1], y = q[2], z = q[3];
-  const double roll = std::atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y));
-  const double pitch = std::asin(std::clamp(2 * (w * y - z * x), -1.0, 1.0));
-  const double yaw = std::atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
+  const double roll = portable::Atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y));
+  const double pitch = portable::Asin(std::clamp(2 * (w * y - z * x), -1.0, 1.0));
+  const double yaw = portable::Atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
   return {roll * kDegreesInRadian, pitch * kDegreesInRadian, yaw * kDegreesInRadian};
 }
 
@@ -158,8 +159,9 @@ bool AppendOdometry(const Message& reading, YarpStructWriter write) {
   const double heading = reading.data[2], forward = reading.data[3];
   const double turn_deg = reading.data[4] * kDegreesInRadian;
   write.Struct(9);
-  for (const double value : {reading.data[0], reading.data[1], heading * kDegreesInRadian, forward, 0.0,
-                             turn_deg, forward * std::cos(heading), forward * std::sin(heading), turn_deg})
+  for (const double value :
+       {reading.data[0], reading.data[1], heading * kDegreesInRadian, forward, 0.0, turn_deg,
+        forward * portable::Cos(heading), forward * portable::Sin(heading), turn_deg})
     write.Double(value);
   return true;
 }

@@ -19,6 +19,7 @@
 
 #include "protocol/ascii.h"
 #include "protocol/command_ids.h"
+#include "server/base/portable_math.h"
 #include "server/yarp/world_call.h"
 
 namespace coopdyn {
@@ -39,11 +40,10 @@ struct WorldPlace {
 
 /// `pose`: x y z in m, roll pitch yaw in rad.
 WorldPlace WorldPlaceOf(const std::vector<double>& pose) {
-  using Eigen::AngleAxisd;
-  using Eigen::Vector3d;
   return {{pose[0], pose[1], pose[2]},
-          AngleAxisd(pose[5], Vector3d::UnitZ()) * AngleAxisd(pose[4], Vector3d::UnitY()) *
-              AngleAxisd(pose[3], Vector3d::UnitX())};
+          portable::AngleAxis(pose[5], Eigen::Vector3d::UnitZ()) *
+              portable::AngleAxis(pose[4], Eigen::Vector3d::UnitY()) *
+              portable::AngleAxis(pose[3], Eigen::Vector3d::UnitX())};
 }
 
 /// And back; with the pitch straight up or down the yaw is 0.
@@ -53,13 +53,14 @@ std::array<double, 6> PoseOf(const WorldPlace& place) {
   const Eigen::Vector3d& p = place.p_m;
   constexpr double kStraight = 1 - 1e-12;
   if (std::abs(sine) > kStraight) {
-    const double roll = std::remainder(2 * std::atan2(q.x(), q.w()), 2 * std::numbers::pi);
+    const double roll = std::remainder(2 * portable::Atan2(q.x(), q.w()), 2 * std::numbers::pi);
     return {p.x(), p.y(), p.z(), roll, std::copysign(std::numbers::pi / 2, sine), 0};
   }
   const double roll =
-      std::atan2(2 * (q.w() * q.x() + q.y() * q.z()), 1 - 2 * (q.x() * q.x() + q.y() * q.y()));
-  const double yaw = std::atan2(2 * (q.w() * q.z() + q.x() * q.y()), 1 - 2 * (q.y() * q.y() + q.z() * q.z()));
-  return {p.x(), p.y(), p.z(), roll, std::asin(sine), yaw};
+      portable::Atan2(2 * (q.w() * q.x() + q.y() * q.z()), 1 - 2 * (q.x() * q.x() + q.y() * q.y()));
+  const double yaw =
+      portable::Atan2(2 * (q.w() * q.z() + q.x() * q.y()), 1 - 2 * (q.y() * q.y() + q.z() * q.z()));
+  return {p.x(), p.y(), p.z(), roll, portable::Asin(sine), yaw};
 }
 
 /// What stands in the world.
@@ -132,7 +133,7 @@ double ThingsMass(std::string_view type, const std::vector<double>& size_m) {
   const double volume_m3 = size_m.size() == 3 && type == "box" ? size_m[0] * size_m[1] * size_m[2]
                            : size_m.size() == 3 && type == "cylinder"
                                ? pi / 4 * size_m[0] * size_m[1] * size_m[2]
-                           : !size_m.empty() ? pi / 6 * std::pow(size_m[0], 3)
+                           : !size_m.empty() ? pi / 6 * size_m[0] * size_m[0] * size_m[0]
                                              : 0;
   return std::max(kMinThingsMass_kg, volume_m3 * kThingsDensity_kg_m3);
 }

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <stop_token>
 
+#include "server/base/random.h"
 #include "server/controllers/controller_host.h"
 #include "server/model/drive.h"
 #include "server/physics/stepper.h"
@@ -16,26 +17,18 @@ namespace coopdyn {
 
 namespace {
 
-/// splitmix64: the same numbers on every machine.
-double NextRandom(std::uint64_t& state) {
-  state += 0x9E3779B97F4A7C15u;
-  std::uint64_t z = state;
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
 /// Gives every robot that no controller drives wheel speeds of 0 to 0.1 m/s, which it keeps.
 void DriveAtRandom(const Scene& scene, std::uint64_t seed, CommandBoard& commands) {
   constexpr double kFastest_m_s = 0.1;
   const Client client{.id = 1, .name = "bench", .peer = {}, .input_ended = false};
   const std::vector<SlotId> slots = commands.FindSlots(scene);
+  RandomNumbers random(seed);
   for (std::size_t i = 0; i < slots.size(); ++i) {
     const SceneActuator& actuator = scene.actuators[i];
     const RobotEntry& entry = scene.robots[static_cast<std::size_t>(actuator.robot)].entry;
     const ActuatorModel* const drive = entry.model->drive_actuator();
     if (drive == nullptr || drive->module != actuator.module) continue;
-    const double left = NextRandom(seed), right = NextRandom(seed);
+    const double left = random.Next(), right = random.Next();
     if (!entry.controller.empty()) continue;
     const double fastest = kFastest_m_s / entry.model->drive()->wheel_radius_m;
     commands.Command(slots[i], client, SetpointsFor({left * fastest, right * fastest}), std::nullopt,

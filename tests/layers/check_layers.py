@@ -21,6 +21,7 @@ ONLY_IN = {
     r"(GL|EGL|GLES\d?)/": ["server/render"],
     r"boost/(asio|beast)": ["server/net", "server/naming", "server/robot", "server/yarp", "server/yars", "server/control", "server/web", "server/app", "clients/cpp"],
     r"sdf/": ["server/model"],
+    r"sleef": ["server/base"],
     r"assimp/": ["server/files"],
     r"sqlite3": ["server/record", "clients/cpp"],
     r"matio": ["server/replay"],

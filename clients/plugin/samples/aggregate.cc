@@ -43,18 +43,19 @@ class Aggregate {
       double x_m = 0, y_m = 0;  // of the neighbours' middle; x ahead, y left
       for (size_t i = 0; i < readings.neighbour_count; ++i) {
         const coopdyn_sighting& other = readings.neighbours[i];
-        x_m += other.distance_m * std::cos(other.bearing_rad);
-        y_m += other.distance_m * std::sin(other.bearing_rad);
+        const coopdyn::Direction there = coopdyn::DirectionOf(other.bearing_rad);
+        x_m += other.distance_m * there.x;
+        y_m += other.distance_m * there.y;
       }
-      bearing = std::atan2(y_m, x_m);
-      const double middle_m = std::hypot(x_m, y_m) / static_cast<double>(readings.neighbour_count);
-      forward = std::clamp(middle_m / (4 * robot_.radius_m), 0.0, 1.0) * std::max(0.0, std::cos(bearing));
+      bearing = coopdyn_atan2(y_m, x_m);
+      const double middle_m = coopdyn_hypot(x_m, y_m) / static_cast<double>(readings.neighbour_count);
+      forward = std::clamp(middle_m / (4 * robot_.radius_m), 0.0, 1.0) * std::max(0.0, coopdyn_cos(bearing));
       command.turn_rad_s = std::clamp(3 * bearing, -turn_rad_s_, turn_rad_s_);
     }
     // Nothing may be nearer than the gap in the direction of travel.
     for (size_t i = 0; i < readings.distance_count; ++i) {
       const double side = robot_.distance_bearing_rad[i];
-      if (std::cos(side) < 0.3 || readings.distance_m[i] > gap_m_) continue;
+      if (readings.distance_m[i] > gap_m_ || coopdyn_cos(side) < 0.3) continue;
       forward = 0;
       if (readings.neighbour_count == 0) command.turn_rad_s = side > 0 ? -turn_rad_s_ : turn_rad_s_;
     }

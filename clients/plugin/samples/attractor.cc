@@ -62,25 +62,26 @@ class Attractor {
       state.speed_m_s = 0;
       return;  // the command is 0: it stands
     }
-    double turn = kTargetStrength_rad_s * std::sin(target->bearing_rad) + kBias_rad_s;
+    double turn = kTargetStrength_rad_s * coopdyn_sin(target->bearing_rad) + kBias_rad_s;
     double potential = 0, free_m = std::numeric_limits<double>::infinity();
     for (size_t i = 0; i < readings.distance_count; ++i) {
       const double d = readings.distance_m[i], psi = robot_.distance_bearing_rad[i];
       if (std::isinf(d)) continue;
       const double radius = robot_.radius_m;
-      const double strength = kObstacleStrength_1_s * std::exp(-d / kObstacleDecay_m);
-      const double width = std::atan(std::tan(robot_.distance_opening_rad[i] / 2) + radius / (radius + d));
-      const double gauss = std::exp(-psi * psi / (2 * width * width));
+      const double strength = kObstacleStrength_1_s * coopdyn_exp(-d / kObstacleDecay_m);
+      const double width =
+          coopdyn_atan(coopdyn_tan(robot_.distance_opening_rad[i] / 2) + radius / (radius + d));
+      const double gauss = coopdyn_exp(-psi * psi / (2 * width * width));
       turn -= strength * psi * gauss;
-      potential += strength * width * width * (gauss - std::exp(-0.5));
+      potential += strength * width * width * (gauss - coopdyn_exp(-0.5));
       if (std::abs(psi) <= kAhead_rad) free_m = std::min(free_m, d);
     }
-    const double near = std::atan(8 * potential) / kPi;  // -1/2: nothing near ahead, 1/2: much
+    const double near = coopdyn_atan(8 * potential) / kPi;  // -1/2: nothing near ahead, 1/2: much
     const double by_target = std::min(max_speed_m_s_, target->distance_m / kTimeToTarget_s) *
-                             std::max(0.1, std::cos(target->bearing_rad / 2));
+                             std::max(0.1, coopdyn_cos(target->bearing_rad / 2));
     const double by_obstacles = std::min(max_speed_m_s_, free_m / kTimeToContact_s);
     const double wanted = (0.5 - near) * by_target + (0.5 + near) * std::min(by_target, by_obstacles);
-    state.speed_m_s = wanted + (state.speed_m_s - wanted) * std::exp(-kRelaxation_1_s * readings.step_s);
+    state.speed_m_s = wanted + (state.speed_m_s - wanted) * coopdyn_exp(-kRelaxation_1_s * readings.step_s);
     command.forward_m_s = state.speed_m_s;
     command.turn_rad_s = std::clamp(turn, -max_turn_rad_s_, max_turn_rad_s_);
   }

@@ -34,7 +34,7 @@ class Braitenberg {
     double left = 1, right = 1;  // of the speed
     for (size_t i = 0; i < readings.distance_count; ++i) {
       const double bearing = robot_.distance_bearing_rad[i];
-      const double ahead = std::cos(bearing);
+      const double ahead = coopdyn_cos(bearing);
       if (ahead <= 0 || readings.distance_m[i] >= range_m_) continue;
       const double near = gain_ * ahead * (1 - readings.distance_m[i] / range_m_);
       // Straight ahead counts as left, else it would drive into a wall at a right angle.

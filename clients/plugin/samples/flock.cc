@@ -50,18 +50,21 @@ class Flock {
       const double heading = other.values[0] - readings.heading_rad;
       const double off = std::clamp((other.from.distance_m - gap_m_) / (gap_m_ + 1e-9), -1.0, 1.0);
       const double weight = 1 / static_cast<double>(readings.heard_count);
-      x += weight * (align_ * std::cos(heading) + attract_ * off * std::cos(other.from.bearing_rad));
-      y += weight * (align_ * std::sin(heading) + attract_ * off * std::sin(other.from.bearing_rad));
+      const coopdyn::Direction theirs = coopdyn::DirectionOf(heading),
+                               there = coopdyn::DirectionOf(other.from.bearing_rad);
+      x += weight * (align_ * theirs.x + attract_ * off * there.x);
+      y += weight * (align_ * theirs.y + attract_ * off * there.y);
     }
     for (size_t i = 0; i < readings.distance_count; ++i) {
-      const double bearing = robot_.distance_bearing_rad[i];
-      if (readings.distance_m[i] >= near_m_ || std::cos(bearing) < 0) continue;
+      if (readings.distance_m[i] >= near_m_) continue;
+      const coopdyn::Direction side = coopdyn::DirectionOf(robot_.distance_bearing_rad[i]);
+      if (side.x < 0) continue;
       const double near = 3 * (1 - readings.distance_m[i] / near_m_);
-      x -= near * std::cos(bearing);
-      y -= near * (std::sin(bearing) + 0.1);  // what is straight ahead is passed on the right
+      x -= near * side.x;
+      y -= near * (side.y + 0.1);  // what is straight ahead is passed on the right
     }
-    const double wanted = std::atan2(y, x);
-    command.forward_m_s = speed_m_s_ * std::max(0.0, std::cos(wanted));
+    const double wanted = coopdyn_atan2(y, x);
+    command.forward_m_s = speed_m_s_ * std::max(0.0, coopdyn_cos(wanted));
     command.turn_rad_s = std::clamp(2 * wanted, -turn_rad_s_, turn_rad_s_);
     command.message_count = 1;
     command.message[0] = readings.heading_rad;

@@ -63,7 +63,7 @@ class Formation {
                                      heard.values[1] - readings.compass_rad, heard.values[2],
                                      heard.values[3]};
         const formation::Place off = formation::Robot::Error(leader, place_);
-        error_m = std::hypot(off.x, off.y);
+        error_m = coopdyn_hypot(off.x, off.y);
         velocity = controller.Follow(leader, place_, seen, readings.step_s);
       }
     }

@@ -98,7 +98,7 @@ class Gait {
       const Leg& leg = legs_[i];
       const double turn = std::clamp(steer_ * off_rad, -1.0, 1.0) * (leg.y_m > 0 ? -1 : 1);
       const double swing_rad = swing_rad_ * std::min(1.0, 1 + turn);
-      Set(command, leg.swing, swing_offset_rad_ - swing_rad * std::cos(kPi * Way(state.phase[i])));
+      Set(command, leg.swing, swing_offset_rad_ - swing_rad * coopdyn_cos(kPi * Way(state.phase[i])));
       Set(command, leg.lift, Raised(lift_, state.phase[i]));
       Set(command, leg.knee, Raised(knee_, state.phase[i]));
     }
@@ -148,7 +148,7 @@ class Gait {
     for (size_t i = 0; i < legs_.size(); ++i) {
       double pull = 0;
       for (size_t k = 0; k < legs_.size(); ++k)
-        pull += std::sin(2 * kPi * (state.phase[k] - legs_[k].phase - state.phase[i] + legs_[i].phase));
+        pull += coopdyn_sin(2 * kPi * (state.phase[k] - legs_[k].phase - state.phase[i] + legs_[i].phase));
       pull *= coupling_1_s_ / (2 * kPi * static_cast<double>(legs_.size()));
       next[i] = Part(state.phase[i] + step_s * (frequency_hz_ + pull));
     }
@@ -158,7 +158,7 @@ class Gait {
   /// From 0 (behind) to 1 (ahead) through the air, and on to 2 on the floor.
   double Way(double phase) const { return phase < air_ ? phase / air_ : 1 + (phase - air_) / (1 - air_); }
   double Raised(const Wave& wave, double phase) const {
-    return wave.offset_rad + wave.size_rad * std::max(0.0, std::sin(kPi * Way(Part(phase - wave.phase))));
+    return wave.offset_rad + wave.size_rad * std::max(0.0, coopdyn_sin(kPi * Way(Part(phase - wave.phase))));
   }
   void Set(coopdyn_command& command, size_t channel, double angle_rad) const {
     if (channel != kNone) command.setpoints[channel] = {COOPDYN_DIRECT, state.size * angle_rad};

@@ -26,7 +26,7 @@ Vector Sum(const Vector& a, const Vector& b, double times = 1) {
 }
 /// `v` turned about a unit axis (Rodrigues).
 Vector Turned(const Vector& v, const Vector& axis, double angle) {
-  const double c = std::cos(angle), s = std::sin(angle), along = (1 - c) * Dot(axis, v);
+  const double c = coopdyn_cos(angle), s = coopdyn_sin(angle), along = (1 - c) * Dot(axis, v);
   const Vector across = Cross(axis, v);
   return {c * v[0] + s * across[0] + along * axis[0], c * v[1] + s * across[1] + along * axis[1],
           c * v[2] + s * across[2] + along * axis[2]};

@@ -54,7 +54,7 @@ class Referee {
       const coopdyn_body& robot = world.bodies[i];
       const double x_m = robot.pose.p_m[0] - target->pose.p_m[0],
                    y_m = robot.pose.p_m[1] - target->pose.p_m[1];
-      if (robot.kind != COOPDYN_ROBOT || std::hypot(x_m, y_m) > reach_m_) continue;
+      if (robot.kind != COOPDYN_ROBOT || coopdyn_hypot(x_m, y_m) > reach_m_) continue;
       ++state.rounds;
       coopdyn_log(&command, "round", state.rounds);
       coopdyn_log(&command, "round_time", readings.time_s - state.began_s);

@@ -17,7 +17,7 @@ struct Point {
   Point operator-(const Point& other) const { return {x - other.x, y - other.y}; }
   Point operator*(double factor) const { return {x * factor, y * factor}; }
   double Dot(const Point& other) const { return x * other.x + y * other.y; }
-  double Norm() const { return std::hypot(x, y); }
+  double Norm() const { return coopdyn_hypot(x, y); }
 };
 
 class Soccer {
@@ -88,7 +88,7 @@ class Soccer {
   static Point PlaceOf(const coopdyn_sighting& seen, const coopdyn_readings& readings) {
     const double heading_rad = readings.heading_rad + seen.bearing_rad;
     return Point{readings.x_m, readings.y_m} +
-           Point{std::cos(heading_rad), std::sin(heading_rad)} * seen.distance_m;
+           Point{coopdyn_cos(heading_rad), coopdyn_sin(heading_rad)} * seen.distance_m;
   }
 
   /// How far it is to the place behind the ball, with a way around it.
@@ -137,8 +137,8 @@ class Soccer {
                    coopdyn_command& command) {
     constexpr double kTurn_1_s = 6, kPi = 3.14159265358979323846;
     const double off_rad = std::remainder(
-        std::atan2(place.y - readings.y_m, place.x - readings.x_m) - readings.heading_rad, 2 * kPi);
-    const double ahead = std::max(0.0, std::cos(off_rad));
+        coopdyn_atan2(place.y - readings.y_m, place.x - readings.x_m) - readings.heading_rad, 2 * kPi);
+    const double ahead = std::max(0.0, coopdyn_cos(off_rad));
     command.forward_m_s = speed_m_s * ahead * ahead;
     command.turn_rad_s = std::clamp(kTurn_1_s * off_rad, -5.0, 5.0);
   }

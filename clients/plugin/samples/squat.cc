@@ -66,14 +66,14 @@ class Squat {
       if ((robot_.channels[i].modes >> COOPDYN_DIRECT & 1) != 0) command.setpoints[i] = {COOPDYN_DIRECT, 0};
     }
     const double bent_s = std::max(0.0, readings.time_s - wait_s_);
-    const double sink_m = depth_m_ * (1 - std::cos(2 * kPi * bent_s / period_s_)) / 2;
+    const double sink_m = depth_m_ * (1 - coopdyn_cos(2 * kPi * bent_s / period_s_)) / 2;
     const double pitch = Lean(readings.pitch_rad, readings.angular_velocity_rad_s[1]);
     const double roll = Lean(readings.roll_rad, readings.angular_velocity_rad_s[0]);
     for (const Leg& leg : legs_) {
       const double height_m = leg.thigh_m + leg.shank_m - sink_m;
       const auto corner = [height_m](double near, double far) {
         const double cosine = (near * near + height_m * height_m - far * far) / (2 * near * height_m);
-        return std::acos(std::clamp(cosine, -1.0, 1.0));
+        return coopdyn_acos(std::clamp(cosine, -1.0, 1.0));
       };
       const double thigh = corner(leg.thigh_m, leg.shank_m), shank = corner(leg.shank_m, leg.thigh_m);
       command.setpoints[leg.hip_pitch] = {COOPDYN_DIRECT, -thigh};

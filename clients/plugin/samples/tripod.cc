@@ -63,18 +63,18 @@ class Tripod {
       const double* knee = robot.channels[leg.knee].point_m;
       leg.hip_m[0] = hip[0];
       leg.hip_m[1] = hip[1];
-      leg.direction_rad = std::atan2(lift[1] - hip[1], lift[0] - hip[0]);
-      leg.coxa_m = std::hypot(lift[0] - hip[0], lift[1] - hip[1]);
-      const double femur_out_m = std::hypot(knee[0] - lift[0], knee[1] - lift[1]);
-      leg.femur_m = std::hypot(femur_out_m, knee[2] - lift[2]);
+      leg.direction_rad = coopdyn_atan2(lift[1] - hip[1], lift[0] - hip[0]);
+      leg.coxa_m = coopdyn_hypot(lift[0] - hip[0], lift[1] - hip[1]);
+      const double femur_out_m = coopdyn_hypot(knee[0] - lift[0], knee[1] - lift[1]);
+      leg.femur_m = coopdyn_hypot(femur_out_m, knee[2] - lift[2]);
       leg.tibia_m = options[4];
       const double fall_m = knee[2] - kFootRadius_m;
       if (fall_m >= leg.tibia_m) throw std::runtime_error("the tibia is too short to reach the floor");
       const double tibia_out_m = std::sqrt(leg.tibia_m * leg.tibia_m - fall_m * fall_m);
       leg.out_m = femur_out_m + tibia_out_m;
       leg.down_m = lift[2] - kFootRadius_m;
-      leg.femur_rad = std::atan2(knee[2] - lift[2], femur_out_m);
-      leg.tibia_rad = std::atan2(-fall_m, tibia_out_m);
+      leg.femur_rad = coopdyn_atan2(knee[2] - lift[2], femur_out_m);
+      leg.tibia_rad = coopdyn_atan2(-fall_m, tibia_out_m);
     }
   }
 
@@ -96,11 +96,11 @@ class Tripod {
       const double phase = std::fmod(state.phase + (kFirst[i] ? 0 : 0.5), 1.0);
       const bool swings = phase < 0.5 && walked_s > 0;
       const double s = swings ? phase / 0.5 : (phase - 0.5) / 0.5;
-      const double along = walked_s > 0 ? (swings ? -std::cos(kPi * s) : 1 - 2 * s) : 0;
-      const double raised_m = swings ? lift_m_ * std::sin(kPi * s) * std::sin(kPi * s) : 0;
+      const double along = walked_s > 0 ? (swings ? -coopdyn_cos(kPi * s) : 1 - 2 * s) : 0;
+      const double raised_m = swings ? lift_m_ * coopdyn_sin(kPi * s) * coopdyn_sin(kPi * s) : 0;
       const double reach_m = leg.coxa_m + leg.out_m;
-      const double foot_x_m = leg.hip_m[0] + reach_m * std::cos(leg.direction_rad);
-      const double foot_y_m = leg.hip_m[1] + reach_m * std::sin(leg.direction_rad);
+      const double foot_x_m = leg.hip_m[0] + reach_m * coopdyn_cos(leg.direction_rad);
+      const double foot_y_m = leg.hip_m[1] + reach_m * coopdyn_sin(leg.direction_rad);
       const double quarter_s = period_s_ / 4;
       const double x_m = foot_x_m + along * (share * speed_m_s_ - turn * foot_y_m) * quarter_s;
       const double y_m = foot_y_m + along * turn * foot_x_m * quarter_s;
@@ -119,12 +119,13 @@ class Tripod {
   /// Puts a foot at x, y in the robot's frame, and z above the floor.
   static void Place(const Leg& leg, double x_m, double y_m, double z_m, coopdyn_command& command) {
     const double dx = x_m - leg.hip_m[0], dy = y_m - leg.hip_m[1];
-    const double yaw = std::remainder(std::atan2(dy, dx) - leg.direction_rad, 2 * kPi);
-    const double out_m = std::hypot(dx, dy) - leg.coxa_m, down_m = leg.down_m - z_m;
-    const double reach = std::min(std::hypot(out_m, down_m), 0.999 * (leg.femur_m + leg.tibia_m));
-    const double towards = std::atan2(-down_m, out_m);
+    const double yaw = std::remainder(coopdyn_atan2(dy, dx) - leg.direction_rad, 2 * kPi);
+    const double out_m = coopdyn_hypot(dx, dy) - leg.coxa_m, down_m = leg.down_m - z_m;
+    const double reach = std::min(coopdyn_hypot(out_m, down_m), 0.999 * (leg.femur_m + leg.tibia_m));
+    const double towards = coopdyn_atan2(-down_m, out_m);
     const auto corner = [reach](double near, double far) {
-      return std::acos(std::clamp((near * near + reach * reach - far * far) / (2 * near * reach), -1.0, 1.0));
+      return coopdyn_acos(
+          std::clamp((near * near + reach * reach - far * far) / (2 * near * reach), -1.0, 1.0));
     };
     const double femur = towards + corner(leg.femur_m, leg.tibia_m);
     const double tibia = towards - corner(leg.tibia_m, leg.femur_m);

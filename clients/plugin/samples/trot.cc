@@ -62,10 +62,10 @@ class Trot {
       leg.x_m = hip[0];
       leg.y_m = hip[1];
       leg.height_m = hip[2] - kFootRadius_m;
-      leg.thigh_m = std::hypot(hip[0] - knee[0], hip[2] - knee[2]);
-      leg.shank_m = std::hypot(hip[0] - knee[0], knee[2] - kFootRadius_m);
-      leg.thigh_rad = std::atan2(hip[0] - knee[0], hip[2] - knee[2]);
-      leg.shank_rad = std::atan2(knee[0] - hip[0], knee[2] - kFootRadius_m);
+      leg.thigh_m = coopdyn_hypot(hip[0] - knee[0], hip[2] - knee[2]);
+      leg.shank_m = coopdyn_hypot(hip[0] - knee[0], knee[2] - kFootRadius_m);
+      leg.thigh_rad = coopdyn_atan2(hip[0] - knee[0], hip[2] - knee[2]);
+      leg.shank_rad = coopdyn_atan2(knee[0] - hip[0], knee[2] - kFootRadius_m);
     }
   }
 
@@ -90,9 +90,9 @@ class Trot {
       const bool swings = phase < kSwing && walked_s > 0;
       // From one end of the step to the other in the swing, and back on the floor.
       const double s = swings ? phase / kSwing : (phase - kSwing) / (1 - kSwing);
-      const double along = walked_s <= 0 ? 0 : swings ? -std::cos(kPi * s) : 1 - 2 * s;
+      const double along = walked_s <= 0 ? 0 : swings ? -coopdyn_cos(kPi * s) : 1 - 2 * s;
       const double half_s = period_s_ * (1 - kSwing) / 2;
-      const double raised_m = swings ? lift_m_ * std::sin(kPi * s) * std::sin(kPi * s) : 0;
+      const double raised_m = swings ? lift_m_ * coopdyn_sin(kPi * s) * coopdyn_sin(kPi * s) : 0;
       if (swings) {
         // A foot comes down where it stops what the body does too much (Raibert).
         const double aim_m[] = {0.06 * (readings.velocity_m_s[0] - forward_m_s),
@@ -119,12 +119,13 @@ class Trot {
   /// Puts a foot at x, y from where it stood, and z above.
   static void Place(const Leg& leg, double x_m, double y_m, double z_m, coopdyn_command& command) {
     const double down_m = leg.height_m - z_m;
-    const double roll = std::atan2(y_m, down_m);
+    const double roll = coopdyn_atan2(y_m, down_m);
     const double reach =
-        std::min(std::hypot(x_m, std::hypot(y_m, down_m)), 0.999 * (leg.thigh_m + leg.shank_m));
-    const double towards = std::atan2(-x_m, std::hypot(y_m, down_m));
+        std::min(coopdyn_hypot(x_m, coopdyn_hypot(y_m, down_m)), 0.999 * (leg.thigh_m + leg.shank_m));
+    const double towards = coopdyn_atan2(-x_m, coopdyn_hypot(y_m, down_m));
     const auto corner = [reach](double near, double far) {
-      return std::acos(std::clamp((near * near + reach * reach - far * far) / (2 * near * reach), -1.0, 1.0));
+      return coopdyn_acos(
+          std::clamp((near * near + reach * reach - far * far) / (2 * near * reach), -1.0, 1.0));
     };
     const double thigh = towards + corner(leg.thigh_m, leg.shank_m);
     const double shank = towards - corner(leg.shank_m, leg.thigh_m);

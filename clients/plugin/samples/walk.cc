@@ -140,7 +140,7 @@ class Walk {
       foot.x = Landing(step - 1);
       return foot;
     }
-    const double way = std::clamp(part, 0.0, 1.0), lifted = std::sin(std::acos(-1) * way);
+    const double way = std::clamp(part, 0.0, 1.0), lifted = coopdyn_sin(coopdyn_acos(-1) * way);
     foot.x = Landing(step - 2) + Smooth(way) * (Landing(step) - Landing(step - 2));
     foot.z = lift_m_ * lifted * lifted;
     return foot;
@@ -162,7 +162,7 @@ class Walk {
     Point sum;
     double weights = 0;
     for (double away_s = -kSight_s; away_s <= kSight_s; away_s += kSlice_s) {
-      const double weight = std::exp(-kOmega_1_s * std::abs(away_s));
+      const double weight = coopdyn_exp(-kOmega_1_s * std::abs(away_s));
       const Point zmp = Zmp(time_s + away_s);
       sum.x += weight * zmp.x;
       sum.y += weight * zmp.y;
@@ -173,23 +173,23 @@ class Walk {
 
   /// Turns a leg's joints so that its hip stands at `hip` of the ankle, with pelvis and foot level.
   static void Place(const Leg& leg, const Point& hip, coopdyn_setpoint* setpoints) {
-    const double upright = std::hypot(hip.y, hip.z), length = std::hypot(hip.x, upright);
+    const double upright = coopdyn_hypot(hip.y, hip.z), length = coopdyn_hypot(hip.x, upright);
     const double bent = (length * length - leg.thigh_m * leg.thigh_m - leg.shank_m * leg.shank_m) /
                         (2 * leg.thigh_m * leg.shank_m);
-    const double knee = std::acos(std::clamp(bent, -1.0, 1.0));
-    const double ankle_roll = std::atan2(hip.y, hip.z);
+    const double knee = coopdyn_acos(std::clamp(bent, -1.0, 1.0));
+    const double ankle_roll = coopdyn_atan2(hip.y, hip.z);
     const double ankle_pitch =
-        std::atan2(-leg.thigh_m * std::sin(knee), leg.shank_m + leg.thigh_m * std::cos(knee)) -
-        std::atan2(hip.x, upright);
+        coopdyn_atan2(-leg.thigh_m * coopdyn_sin(knee), leg.shank_m + leg.thigh_m * coopdyn_cos(knee)) -
+        coopdyn_atan2(hip.x, upright);
     // The thigh's orientation: Rx(−ankle roll) Ry(lean) = Ry(hip pitch) Rx(hip roll) Rz(hip yaw).
     const double lean = -(ankle_pitch + knee);
-    const double s = std::sin(ankle_roll), c = std::cos(ankle_roll);
+    const double s = coopdyn_sin(ankle_roll), c = coopdyn_cos(ankle_roll);
     const auto set = [setpoints](size_t joint, double angle_rad) {
       setpoints[joint] = {COOPDYN_DIRECT, angle_rad};
     };
-    set(leg.hip_pitch, std::atan2(std::sin(lean), c * std::cos(lean)));
-    set(leg.hip_roll, -std::asin(s * std::cos(lean)));
-    set(leg.hip_yaw, std::atan2(-s * std::sin(lean), c));
+    set(leg.hip_pitch, coopdyn_atan2(coopdyn_sin(lean), c * coopdyn_cos(lean)));
+    set(leg.hip_roll, -coopdyn_asin(s * coopdyn_cos(lean)));
+    set(leg.hip_yaw, coopdyn_atan2(-s * coopdyn_sin(lean), c));
     set(leg.knee, knee);
     set(leg.ankle_pitch, ankle_pitch);
     set(leg.ankle_roll, ankle_roll);

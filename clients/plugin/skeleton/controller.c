@@ -73,7 +73,7 @@ static void step(void* instance, const coopdyn_readings* readings, coopdyn_comma
     me->state.turns += 1;
   } else {
     command->forward_m_s = me->speed_m_s;
-    command->turn_rad_s = 0.3 * sin(0.5 * readings->time_s);
+    command->turn_rad_s = 0.3 * coopdyn_sin(0.5 * readings->time_s);
   }
 }
 

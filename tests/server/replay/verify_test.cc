@@ -269,15 +269,25 @@ TEST_F(VerifyTest, ACommandOfNobodyWithoutEffectIsNamed) {
   EXPECT_EQ(report.difference->what, "robot1");
 }
 
-TEST_F(VerifyTest, AnotherBuildAndProcessorAreSaid) {
-  const VerifyReport report = RecordedAs(
-      "UPDATE meta SET value = '0123456789abcdef' WHERE key = 'build';"
-      "UPDATE meta SET value = 'Abacus' WHERE key = 'cpu'");
+constexpr const char* kMadeElsewhere =
+    "UPDATE meta SET value = '0123456789abcdef' WHERE key = 'build';"
+    "UPDATE meta SET value = 'libode.so.7 0123456789abcdef' WHERE key = 'libraries';"
+    "UPDATE meta SET value = 'Abacus' WHERE key = 'cpu';";
+
+TEST_F(VerifyTest, AnEqualRunOfAnotherBuildAndProcessorHasNoWarning) {
+  const VerifyReport report = RecordedAs(kMadeElsewhere);
   EXPECT_FALSE(report.difference);
   EXPECT_EQ(report.error, "");
+  EXPECT_EQ(report.warning, "");
+}
+
+TEST_F(VerifyTest, WhereARunDiffersAnotherBuildLibraryAndProcessorAreSaid) {
+  const VerifyReport report =
+      RecordedAs(std::string(kMadeElsewhere) + "UPDATE step SET hash = hash + 1 WHERE step = 5");
+  EXPECT_TRUE(report.difference);
   EXPECT_EQ(report.warning, File() +
-                                " was made by another build (version test, 0123456789abcdef) on another "
-                                "processor (Abacus): equal bits are not promised");
+                                " was made by another build (version test, 0123456789abcdef), with another "
+                                "libode.so.7, on another processor (Abacus)");
 }
 
 }  // namespace

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// Part of every program of ours that links coopdyn_base. It stands before libm in the order in which names
+// are looked up, so that what libraries compute between a file and the hash (libsdformat's poses, libassimp's
+// nodes, ODE's joints) has the same bits on every machine, too.
+#include "server/base/portable_math.h"
+
+namespace portable = coopdyn::portable;
+
+extern "C" {
+
+double sin(double x) noexcept {
+  return portable::Sin(x);
+}
+double cos(double x) noexcept {
+  return portable::Cos(x);
+}
+double tan(double x) noexcept {
+  return portable::Tan(x);
+}
+double asin(double x) noexcept {
+  return portable::Asin(x);
+}
+double acos(double x) noexcept {
+  return portable::Acos(x);
+}
+double atan(double x) noexcept {
+  return portable::Atan(x);
+}
+double exp(double x) noexcept {
+  return portable::Exp(x);
+}
+double log(double x) noexcept {
+  return portable::Log(x);
+}
+double cbrt(double x) noexcept {
+  return portable::Cbrt(x);
+}
+double atan2(double x, double y) noexcept {
+  return portable::Atan2(x, y);
+}
+double pow(double x, double y) noexcept {
+  return portable::Pow(x, y);
+}
+double hypot(double x, double y) noexcept {
+  return portable::Hypot(x, y);
+}
+void sincos(double x, double* sine, double* cosine) noexcept {
+  const auto [sin, cos] = portable::SinCos(x);
+  *sine = sin;
+  *cosine = cos;
+}
+
+float sinf(float x) noexcept {
+  return static_cast<float>(portable::Sin(x));
+}
+float cosf(float x) noexcept {
+  return static_cast<float>(portable::Cos(x));
+}
+float tanf(float x) noexcept {
+  return static_cast<float>(portable::Tan(x));
+}
+float asinf(float x) noexcept {
+  return static_cast<float>(portable::Asin(x));
+}
+float acosf(float x) noexcept {
+  return static_cast<float>(portable::Acos(x));
+}
+float atanf(float x) noexcept {
+  return static_cast<float>(portable::Atan(x));
+}
+float expf(float x) noexcept {
+  return static_cast<float>(portable::Exp(x));
+}
+float logf(float x) noexcept {
+  return static_cast<float>(portable::Log(x));
+}
+float cbrtf(float x) noexcept {
+  return static_cast<float>(portable::Cbrt(x));
+}
+float atan2f(float x, float y) noexcept {
+  return static_cast<float>(portable::Atan2(x, y));
+}
+float powf(float x, float y) noexcept {
+  return static_cast<float>(portable::Pow(x, y));
+}
+float hypotf(float x, float y) noexcept {
+  return static_cast<float>(portable::Hypot(x, y));
+}
+void sincosf(float x, float* sine, float* cosine) noexcept {
+  const auto [sin, cos] = portable::SinCos(x);
+  *sine = static_cast<float>(sin);
+  *cosine = static_cast<float>(cos);
+}
+
+}  // extern "C"

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "server/base/portable_math.h"
+
+#include <sleef.h>  // 4,000 lines of vector types: here alone
+
+namespace coopdyn::portable {
+
+double Sin(double x) {
+  return Sleef_cinz_sind1_u10purec(x);
+}
+
+double Cos(double x) {
+  return Sleef_cinz_cosd1_u10purec(x);
+}
+
+SineCosine SinCos(double x) {
+  const Sleef_double_2 both = Sleef_cinz_sincosd1_u10purec(x);
+  return {both.x, both.y};
+}
+
+double Tan(double x) {
+  return Sleef_cinz_tand1_u10purec(x);
+}
+
+double Asin(double x) {
+  return Sleef_cinz_asind1_u10purec(x);
+}
+
+double Acos(double x) {
+  return Sleef_cinz_acosd1_u10purec(x);
+}
+
+double Atan(double x) {
+  return Sleef_cinz_atand1_u10purec(x);
+}
+
+double Atan2(double y, double x) {
+  return Sleef_cinz_atan2d1_u10purec(y, x);
+}
+
+double Exp(double x) {
+  return Sleef_cinz_expd1_u10purec(x);
+}
+
+double Log(double x) {
+  return Sleef_cinz_logd1_u10purec(x);
+}
+
+double Pow(double x, double y) {
+  return Sleef_cinz_powd1_u10purec(x, y);
+}
+
+double Cbrt(double x) {
+  return Sleef_cinz_cbrtd1_u10purec(x);
+}
+
+Eigen::Quaterniond AngleAxis(double angle_rad, const Eigen::Vector3d& axis) {
+  const auto [sin, cos] = SinCos(angle_rad / 2);
+  Eigen::Quaterniond q;
+  q.w() = cos;
+  q.vec() = sin * axis;
+  return q;
+}
+
+}  // namespace coopdyn::portable

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+// The functions of clients/plugin/controller.h, in every program that loads controllers.
+#include "clients/plugin/controller.h"
+#include "server/base/portable_math.h"
+
+namespace portable = coopdyn::portable;
+
+double coopdyn_sin(double x) {
+  return portable::Sin(x);
+}
+double coopdyn_cos(double x) {
+  return portable::Cos(x);
+}
+double coopdyn_tan(double x) {
+  return portable::Tan(x);
+}
+double coopdyn_asin(double x) {
+  return portable::Asin(x);
+}
+double coopdyn_acos(double x) {
+  return portable::Acos(x);
+}
+double coopdyn_atan(double x) {
+  return portable::Atan(x);
+}
+double coopdyn_exp(double x) {
+  return portable::Exp(x);
+}
+double coopdyn_ln(double x) {
+  return portable::Log(x);
+}
+double coopdyn_cbrt(double x) {
+  return portable::Cbrt(x);
+}
+double coopdyn_atan2(double y, double x) {
+  return portable::Atan2(y, x);
+}
+double coopdyn_pow(double x, double y) {
+  return portable::Pow(x, y);
+}
+double coopdyn_hypot(double x, double y) {
+  return portable::Hypot(x, y);
+}
+void coopdyn_sincos(double x, double* sine, double* cosine) {
+  const auto [sin, cos] = portable::SinCos(x);
+  *sine = sin;
+  *cosine = cos;
+}

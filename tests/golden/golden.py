@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: MIT
+"""The hash of each shipped scenario, experiment and robot after STEPS steps, against hashes.json: one on every machine.
+
+Usage: golden.py PROGRAM [--only NAME] [--write] [--as plain|other] [--under "qemu-x86_64 -cpu Conroe"]
+`plain` is one thread; `other` all that must change nothing: two threads, 64 of robots, a recording, an open page, and a
+processor that hides what it has from libm. What no loaded controller drives is driven by a client, by what it reads.
+"""
+import argparse
+import concurrent.futures
+import json
+import math
+import os
+import pathlib
+import shlex
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "clients" / "python"))
+import coopdyn  # noqa: E402
+
+HASHES = ROOT / "tests" / "golden" / "hashes.json"
+STEPS, ROUND, CROWD_ROUND = 1500, 5, 50
+SEED = "3"
+HIDDEN = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F"}
+CROWD = 50  # more robots than these are driven as one team
+
+
+def scenario_of(robot):
+    """A robot among things that it meets."""
+    return (f"[SIMULATION]\nmode lockstep\n[FLOOR]\nsize 20 20\n[ROBOT_1]\ntype {robot}\nposition 0 0\n"
+            "[TARGET]\nred 2 0.5\n"
+            "[OBJECT_1]\ntype box\nsize 0.4 0.4 0.6\nposition 1.2 0.3 0\n"
+            "[OBJECT_2]\ntype sphere\nsize 0.2\nposition 0.6 -0.7 0.1\nmass 0.1\n")
+
+
+def entries():
+    """{name: what `serve` takes}; of a robot the text of a scenario."""
+    found = {f"scenarios/{path.name}": str(path) for path in sorted((ROOT / "scenarios").glob("*")) if path.suffix in (".scenario", ".xml")}
+    return found | {f"robots/{path.name}": scenario_of(path.name) for path in sorted((ROOT / "robots").iterdir()) if path.is_dir()}
+
+
+def numbers(reading):
+    """All that are finite in tuples of tuples."""
+    for value in reading:
+        if isinstance(value, (int, float)):
+            if math.isfinite(value):
+                yield value
+        elif isinstance(value, dict):
+            yield from numbers(value.values())
+        elif value is not None and not isinstance(value, str):
+            yield from numbers(value)
+
+
+def lean(reading):
+    """Of all that was read: in [0, 1), another one if a bit of it is."""
+    return sum(numbers(reading)) * 64 % 1
+
+
+class Driver:
+    """Of one robot: moves by what it reads, so that each number of its sensors is in the hash."""
+
+    def __init__(self, sim, status):
+        self.robot = sim.robot(status["name"])
+        kinds = [(module["type"], module["name"].split("/")[-1]) for module in status["modules"]]
+        self.has_wheels = any(kind == "motors" for kind, _ in kinds)
+        self.groups = [self.robot.joints(name) for kind, name in kinds if kind == "joints"]
+        self.ranges = [list(zip(limits.lower, limits.upper)) for limits in (group.get_limits() for group in self.groups)]
+        self.muscles = [self.robot.muscles() for kind, _ in kinds if kind == "muscles"]
+        self.thrusters = [self.robot.thrusters() for kind, _ in kinds if kind == "thrusters"]
+
+    def command(self, k):
+        part = lean(self.robot.sense())
+        if self.has_wheels:
+            self.robot.set_velocity(0.15 + 0.1 * part, 0.4 * (part - 0.5))
+        for group, ranges in zip(self.groups, self.ranges):
+            middle = [(least + most) / 2 if math.isfinite(least + most) else 0 for least, most in ranges]
+            group.set_positions([x + 0.3 * ((k // 20 + j) % 3 - 1) + 0.05 * part for j, x in enumerate(middle)])
+        for muscles in self.muscles:
+            muscles.set_activations([0.5 * ((k // 10 + j) % 2) + 0.2 * part for j in range(len(muscles))])
+        for thrusters in self.thrusters:
+            thrusters.set_thrusts([0.2 * most * part for most in thrusters.get_limits()[0]])
+
+
+class Crowd:
+    """Of robots with wheels, as one team."""
+
+    def __init__(self, sim):
+        self.team = sim.team()
+        self.reading = self.team.read()
+
+    def command(self, k):
+        rows = [lean(row) for row in zip(self.reading.pose, self.reading.distances)]
+        self.reading = self.team.step([(0.1 + 0.1 * part, 0.4 * (part - 0.5)) for part in rows])
+
+
+class Daemon:
+    """That runs one entry, in a folder of its own."""
+
+    def __init__(self, program, given, other, *options):
+        self.folder = tempfile.TemporaryDirectory()
+        options = ["--seed", SEED, "--port", "0", "--no-render", "--log-level", "error", *options]
+        environment = dict(os.environ)
+        if other:
+            options += ["--threads", "2", "--robot-threads", "64", "--record", os.path.join(self.folder.name, "golden.run")]
+            environment |= HIDDEN
+        if "\n" in given:
+            path = pathlib.Path(self.folder.name, "golden.scenario")
+            path.write_text(given, encoding="utf-8")
+            given = str(path)
+        self.summary = pathlib.Path(self.folder.name, "summary.json")
+        self.process = subprocess.Popen([*program, "serve", given, *options, "--summary", str(self.summary)], stdout=subprocess.PIPE,
+                                        stderr=subprocess.DEVNULL, text=True, env=environment)
+        line = self.process.stdout.readline()
+        if not line:
+            raise SystemExit(f"{given} does not start: try {' '.join(program)} serve {given} {' '.join(options)}")
+        self.server = dict(word.split("=", 1) for word in line.split()[1:])["names"]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait()
+        self.process.stdout.close()
+        self.folder.cleanup()
+
+
+def driven_hash(sim, robots):
+    """After STEPS steps in which a client drives."""
+    crowd = len(robots) > CROWD
+    drivers = [Crowd(sim)] if crowd else [Driver(sim, robot) for robot in robots]
+    sim.run()
+    while sim.steps < STEPS:
+        for driver in drivers:
+            driver.command(sim.steps)
+        if sim.steps < STEPS:
+            sim.step(min(CROWD_ROUND if crowd else ROUND, STEPS - sim.steps))
+    return sim.hash()
+
+
+def hash_of(program, given, other):
+    with Daemon(program, given, other, "--mode", "lockstep", "--paused") as daemon:
+        sim = coopdyn.connect(daemon.server)
+        status = sim.status()
+        if other:
+            watched = [robot["name"] for robot in status["robots"] if any(module["type"] == "pose" for module in robot["modules"])]
+            spectators = [coopdyn.connect(daemon.server, watch=True).robot(name) for name in watched[:3]]
+            for spectator in spectators:
+                spectator.subscribe("pose")
+        if any(robot["participates"] for robot in status["robots"]):
+            return driven_hash(sim, [robot for robot in status["robots"] if robot["participates"]])
+    with Daemon(program, given, other, "--mode", "free", "--speed", "0", "--steps", str(STEPS)) as daemon:
+        daemon.process.wait()
+        return json.loads(daemon.summary.read_text())["hash"]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program")
+    parser.add_argument("--only", default="", help="entries whose name has this")
+    parser.add_argument("--as", dest="how", choices=("plain", "other"), default="plain")
+    parser.add_argument("--under", default="", help="what runs the program, as qemu-x86_64")
+    parser.add_argument("--write", action="store_true", help="write hashes.json, if the hashes are to change")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    given = parser.parse_args()
+    golden = json.loads(HASHES.read_text()) if HASHES.exists() else {}
+    chosen = {name: what for name, what in entries().items() if given.only in name}
+    program = [*shlex.split(given.under), given.program]
+    with concurrent.futures.ThreadPoolExecutor(given.jobs) as pool:
+        hashes = dict(zip(chosen, pool.map(lambda what: hash_of(program, what, given.how == "other"), chosen.values())))
+    if given.write:
+        HASHES.write_text(json.dumps(golden | hashes, indent=1, sort_keys=True) + "\n")
+        return 0
+    differ = [name for name in chosen if hashes[name] != golden.get(name)]
+    for name in differ:
+        print(f"{name}: {hashes[name]}, not {golden.get(name)}")
+    print(f"{len(chosen) - len(differ)} equal, {len(differ)} differ")
+    return bool(differ)
+
+
+sys.exit(main())

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: MIT
+"""Checks that what computes calls no transcendental function of libm: their bits differ between machines, and are in the hash
+of a run. server/base/portable_math.h has the functions that it may call. And that a program shows its own in place of
+libm's, which foreign libraries then call.
+
+Usage: check_math.py ROOT PROGRAM LIBRARY…
+"""
+import pathlib
+import re
+import subprocess
+import sys
+
+NAMES = ["sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sincos", "exp", "log", "pow", "cbrt", "hypot"]  # shown by programs
+OTHERS = ["exp2", "expm1", "exp10", "log2", "log10", "log1p", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "erf", "erfc", "tgamma", "lgamma", "fma"]
+LIBM = {name + end for name in NAMES + OTHERS for end in ("", "f", "l")}
+CALL = re.compile(r"std::(" + "|".join(NAMES + OTHERS) + r")\(|AngleAxisd|Rotation2D")
+DRAW_AND_ANSWER = ("render", "web")  # folders of server/ that no hash depends on
+
+
+def symbols(program, *options):
+    """(file or None, symbol) of each that nm lists."""
+    listed = subprocess.run(["nm", *options, program], capture_output=True, text=True, check=True).stdout
+    return {line.split()[-1].split("@")[0] for line in listed.splitlines() if re.search(r" [A-Za-z] ", line)}
+
+
+def mistakes_in(root, program, libraries):
+    found = []
+    for path in sorted(path for path in (root / "server").rglob("*") if path.suffix in (".h", ".cc")):
+        if path.relative_to(root).parts[1] not in DRAW_AND_ANSWER:
+            found += [f"{path.relative_to(root)} calls {call[0]}: call portable:: of server/base/portable_math.h" for call in CALL.finditer(path.read_text())]
+    for library in libraries:
+        found += [f"{library} calls {name} of libm: call portable:: of server/base/portable_math.h" for name in sorted(symbols(library, "-u") & LIBM)]
+    shown = symbols(program, "-D", "--defined-only")
+    found += [f"{program} does not show {name}: foreign libraries call libm's" for name in NAMES if not {name, name + "f"} <= shown]
+    return found
+
+
+def main():
+    mistakes = mistakes_in(pathlib.Path(sys.argv[1]), sys.argv[2], sys.argv[3:])
+    for mistake in mistakes:
+        print(mistake)
+    return bool(mistakes)
+
+
+sys.exit(main())

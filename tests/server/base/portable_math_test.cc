@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include "server/base/portable_math.h"
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "server/base/random.h"
+
+namespace coopdyn {
+namespace {
+
+/// As long double has 64 bits, libm's is right to the last of ours but for ties.
+double UlpsOff(double value, long double exact) {
+  const double nearest = static_cast<double>(exact);
+  const double ulp =
+      std::nextafter(std::abs(nearest), std::numeric_limits<double>::infinity()) - std::abs(nearest);
+  return static_cast<double>(std::abs(static_cast<long double>(value) - exact)) / ulp;
+}
+
+struct Function {
+  const char* name;
+  std::function<double(double)> ours;
+  std::function<long double(long double)> exact;
+  double least, most;
+};
+
+TEST(PortableMathTest, EachFunctionIsWithinOneUlp) {
+  using L = long double;
+  const Function functions[] = {{"sin", portable::Sin, [](L x) { return std::sin(x); }, -100, 100},
+                                {"cos", portable::Cos, [](L x) { return std::cos(x); }, -100, 100},
+                                {"sin of both", [](double x) { return portable::SinCos(x).sin; },
+                                 [](L x) { return std::sin(x); }, -100, 100},
+                                {"cos of both", [](double x) { return portable::SinCos(x).cos; },
+                                 [](L x) { return std::cos(x); }, -100, 100},
+                                {"tan", portable::Tan, [](L x) { return std::tan(x); }, -1.5, 1.5},
+                                {"asin", portable::Asin, [](L x) { return std::asin(x); }, -1, 1},
+                                {"acos", portable::Acos, [](L x) { return std::acos(x); }, -1, 1},
+                                {"atan", portable::Atan, [](L x) { return std::atan(x); }, -50, 50},
+                                {"atan2", [](double x) { return portable::Atan2(x, -2); },
+                                 [](L x) { return std::atan2(x, L(-2)); }, -9, 9},
+                                {"exp", portable::Exp, [](L x) { return std::exp(x); }, -700, 700},
+                                {"log", portable::Log, [](L x) { return std::log(x); }, 1e-9, 1e3},
+                                {"pow", [](double x) { return portable::Pow(x, 2.5); },
+                                 [](L x) { return std::pow(x, L(2.5)); }, 0, 1e3},
+                                {"cbrt", portable::Cbrt, [](L x) { return std::cbrt(x); }, -1e3, 1e3},
+                                {"hypot", [](double x) { return portable::Hypot(x, 3); },
+                                 [](L x) { return std::hypot(x, L(3)); }, -9, 9}};
+  for (const Function& each : functions) {
+    RandomNumbers random(7);
+    double worst = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const double x = each.least + (each.most - each.least) * random.Next();
+      worst = std::max(worst, UlpsOff(each.ours(x), each.exact(x)));
+    }
+    EXPECT_LE(worst, 1.0) << each.name;
+  }
+}
+
+TEST(PortableMathTest, TheBitsAreTheseOnEveryMachine) {
+  std::uint64_t state = 0;
+  RandomNumbers random(1);
+  for (int i = 0; i < 1000; ++i) {
+    const double x = 20 * random.Next() - 10, part = x / 10, y = random.Next();
+    for (const double value :
+         {portable::Sin(x), portable::Cos(x), portable::Tan(x), portable::Asin(part), portable::Acos(part),
+          portable::Atan(x), portable::Atan2(x, y), portable::Exp(x), portable::Log(y), portable::Pow(y, x),
+          portable::Cbrt(x), portable::Hypot(x, y),
+          NormalOf(UniformOf(MixBits(static_cast<std::uint64_t>(i) + 1)), y)})
+      state = AbsorbBits(state, std::bit_cast<std::uint64_t>(value));
+  }
+  EXPECT_EQ(state, 12683284515666277087u);
+}
+
+TEST(PortableMathTest, WhatALibraryCallsIsOurs) {
+  RandomNumbers random(3);
+  for (int i = 0; i < 10000; ++i) {
+    const volatile double x = 20 * random.Next() - 10;
+    ASSERT_EQ(std::sin(x), portable::Sin(x));
+    ASSERT_EQ(std::atan2(x, 3.0), portable::Atan2(x, 3));
+    ASSERT_EQ(std::exp(x), portable::Exp(x));
+    ASSERT_EQ(std::pow(2.5, x), portable::Pow(2.5, x));
+  }
+}
+
+TEST(PortableMathTest, SpecialValuesAreThoseOfTheStandard) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(portable::Sin(0), 0);
+  EXPECT_EQ(portable::Cos(0), 1);
+  EXPECT_EQ(portable::Atan2(0, -1), std::numbers::pi);
+  EXPECT_EQ(portable::Atan2(0, 0), 0);
+  EXPECT_EQ(portable::Exp(-kInf), 0);
+  EXPECT_EQ(portable::Log(0), -kInf);
+  EXPECT_EQ(portable::Hypot(3, -4), 5);
+  EXPECT_EQ(portable::Acos(-1), std::numbers::pi);
+  EXPECT_TRUE(std::isnan(portable::Sin(kInf)));
+  EXPECT_TRUE(std::isnan(portable::Acos(2)));
+}
+
+TEST(PortableMathTest, ARotationIsThatOfEigen) {
+  const Eigen::Vector3d axis = Eigen::Vector3d(1, -2, 0.5).normalized();
+  EXPECT_TRUE(
+      portable::AngleAxis(0.7, axis).isApprox(Eigen::Quaterniond(Eigen::AngleAxisd(0.7, axis)), 1e-15));
+}
+
+}  // namespace
+}  // namespace coopdyn
