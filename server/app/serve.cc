@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <map>
+#include <optional>
 #include <string>
 
 #include "server/app/commands.h"
@@ -106,11 +107,13 @@ int Serve(ServeOptions options) {
   }
   const LogBackend log(options.log_level, options.log_file);
   const SteadyClock clock;
+  std::optional<EndsAtOnce> starting(std::in_place);
   Daemon daemon(options, log.logger(), shutdown);
   if (const std::string error = daemon.Start(); !error.empty()) {
     PrintErrorLines(error + (error.ends_with('\n') ? "" : "\n"));
     return kExitErrors;
   }
+  starting.reset();
   ServedRun served(daemon, clock, log.logger(), options.summary_file);
   PrintErrorLines(daemon.HowToGoOn());
   if (options.channel_quits) {

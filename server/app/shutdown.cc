@@ -10,15 +10,28 @@
 
 #include <array>
 #include <cerrno>
+#include <condition_variable>
 #include <cstdint>
+#include <initializer_list>
+#include <mutex>
+#include <stop_token>
 #include <system_error>
 
 namespace coopdyn {
 
-Shutdown::Shutdown() {
+namespace {
+
+sigset_t SetOf(std::initializer_list<int> signals) {
   sigset_t set;
   sigemptyset(&set);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) sigaddset(&set, signal);
+  for (const int signal : signals) sigaddset(&set, signal);
+  return set;
+}
+
+}  // namespace
+
+Shutdown::Shutdown() {
+  const sigset_t set = SetOf({SIGINT, SIGTERM, SIGHUP, SIGUSR1});
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   signals_ = ::signalfd(-1, &set, SFD_CLOEXEC);
   request_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
@@ -55,5 +68,16 @@ Shutdown::Wake Shutdown::Wait(Nanoseconds timeout) {
   const bool asks = ::read(signals_, &got, sizeof got) == sizeof got && got.ssi_signo == SIGUSR1;
   return asks ? Wake::kReport : Wake::kEnd;
 }
+
+EndsAtOnce::EndsAtOnce()
+    : takes_signals_([](const std::stop_token& stop) {
+        pthread_setname_np(pthread_self(), "signals");
+        // The only thread that does not hold them back: it gets them.
+        const sigset_t ends = SetOf({SIGINT, SIGTERM, SIGHUP});
+        pthread_sigmask(SIG_UNBLOCK, &ends, nullptr);
+        std::mutex mutex;
+        std::unique_lock lock(mutex);
+        std::condition_variable_any().wait(lock, stop, [] { return false; });
+      }) {}
 
 }  // namespace coopdyn

@@ -5,6 +5,7 @@
 
 #include <csignal>
 #include <string>
+#include <thread>
 
 #include "server/base/clock.h"
 
@@ -32,6 +33,16 @@ class Shutdown {
   int signals_ = -1;  // signalfd
   int request_ = -1;  // eventfd
   int process_ = -1;  // pidfd; -1: none
+};
+
+/// While it lives, SIGINT, SIGTERM and SIGHUP end the process at once, as if nobody held them back: for the
+/// start, when nobody relies on the daemon yet. Construct after the Shutdown.
+class EndsAtOnce {
+ public:
+  EndsAtOnce();
+
+ private:
+  std::jthread takes_signals_;
 };
 
 }  // namespace coopdyn

@@ -256,10 +256,12 @@ class Checker {
         return;
       }
     }
-    // A pose may say degrees="true" or how its rotation is written: its text is then for libsdformat to
-    // judge.
-    const bool plain = element.FirstAttribute() == nullptr;
-    if (plain && !text.empty() && !value->Clone()->SetFromString(text)) {
+    // A pose's attributes say how its text is read.
+    const sdf::ElementPtr read = element.FirstAttribute() == nullptr ? description : description->Clone();
+    for (const XMLAttribute* each = element.FirstAttribute(); each != nullptr; each = each->Next()) {
+      if (read->HasAttribute(each->Name())) read->GetAttribute(each->Name())->SetFromString(each->Value());
+    }
+    if (!text.empty() && !read->GetValue()->Clone()->SetFromString(text)) {
       diagnostics_.Error(where, std::string("<") + element.Name() + "> cannot be " + shown);
     }
   }

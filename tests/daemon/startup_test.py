@@ -1,4 +1,5 @@
 """How the daemon starts, says what is wrong, and ends."""
+import contextlib
 import json
 import os
 import pty
@@ -235,6 +236,14 @@ class RemoteTest(unittest.TestCase):
         self.assertEqual(self.daemon.process.wait(60), 0)
 
 
+def thread_names(process):
+    names = []
+    for thread in Path(f"/proc/{process}/task").iterdir():
+        with contextlib.suppress(OSError):  # it has ended
+            names.append((thread / "comm").read_text().strip())
+    return names
+
+
 class EndTest(unittest.TestCase):
     def test_signals_end_the_daemon_under_load_with_exit_code_0(self):
         for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -262,6 +271,18 @@ class EndTest(unittest.TestCase):
                 stop.set()
                 for worker in workers:
                     worker.join()
+
+    def test_a_signal_while_it_starts_ends_it_at_once(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "many.scenario"
+            file.write_text("[FLOOR]\nsize 1000 1000 0.1\n[SWARM_1]\ntype minibot\nname ant\ncount 100000\nsockets no\n")
+            process = subprocess.Popen([BINARY, "serve", file, "--port", "0"], stdout=subprocess.PIPE)
+            self.addCleanup(process.stdout.close)
+            self.addCleanup(process.kill)
+            until(lambda: "signals" in thread_names(process.pid))
+            process.send_signal(signal.SIGTERM)
+            self.assertEqual(process.wait(LIMIT_S), -signal.SIGTERM)
+            self.assertEqual(process.stdout.read(), b"", "it was not ready")
 
     def test_waiting_clients_get_a_notice_when_the_daemon_ends(self):
         with Daemon(scenario(2)) as daemon:

@@ -17,6 +17,7 @@ namespace coopdyn {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 constexpr double kDegree = std::numbers::pi / 180;
 const std::filesystem::path kCoopbot = std::filesystem::path(SourceDir()) / "robots/coopbot/model.sdf";
@@ -187,6 +188,16 @@ TEST(RobotModelTest, NonFiniteNumbersAreErrors) {
   EXPECT_THAT(ReadChanged("<pose>0 0 0.09 0 0 0</pose>", "<pose>0 0 nan 0 0 0</pose>"),
               HasSubstr("finite numbers"));
   EXPECT_THAT(ReadChanged("<velocity>14<", "<velocity>inf<"), HasSubstr("finite numbers"));
+}
+
+TEST(RobotModelTest, APoseWithAttributesHasNumbersThatCanBeRead) {
+  for (const char* pose :
+       {"<pose degrees=\"true\">0 0 0.09 0 0 4.9e-324</pose>", "<pose degrees=\"true\">0 0 0.09</pose>",
+        "<pose rotation_format=\"quat_xyzw\">0 0 0.09 0 0 0</pose>"}) {
+    const std::string pose_line = LineOf("<pose>0 0 0.09 0 0 0</pose>");
+    const std::string said = ReadChanged("<pose>0 0 0.09 0 0 0</pose>", pose);
+    EXPECT_THAT(said, StartsWith("robot/model.sdf:" + pose_line + ": error: <pose> cannot be '0 0 0.09"));
+  }
 }
 
 TEST(RobotModelTest, MassMustBePositive) {
