@@ -101,7 +101,7 @@ std::optional<Stepper::PutAside> Stepper::Run(std::stop_token stop) {
   while (!stop.stop_requested()) {
     const std::uint64_t seen = boards_.bell.count();
     std::optional<PutAside> put_aside;
-    const Nanoseconds wake = WorkOnce(thread, put_aside);
+    const Nanoseconds wake = WorkOnce(stop, thread, put_aside);
     if (put_aside) return put_aside;
     if (wake > clock_.Now()) boards_.bell.WaitUntil(seen, wake);
   }
@@ -119,7 +119,8 @@ std::optional<Stepper::PutAside> Stepper::Run(std::stop_token stop) {
   return std::nullopt;
 }
 
-Nanoseconds Stepper::WorkOnce(UrgentThread& thread, std::optional<PutAside>& put_aside) {
+Nanoseconds Stepper::WorkOnce(const std::stop_token& stop, UrgentThread& thread,
+                              std::optional<PutAside>& put_aside) {
   baton_.Take();
   ApplyEdits();
   put_aside = std::exchange(put_aside_, std::nullopt);
@@ -128,7 +129,8 @@ Nanoseconds Stepper::WorkOnce(UrgentThread& thread, std::optional<PutAside>& put
     logger_->debug("the stepping thread has no higher priority: `ulimit -e 30` or LimitNICE=-10 allows it");
   }
   const Nanoseconds now = clock_.Now();
-  Nanoseconds wake = StepIfDue(now);
+  // A load of many robots takes seconds, and so does their first step.
+  Nanoseconds wake = stop.stop_requested() ? now : StepIfDue(now);
   const bool sleeps = wake > now + kStatusEvery;
   PublishStatus(now, sleeps);
   if (wake > now) RestControllers();

@@ -128,7 +128,8 @@ class Stepper {
   void ApplyEdits() REQUIRES(baton_);
   void ApplyEdit(Edit& edit) REQUIRES(baton_);
   /// Does what is due now and returns when to look again. `put_aside`: set if the run has given way.
-  Nanoseconds WorkOnce(UrgentThread& thread, std::optional<PutAside>& put_aside) EXCLUDES(baton_);
+  Nanoseconds WorkOnce(const std::stop_token& stop, UrgentThread& thread, std::optional<PutAside>& put_aside)
+      EXCLUDES(baton_);
   Nanoseconds StepIfDue(Nanoseconds now) REQUIRES(baton_);
   void StepNow(Nanoseconds now) REQUIRES(baton_);
   /// Takes note of controllers that have stopped: in the step after frame `step`, which is an input of the

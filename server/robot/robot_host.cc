@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <set>
+#include <iterator>
 #include <thread>
 #include <utility>
 
@@ -287,14 +287,16 @@ void RobotHost::Drop(std::vector<std::unique_ptr<Robot>> robots,
       });
     }
   };
-  std::set<const Robot*> gone;
+  std::vector<const Robot*> gone;
   on_its_thread([&](std::unique_ptr<Robot>& robot) { robot->CloseConnections(reason(*robot)); });
   on_its_thread([&](std::unique_ptr<Robot>& robot) {
     for (std::size_t i = 0; i < robot->module_count(); ++i) PlanFor(*robot, i).Release(robot->port(i));
-    gone.insert(robot.get());
+    gone.push_back(robot.get());
     robot.reset();
   });
-  std::erase_if(threads_, [&gone](const Thread& thread) { return gone.contains(thread.only); });
+  std::erase_if(threads_, [&gone](const Thread& thread) {
+    return thread.only != nullptr && std::ranges::count(gone, thread.only) > 0;
+  });
 }
 
 void RobotHost::OpenYarpPort(const std::string& name, const std::string& asker) {
@@ -314,12 +316,11 @@ bool RobotHost::CloseClient(const std::string& robot, ClientId client, const std
 }
 
 void RobotHost::Stop(const std::string& reason) {
-  std::deque<std::unique_ptr<Robot>> all;
-  if (change_) all = std::move(change_->leaving);
+  std::vector<std::unique_ptr<Robot>> all = std::exchange(robots_, {});
+  if (change_) std::ranges::move(change_->leaving, std::back_inserter(all));
   change_.reset();
-  std::ranges::move(std::exchange(robots_, {}), std::back_inserter(all));
   std::erase(all, nullptr);
-  while (!all.empty()) Drop(TakeSome(all), [&reason](const Robot& /*robot*/) { return reason; });
+  Drop(std::move(all), [&reason](const Robot& /*robot*/) { return reason; });
   left_.clear();
   threads_.clear();
 }
