@@ -100,17 +100,21 @@ class Daemon:
 
     def __init__(self, program, given, other, *options):
         self.folder = tempfile.TemporaryDirectory()
-        options = ["--seed", SEED, "--port", "0", "--no-render", "--log-level", "error", *options]
+        options = ["--port", "0", "--no-render", "--log-level", "error", *options]
+        self.program, self.recording = program, None
         environment = dict(os.environ)
+        if given:
+            options += ["--seed", SEED]
         if other:
-            options += ["--threads", "2", "--robot-threads", "64", "--record", os.path.join(self.folder.name, "golden.run")]
+            self.recording = os.path.join(self.folder.name, "golden.run")
+            options += ["--threads", "2", "--robot-threads", "64", "--record", self.recording]
             environment |= HIDDEN
         if "\n" in given:
             path = pathlib.Path(self.folder.name, "golden.scenario")
             path.write_text(given, encoding="utf-8")
             given = str(path)
         self.summary = pathlib.Path(self.folder.name, "summary.json")
-        self.process = subprocess.Popen([*program, "serve", given, *options, "--summary", str(self.summary)], stdout=subprocess.PIPE,
+        self.process = subprocess.Popen([*program, "serve", *filter(None, [given]), *options, "--summary", str(self.summary)], stdout=subprocess.PIPE,
                                         stderr=subprocess.DEVNULL, text=True, env=environment)
         line = self.process.stdout.readline()
         if not line:
@@ -119,6 +123,17 @@ class Daemon:
 
     def __enter__(self):
         return self
+
+    def end_hash(self):
+        self.process.wait()
+        return json.loads(self.summary.read_text())["hash"]
+
+    def check_recording(self):
+        """Made where features are hidden, it verifies where they are shown."""
+        self.process.terminate()
+        self.process.wait()
+        if self.recording:
+            subprocess.run([*self.program, "verify", self.recording], stdout=subprocess.DEVNULL, check=True)
 
     def __exit__(self, *_):
         self.process.terminate()
@@ -150,10 +165,17 @@ def hash_of(program, given, other):
             for spectator in spectators:
                 spectator.subscribe("pose")
         if any(robot["participates"] for robot in status["robots"]):
-            return driven_hash(sim, [robot for robot in status["robots"] if robot["participates"]])
-    with Daemon(program, given, other, "--mode", "free", "--speed", "0", "--steps", str(STEPS)) as daemon:
-        daemon.process.wait()
-        return json.loads(daemon.summary.read_text())["hash"]
+            result = driven_hash(sim, [robot for robot in status["robots"] if robot["participates"]])
+            daemon.check_recording()
+            return result
+    to_the_end = ["--mode", "free", "--speed", "0", "--steps", str(STEPS)]
+    with Daemon(program, given, other, *to_the_end) as daemon:
+        result = daemon.end_hash()
+        daemon.check_recording()
+        if other:  # it goes on from its middle where features are shown
+            with Daemon(program, "", False, "--from", f"{daemon.recording}@#{STEPS // 2}", *to_the_end) as later:
+                return result if later.end_hash() == result else f"{result}, from the middle another"
+        return result
 
 
 def main():
