@@ -228,7 +228,8 @@ Vector3 Forest::Point(int node, const Vector3& p_R) const {
 }
 
 void Forest::Begin(double gravity_m_s2, double dt_s) {
-  const Spatial up = Join(Vector3::Zero(), gravity_m_s2 * Vector3::UnitZ());
+  gravity_m_s2_ = gravity_m_s2;
+  dt_s_ = dt_s;
   for (Node& node : nodes_) {
     // Its inertia about the tree's point.
     const Vector3 c = node.state.p_WB - node.origin;
@@ -237,12 +238,38 @@ void Forest::Begin(double gravity_m_s2, double dt_s) {
     node.inertia = {mass, mass * c,
                     R * node.rigid->inertia_kg_m2 * R.transpose() +
                         mass * (c.squaredNorm() * Matrix3::Identity() - c * c.transpose())};
+    node.subtree = node.inertia;
+  }
+  mass_.resize(paths_.size());
+  for (std::size_t n = nodes_.size(); n-- > 0;) {
+    const Node& node = nodes_[n];
+    for (int dof = node.first_dof; dof < node.first_dof + node.dofs; ++dof) {
+      const Spatial force = node.subtree * at(axes_, dof);
+      double* const row = mass_.data() + at(offsets_, dof);
+      const std::span<const int> chain = Chain(dof);
+      for (std::size_t d = 0; d < chain.size(); ++d) row[d] = at(axes_, chain[d]).dot(force);
+    }
+    if (node.parent != kNone) at(nodes_, node.parent).subtree += node.subtree;
+  }
+  momentum_.resize(rates_.size());
+  AddUp(rates_, true);
+}
+
+void Forest::TakeForcesAt(std::span<const double> rates) {
+  AddUp(rates, false);
+}
+
+void Forest::AddUp(std::span<const double> rates, bool at_start) {
+  const Spatial up = Join(Vector3::Zero(), gravity_m_s2_ * Vector3::UnitZ());
+  for (Node& node : nodes_) {
+    const double* const own = rates.data() + node.first_dof;
     if (node.model == nullptr) {
       node.velocity.setZero();
       node.bias = up;
       if (node.dofs > 0) {
-        node.velocity = Join(node.state.w_WB, node.state.v_WB);
-        node.bias.tail<3>() -= node.state.w_WB.cross(node.state.v_WB);
+        const Vector3 w(own), v(own + 3);
+        node.velocity = Join(w, v);
+        node.bias.tail<3>() -= w.cross(v);
       }
     } else {
       const Node& parent = at(nodes_, node.parent);
@@ -251,35 +278,26 @@ void Forest::Begin(double gravity_m_s2, double dt_s) {
       if (node.model->kind == Kind::kBall) {
         const Vector3 p = Carried(node.state, node.R_WR, *node.rigid, node.model->p_RJ) - node.origin;
         const Vector3 v = parent.velocity.tail<3>() + parent.velocity.head<3>().cross(p);
-        const Vector3 w(&at(rates_, node.first_dof));
+        const Vector3 w(own);
         node.bias.tail<3>() -= w.cross(v);
         for (int k = 0; k < 3; ++k) node.velocity += w[k] * at(axes_, node.first_dof + k);
       } else {
-        for (int dof = node.first_dof; dof < node.first_dof + node.dofs; ++dof) {
-          const Spatial moves = at(rates_, dof) * at(axes_, dof);
+        for (int k = 0; k < node.dofs; ++k) {
+          const Spatial moves = own[k] * at(axes_, node.first_dof + k);
           node.bias += CrossMotion(node.velocity, moves);
           node.velocity += moves;
         }
       }
     }
     const Spatial momentum = node.inertia * node.velocity;
-    node.force = momentum - dt_s * (node.inertia * node.bias + CrossForce(node.velocity, momentum));
+    if (at_start) node.momentum = momentum;
+    node.force = node.momentum - dt_s_ * (node.inertia * node.bias + CrossForce(node.velocity, momentum));
   }
-  mass_.resize(paths_.size());
-  momentum_.resize(rates_.size());
   for (std::size_t n = nodes_.size(); n-- > 0;) {
     const Node& node = nodes_[n];
-    for (int dof = node.first_dof; dof < node.first_dof + node.dofs; ++dof) {
-      const Spatial force = node.inertia * at(axes_, dof);
-      double* const row = mass_.data() + at(offsets_, dof);
-      const std::span<const int> chain = Chain(dof);
-      for (std::size_t d = 0; d < chain.size(); ++d) row[d] = at(axes_, chain[d]).dot(force);
+    for (int dof = node.first_dof; dof < node.first_dof + node.dofs; ++dof)
       at(momentum_, dof) = at(axes_, dof).dot(node.force);
-    }
-    if (node.parent == kNone) continue;
-    Node& parent = at(nodes_, node.parent);
-    parent.inertia += node.inertia;
-    parent.force += node.force;
+    if (node.parent != kNone) at(nodes_, node.parent).force += node.force;
   }
 }
 

@@ -53,8 +53,15 @@ class Forest {
   /// Rates of the degrees of freedom at the beginning of the step.
   const std::vector<double>& rates() const { return rates_; }
 
-  /// Computes the mass matrix, and the momentum that the rates of the step's end would give without rows.
+  /// Computes the mass matrix, and the momentum that the rates of the step's end would give without rows:
+  /// with the Coriolis, centrifugal and gyroscopic forces of the rates at the step's beginning.
   void Begin(double gravity_m_s2, double dt_s);
+  /// momentum() again, with those forces at `rates`, such as the mean of the step's beginning and end.
+  void TakeForcesAt(std::span<const double> rates);
+  /// What a degree of freedom moves: kg or kg m², as if all that carries it stood still. After Begin().
+  double MassOf(int dof) const {
+    return mass_[at(offsets_, dof) + static_cast<std::size_t>(at(depths_, dof))];
+  }
   /// Factors the mass matrix with `added` (by degree of freedom) on its diagonal.
   void Factor(std::span<const double> added);
   double pivot(int dof) const { return at(pivots_, dof); }
@@ -102,11 +109,14 @@ class Forest {
     double position = 0;     // of its joint
     double position2 = 0;    // of a universal joint's second axis
     Vector3 origin;          // the tree's point
-    Inertia inertia;         // then of all that hangs on it
+    Inertia inertia;         // of this body
+    Inertia subtree;         // and of all that hangs on it
+    Spatial momentum;        // at the beginning of the step
     Spatial velocity, bias;  // acceleration without that of the degrees of freedom, gravity included
     Spatial force;           // then of all that hangs on it: momentum to come
   };
 
+  void AddUp(std::span<const double> rates, bool at_start);
   void AddDofs(Node& node, int index);
   /// Where a joint stands, from its two bodies.
   void Measure(Node& node);
@@ -116,6 +126,7 @@ class Forest {
   const double* RowOf(int dof) const { return matrix_.data() + at(offsets_, dof); }
 
   std::vector<Node> nodes_;
+  double gravity_m_s2_ = 0, dt_s_ = 0;  // of this step
   // By degree of freedom.
   std::vector<int> parents_, depths_;
   std::vector<std::size_t> offsets_;  // into the two below

@@ -121,7 +121,11 @@ JointRow EffortRow(const JointModel& joint, const JointPlace& place, int stop, d
   if (std::abs(place.velocity) >= joint.max_velocity && total * place.velocity > 0) {
     return {std::copysign(joint.max_velocity, total), std::abs(total)};
   }
-  if (resistance > 0) return {(total + spring) / resistance, JointModel::kInfinity, 1 / resistance};
+  if (resistance > 0) {
+    JointRow row{(total + spring) / resistance, JointModel::kInfinity, 1 / resistance};
+    row.stiffness = joint.stiffness;
+    return row;
+  }
   if (std::abs(total) <= joint.friction) return {0, joint.friction - std::abs(total)};
   return {std::copysign(joint.max_velocity, total), std::abs(total) - joint.friction};
 }
@@ -198,7 +202,9 @@ JointRow Advance(const JointModel& joint, Profile profile, const JointPlace& pla
   const double effort = control.stiffness * (control.reference - place.position) + control.offset;
   const double resistance = control.damping + dt_s * control.stiffness;
   if (stop != 0 || resistance <= 0) return EffortRow(joint, place, stop, effort, dt_s);
-  return {(effort + place.load) / resistance, joint.max_effort, 1 / resistance};
+  JointRow row{(effort + place.load) / resistance, joint.max_effort, 1 / resistance};
+  row.stiffness = control.stiffness;
+  return row;
 }
 
 double LimitedEffort(double most, const Setpoint& limiter) {

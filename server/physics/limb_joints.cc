@@ -14,8 +14,6 @@ namespace {
 
 using Kind = JointModel::Kind;
 
-// m/s per N·s, rad/s per N·m·s: what counts as rigid.
-constexpr double kRigid = 1e-7;
 constexpr double kGivenIn = 1 - 1e-9;
 
 }  // namespace
@@ -64,11 +62,12 @@ double LimbSolver::PositionOf(const Member& member, int joint) const {
 }
 
 void LimbSolver::AddMotor(const Member& member, int joint, double target, double softness, double lower,
-                          double upper, bool counts) {
+                          double upper, bool counts, double stiffness) {
   const Hinge hinge = HingeOf(member, joint);
   const std::size_t effort = counts ? member.first_effort + static_cast<std::size_t>(joint) : kNowhere;
   if (hinge.node != kNone) {
-    motors_.push_back({forest_.FirstDof(hinge.node), effort, target, softness + kRigid, lower, upper});
+    motors_.push_back(
+        {forest_.FirstDof(hinge.node), effort, target, softness + kRigid, lower, upper, stiffness});
     return;
   }
   Row& row = rows_.emplace_back();
@@ -106,7 +105,8 @@ void LimbSolver::Resist(const Member& member, int joint, double friction, bool c
   const double resistance = model.damping + dt_s * model.stiffness;
   if (resistance > 0) {
     const double spring = -model.stiffness * (position - model.rest);
-    AddMotor(member, joint, spring / resistance, 1 / (resistance * dt_s), -kInfinity, kInfinity, counts);
+    AddMotor(member, joint, spring / resistance, 1 / (resistance * dt_s), -kInfinity, kInfinity, counts,
+             model.stiffness);
   }
   if (friction > 0) AddMotor(member, joint, 0, 0, -friction * dt_s, friction * dt_s, counts);
   // Far enough that no impact gets beyond it in a substep.
@@ -156,7 +156,8 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
         AddStop(member, index, row.stop, row.gap, dt_s);
       } else if (row.max_effort > 0) {
         const std::size_t first = motors_.size();
-        AddMotor(member, index, row.velocity, row.softness / dt_s, row.max_effort * dt_s);
+        AddMotor(member, index, row.velocity, row.softness / dt_s, -row.max_effort * dt_s,
+                 row.max_effort * dt_s, true, row.stiffness);
         // A start near the end: what has given in does so again.
         const double effort = member.channels[static_cast<std::size_t>(joint.channel)].effort;
         if (motors_.size() > first && std::abs(effort) > kGivenIn * row.max_effort)

@@ -37,7 +37,6 @@ void LimbSolver::AddMuscle(const Member& member, int joint, double dt_s) {
   row.effort = static_cast<int>(member.first_effort + static_cast<std::size_t>(joint));
   AddWrench(pull.to, pull.p_to_W, none, -pull.direction_W, row);
   AddWrench(pull.from, pull.p_from_W, none, pull.direction_W, row);
-  constexpr double kRigid = 1e-7;  // m/s per N·s
   row.softness = kRigid;
   row.lower = row.upper = most_n * dt_s;
   if (!muscle.use_velocity) return;

@@ -15,6 +15,8 @@ constexpr std::size_t kMaxRows = 150;
 constexpr int kIterations = 80;
 // Motors change between holding and giving in no more often than this in a step.
 constexpr int kMotorRounds = 12;
+// Rates at which the step's mean forces change something while others touch: rad/s, m/s.
+constexpr double kMattersInContact = 1e-2;
 
 }  // namespace
 
@@ -45,6 +47,7 @@ void LimbSolver::Unload() {
   forest_.Clear();
   motors_.clear();
   rows_.clear();
+  touches_ = false;
   measured_.clear();
   rubbing_.clear();
   jacobian_.clear();
@@ -74,6 +77,7 @@ void LimbSolver::Join(std::span<const FoundContact> found, const Actor& a, std::
     const auto surface = SurfaceOf(contact, {&a, node_a != kNone, channels(index_a)}, of_b, settings_, dt_s);
     if (!surface) continue;
     if (surface->swapped) std::swap(node_a, node_b);
+    touches_ = true;
     const std::size_t first_row = rows_.size();
     const std::span<const Vector3> directions = AddContact(surface->contact, node_a, node_b, dt_s);
     if (!measured) continue;
@@ -164,13 +168,9 @@ LimbSolver::Outcome LimbSolver::Step(double dt_s) {
     Couple(member, dt_s);
   }
   forest_.Begin(settings_.gravity_m_s2, dt_s);
-  bool is_solved = false, is_settled = false;
-  for (int round = 0; round < kMotorRounds && !is_settled; ++round) {
-    is_solved = Solve(round > 0);
-    rates_ = state_;
-    forest_.Finish(rates_);
-    is_settled = !SwitchMotors(round < kMotorRounds / 2);
-  }
+  FitSprings(dt_s);
+  bool is_solved = Settle(false);
+  if (TakeMeanForces()) is_solved = Settle(true);
   if (!std::isfinite(std::accumulate(rates_.begin(), rates_.end(), 0.0))) return Outcome::kInsane;
   for (const Motor& motor : motors_) {
     if (motor.effort != kNowhere) efforts_[motor.effort] += motor.applied / dt_s;
@@ -186,7 +186,51 @@ LimbSolver::Outcome LimbSolver::Step(double dt_s) {
     }
   }
   forest_.Move(rates_, dt_s);
-  return is_solved && is_settled ? Outcome::kSolved : Outcome::kNear;
+  return is_solved ? Outcome::kSolved : Outcome::kNear;
+}
+
+bool LimbSolver::Settle(bool is_again) {
+  for (int round = 0; round < kMotorRounds; ++round) {
+    const bool is_solved = Solve(is_again || round > 0, is_again && round == 0);
+    rates_ = state_;
+    forest_.Finish(rates_);
+    if (!SwitchMotors(round < kMotorRounds / 2)) return is_solved;
+  }
+  return false;
+}
+
+bool LimbSolver::TakeMeanForces() {
+  const std::vector<double>& before = forest_.rates();
+  mean_.resize(rates_.size());
+  for (std::size_t dof = 0; dof < mean_.size(); ++dof) {
+    mean_[dof] = (before[dof] + rates_[dof]) / 2;
+    if (!std::isfinite(mean_[dof])) return false;
+  }
+  momentum_ = forest_.momentum();
+  forest_.TakeForcesAt(mean_);
+  const double matters = touches_ ? kMattersInContact : 0;
+  for (int dof = 0; dof < forest_.dof_count(); ++dof) {
+    const auto d = static_cast<std::size_t>(dof);
+    if (std::abs(forest_.momentum()[d] - momentum_[d]) > matters * forest_.MassOf(dof)) return true;
+  }
+  return false;
+}
+
+// The spring's force is that at q + dt/4 (v' − v), v and v' the rates before and after: it keeps its energy,
+// at the period of the trapezoidal rule. What swings in a few steps would ring for ever: there it goes over
+// to the force at the step's end, which damps.
+void LimbSolver::FitSprings(double dt_s) {
+  for (Motor& motor : motors_) {
+    if (motor.stiffness <= 0) continue;
+    const double per_step = dt_s * motor.stiffness;
+    const double swing = dt_s * per_step / forest_.MassOf(motor.dof);  // (ω dt)²
+    const double end = std::clamp((swing - 1) / 3, 0.0, 1.0);          // from ω dt = 1 to 2
+    const double rate = forest_.rates()[static_cast<std::size_t>(motor.dof)];
+    const double whole = 1 / (motor.softness - kRigid) / dt_s;  // resistance with all of dt k
+    const double resistance = whole - (1 - end) * 0.75 * per_step;
+    motor.target = (motor.target * whole + (1 - end) * 0.25 * per_step * rate) / resistance;
+    motor.softness = 1 / (resistance * dt_s) + kRigid;
+  }
 }
 
 bool LimbSolver::SwitchMotors(bool may_hold_again) {
@@ -212,7 +256,7 @@ bool LimbSolver::SwitchMotors(bool may_hold_again) {
   return switched;
 }
 
-bool LimbSolver::Solve(bool is_again) {
+bool LimbSolver::Solve(bool is_again, bool same_motors) {
   added_.assign(static_cast<std::size_t>(forest_.dof_count()), 0);
   state_ = forest_.momentum();
   for (std::size_t dof = 0; dof < state_.size(); ++dof) state_[dof] += pushes_[dof];
@@ -225,8 +269,20 @@ bool LimbSolver::Solve(bool is_again) {
       state_[dof] += motor.bound();
     }
   }
-  forest_.Factor(added_);
+  if (!same_motors) Factor();
   forest_.Transform(state_);
+  if (!is_again) {
+    impulses_.setZero(static_cast<Eigen::Index>(rows_.size()));
+    lcp_.Forget();
+  }
+  if (rows_.empty()) return true;
+  if (rows_.size() <= kMaxRows) return SolveDirectly(is_again, same_motors);
+  SolveByIteration();
+  return true;
+}
+
+void LimbSolver::Factor() {
+  forest_.Factor(added_);
   transformed_ = jacobian_;
   divided_.resize(jacobian_.size());
   for (const Row& row : rows_) {
@@ -238,14 +294,6 @@ bool LimbSolver::Solve(bool is_again) {
       for (std::size_t d = 0; d < length; ++d) divided_[part.from + d] = values[d] / forest_.pivot(chain[d]);
     }
   }
-  if (!is_again) {
-    impulses_.setZero(static_cast<Eigen::Index>(rows_.size()));
-    lcp_.Forget();
-  }
-  if (rows_.empty()) return true;
-  if (rows_.size() <= kMaxRows) return SolveDirectly(is_again);
-  SolveByIteration();
-  return true;
 }
 
 const std::vector<double>& LimbSolver::Column(const Row& row) {
@@ -273,7 +321,7 @@ void LimbSolver::Apply(const Row& row, double impulse) {
   }
 }
 
-bool LimbSolver::SolveDirectly(bool is_again) {
+bool LimbSolver::SolveDirectly(bool is_again, bool same_motors) {
   const auto n = static_cast<Eigen::Index>(rows_.size());
   A_.resize(n, n);
   b_.resize(n);
@@ -282,10 +330,12 @@ bool LimbSolver::SolveDirectly(bool is_again) {
   bool rubs = false;
   for (Eigen::Index i = 0; i < n; ++i) {
     const Row& row = rows_[static_cast<std::size_t>(i)];
-    const std::vector<double>& column = Column(row);
-    for (Eigen::Index j = i; j < n; ++j)
-      A_(i, j) = A_(j, i) = Dot(rows_[static_cast<std::size_t>(j)], column);
-    A_(i, i) += row.softness;
+    if (!same_motors) {
+      const std::vector<double>& column = Column(row);
+      for (Eigen::Index j = i; j < n; ++j)
+        A_(i, j) = A_(j, i) = Dot(rows_[static_cast<std::size_t>(j)], column);
+      A_(i, i) += row.softness;
+    }
     b_[i] = row.target - Dot(row, state_);
     lower_[i] = row.normal == kNone ? row.lower : 0;
     upper_[i] = row.normal == kNone ? row.upper : 0;

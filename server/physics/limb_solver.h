@@ -54,6 +54,7 @@ class LimbSolver {
  private:
   static constexpr int kNone = Forest::kNone;
   static constexpr std::size_t kNowhere = ~std::size_t{0};
+  static constexpr double kRigid = 1e-7;  // m/s per N·s, rad/s per N·m·s: what counts as rigid
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
   struct Member {
@@ -67,8 +68,9 @@ class LimbSolver {
     int dof = 0;
     std::size_t effort = 0;  // of efforts_; kNowhere: nobody asks for it
     double target = 0, softness = 0, lower = -kInfinity, upper = kInfinity;
-    int gives_in = 0;    // −1 or 1: to this side
-    double applied = 0;  // impulse of the last solution
+    double stiffness = 0;  // of a spring whose force is, so far, that of the step's end
+    int gives_in = 0;      // −1 or 1: to this side
+    double applied = 0;    // impulse of the last solution
     double bound() const { return gives_in > 0 ? upper : lower; }
   };
   /// J v + softness · impulse = target, with lower ≤ impulse ≤ upper.
@@ -94,9 +96,9 @@ class LimbSolver {
   // What works on joints: limb_joints.cc.
   Hinge HingeOf(const Member& member, int joint) const;
   void DriveJoints(const Member& member, std::span<const JointRow> rows, double dt_s);
-  /// `counts`: its effort is that of the joint's motor.
+  /// `counts`: its effort is that of the joint's motor. `stiffness`: as in JointRow.
   void AddMotor(const Member& member, int joint, double target, double softness, double lower, double upper,
-                bool counts = true);
+                bool counts = true, double stiffness = 0);
   void AddMotor(const Member& member, int joint, double target, double softness, double most) {
     AddMotor(member, joint, target, softness, -most, most);
   }
@@ -129,10 +131,21 @@ class LimbSolver {
   /// The directions of its rows, the last ones of rows_: where the first is pushed.
   std::span<const Vector3> AddContact(const dContact& contact, int node_a, int node_b, double dt_s);
   double RateOf(const Row& row, std::span<const double> rates) const;
+  /// The springs among the motors keep their energy. After Forest::Begin().
+  void FitSprings(double dt_s);
+  /// rates_ at the step's end; whether all is exact, as far as the method goes. `is_again`: with other forces
+  /// of the forest than before.
+  bool Settle(bool is_again);
+  /// Coriolis, centrifugal and gyroscopic forces at the mean of the rates before the step and rates_; whether
+  /// that changes anything.
+  bool TakeMeanForces();
   /// Impulses of all rows, with the motors as they are; `state_` becomes the transformed rates. `is_again`:
-  /// begins with the impulses of before. Whether they are exact, as far as the method goes.
-  bool Solve(bool is_again);
-  bool SolveDirectly(bool is_again);
+  /// begins with the impulses of before. `same_motors`: none has given in or held again since the last call.
+  /// Whether they are exact, as far as the method goes.
+  bool Solve(bool is_again, bool same_motors);
+  bool SolveDirectly(bool is_again, bool same_motors);
+  /// The mass matrix with what the motors add, and the rows by it.
+  void Factor();
   void SolveByIteration();
   /// What a row's impulse of 1 adds to the transformed rates. Until the next call.
   const std::vector<double>& Column(const Row& row);
@@ -160,7 +173,8 @@ class LimbSolver {
   std::array<Vector3, 3> directions_;                     // of the contact added last
   std::vector<double> jacobian_, transformed_, divided_;  // of the rows' parts; the last: by the pivots
   std::vector<double> pushes_;                            // impulses by degree of freedom
-  std::vector<double> added_, state_, rates_, efforts_, column_;
+  std::vector<double> added_, state_, rates_, mean_, momentum_, efforts_, column_;
+  bool touches_ = false;  // a contact is among the rows
   Eigen::MatrixXd A_;
   Eigen::VectorXd b_, lower_, upper_, impulses_;
 };

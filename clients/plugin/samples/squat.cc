@@ -12,6 +12,8 @@
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+constexpr double kLeastSink_m = 0.004;
+constexpr double kAnswer_s = 0.1;  // of the ankles
 
 struct Leg {
   size_t hip_pitch = 0, knee = 0, ankle_pitch = 0, hip_roll = 0, ankle_roll = 0;
@@ -21,7 +23,7 @@ struct Leg {
 class Squat {
  public:
   struct State {
-    char nothing;
+    double pitch_rad, roll_rad;  // of the ankles
   };
   State state{};
 
@@ -58,7 +60,7 @@ class Squat {
     }
   }
 
-  void Reset(uint64_t /*seed*/) {}
+  void Reset(uint64_t /*seed*/) { state = {}; }
 
   void Step(const coopdyn_readings& readings, coopdyn_command& command) {
     // All that is not said below is held at 0.
@@ -66,9 +68,15 @@ class Squat {
       if ((robot_.channels[i].modes >> COOPDYN_DIRECT & 1) != 0) command.setpoints[i] = {COOPDYN_DIRECT, 0};
     }
     const double bent_s = std::max(0.0, readings.time_s - wait_s_);
-    const double sink_m = depth_m_ * (1 - coopdyn_cos(2 * kPi * bent_s / period_s_)) / 2;
-    const double pitch = Lean(readings.pitch_rad, readings.angular_velocity_rad_s[1]);
-    const double roll = Lean(readings.roll_rad, readings.angular_velocity_rad_s[0]);
+    // Once bent, the knees never straighten wholly: there a little height is a wide angle.
+    const double least_m = bent_s < period_s_ / 2 ? 0 : std::min(kLeastSink_m, depth_m_);
+    const double sink_m =
+        least_m + (depth_m_ - least_m) * (1 - coopdyn_cos(2 * kPi * bent_s / period_s_)) / 2;
+    // Slower than the feet chatter when ankles answer at once.
+    const double share = readings.step_s / (kAnswer_s + readings.step_s);
+    state.pitch_rad +=
+        share * (Lean(readings.pitch_rad, readings.angular_velocity_rad_s[1]) - state.pitch_rad);
+    state.roll_rad += share * (Lean(readings.roll_rad, readings.angular_velocity_rad_s[0]) - state.roll_rad);
     for (const Leg& leg : legs_) {
       const double height_m = leg.thigh_m + leg.shank_m - sink_m;
       const auto corner = [height_m](double near, double far) {
@@ -78,15 +86,15 @@ class Squat {
       const double thigh = corner(leg.thigh_m, leg.shank_m), shank = corner(leg.shank_m, leg.thigh_m);
       command.setpoints[leg.hip_pitch] = {COOPDYN_DIRECT, -thigh};
       command.setpoints[leg.knee] = {COOPDYN_DIRECT, thigh + shank};
-      command.setpoints[leg.ankle_pitch] = {COOPDYN_DIRECT, -shank + pitch};
-      command.setpoints[leg.ankle_roll] = {COOPDYN_DIRECT, roll};
+      command.setpoints[leg.ankle_pitch] = {COOPDYN_DIRECT, -shank + state.pitch_rad};
+      command.setpoints[leg.ankle_roll] = {COOPDYN_DIRECT, state.roll_rad};
     }
   }
 
  private:
   /// The turn of the ankles against a lean.
   double Lean(double angle_rad, double rate_rad_s) const {
-    constexpr double kAhead_s = 0.1, kMost_rad = 0.1;
+    constexpr double kAhead_s = 0.3, kMost_rad = 0.1;
     return std::clamp(balance_ * (angle_rad + kAhead_s * rate_rad_s), -kMost_rad, kMost_rad);
   }
 

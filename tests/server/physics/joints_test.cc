@@ -8,42 +8,13 @@
 #include <string>
 
 #include "tests/server/physics/physics_scene.h"
+#include "tests/server/physics/rig.h"
 
 namespace coopdyn {
 namespace {
 
 constexpr double kGravity_m_s2 = 9.81;
 constexpr double kPi = std::numbers::pi;
-
-LinkModel Link(const std::string& name, const Vector3& p_R, double mass_kg, double inertia_kg_m2) {
-  LinkModel link;
-  link.name = name;
-  link.X_RL.p = p_R;
-  link.mass_kg = mass_kg;
-  link.inertia_kg_m2 = Vector3::Constant(inertia_kg_m2);
-  link.collisions = {{Sphere{0.02}, {}, {}, 1, false}};
-  return link;
-}
-
-JointModel Hinge(const std::string& name, int parent, int child, const Vector3& p_R) {
-  JointModel joint;
-  joint.name = name;
-  joint.parent = parent;
-  joint.child = child;
-  joint.p_RJ = p_R;
-  return joint;
-}
-
-/// A base in the world at a height of 3 m.
-RobotModel OnAPost() {
-  RobotModel model;
-  model.type = "rig";
-  model.fixed_base = true;
-  model.links = {Link("base", {0, 0, 3}, 1, 0.01)};
-  model.footprint_radius_m = 0.02;
-  model.height_m = 3;
-  return model;
-}
 
 /// Hinged to the base, `angle_rad` from hanging.
 RobotModel Pendulum(double length_m, double angle_rad, double inertia_kg_m2) {
@@ -150,32 +121,6 @@ TEST_P(JointsTest, AUniversalJointKeepsItsChildFromTwisting) {
   EXPECT_GT(std::abs(Where(1).p.x() + 0.5 * std::sin(0.3)), 0.05);
 }
 
-TEST_P(JointsTest, ADoublePendulumKeepsItsEnergy) {
-  RobotModel model = Pendulum(0.5, 0, 0.01);
-  model.links[1].X_RL.p = {-0.5, 0, 3};
-  model.links.push_back(Link("tip", {-0.9, 0, 3}, 0.5, 0.01));
-  model.joints.push_back(Hinge("elbow", 1, 2, {-0.5, 0, 3}));
-  Add(model);
-  const auto energy_j = [this] {
-    double sum = 0;
-    const double masses_kg[] = {1, 1, 0.5};
-    for (std::size_t k = 1; k < 3; ++k) {
-      const BodyState& of = body(k);
-      sum += masses_kg[k] * (kGravity_m_s2 * of.p_WB.z() + of.v_WB.squaredNorm() / 2) +
-             0.01 * of.w_WB.squaredNorm() / 2;
-    }
-    return sum;
-  };
-  const double before_j = energy_j(), span_j = (1 + 0.5) * kGravity_m_s2 * 0.9;
-  double worst = 0;
-  for (int i = 0; i < static_cast<int>(5 / step_s()); ++i) {
-    scene_.Run(1);
-    worst = std::max(worst, std::abs(energy_j() - before_j) / span_j);
-  }
-  RecordProperty("drift", std::to_string(worst));
-  EXPECT_LT(worst, 0.013 * GetParam());
-}
-
 TEST_P(JointsTest, ASpringAndADamperFollowTheFormula) {
   RobotModel model = Carriage();
   JointModel& rail = model.joints[0];
@@ -189,9 +134,7 @@ TEST_P(JointsTest, ASpringAndADamperFollowTheFormula) {
     const double t_s = i * step_s();
     const double way_m =
         std::exp(-decay * t_s) * (std::cos(omega * t_s) + decay / omega * std::sin(omega * t_s));
-    // An implicit step damps by ω² h / 2 more.
-    const double more = 25 * step_s() / 2 * t_s * std::exp(-decay * t_s);
-    ASSERT_NEAR(Where(1).p.x(), 0.2 * (1 - way_m), 0.2 * more + 1e-4 * GetParam()) << t_s;
+    ASSERT_NEAR(Where(1).p.x(), 0.2 * (1 - way_m), 5e-4 * GetParam()) << t_s;
   }
   scene_.RunFor(10);
   EXPECT_NEAR(Where(1).p.x(), 0.2, 5e-4) << "it sleeps once it has been slow for long enough";

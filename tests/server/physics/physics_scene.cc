@@ -149,6 +149,11 @@ PhysicsScene& PhysicsScene::SetFloorFriction(double friction) {
   return *this;
 }
 
+PhysicsScene& PhysicsScene::SetGravity(double gravity_m_s2) {
+  scenario_.simulation.gravity_m_s2 = gravity_m_s2;
+  return *this;
+}
+
 void PhysicsScene::Build() {
   scene_ = MakeScene(std::make_shared<const Scenario>(scenario_));
   world_ = PhysicsWorld::Build(scene_, 1, diagnostics_, pool);

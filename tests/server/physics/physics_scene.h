@@ -40,6 +40,7 @@ class PhysicsScene {
   /// A box, cylinder or sphere; mass 0: static. Named like THING_1.
   PhysicsScene& Add(const Shape& shape, const Pose& X_WO, double mass_kg = 0, double friction = 1);
   PhysicsScene& SetFloorFriction(double friction);
+  PhysicsScene& SetGravity(double gravity_m_s2);
 
   /// Builds physics. Called by the first use; a test calls it to see the diagnostics.
   void Build();
