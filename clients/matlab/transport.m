@@ -17,23 +17,25 @@ function ok = transport(varargin)
   n = numel(names);
   team = sim.team([strcat(names, '_leader') strcat(names, '_helper')]);  % all through one connection, a row for each
   team.select('distances', 'targets', 'support', 'pose');
-  [~, front] = ismember(strcat(names, '_leader'), team.names);
-  [~, back] = ismember(strcat(names, '_helper'), team.names);
-  leaders = geometry_of(team.names(front));
-  helpers = geometry_of(team.names(back));
-  speed = zeros(2 * n, 1);
+  [~, front] = ismember(strcat(names, '_leader')', team.names);  % the rows of the leaders
+  [~, back] = ismember(strcat(names, '_helper')', team.names);
+  sensors = sensors_of(p, team.names, front);
+  lead_speed = zeros(n, 1);
+  help_speed = zeros(n, 1);
   arrived = inf(1, n);
+  number = (0:n - 1)';
   dt = sim.dt;
+  left = exp(-p.relaxation * dt);
   s = team.read();
   start = s.time;
   V = zeros(2 * n, 2);
-  while s.time - start < p.time_limit && any(s.time - arrived <= p.settle | isinf(arrived))
-    goal = 2 * mod((1:n) - 1, size(s.targets, 2) / 2) + 1;  % the column of its distance
-    goal = sub2ind(size(s.targets), front, goal);
-    target = [s.targets(goal).' s.targets(goal + size(s.targets, 1)).'];
-    [speed(front), V(front, :)] = lead(p, leaders, speed(front), target, s.distances(front, :), ...
-                                       s.support(front, :), dt);
-    [speed(back), V(back, :)] = help_carry(p, helpers, speed(back), s.distances(back, :), s.support(back, :), dt);
+  while s.time - start < p.time_limit && any(s.time - arrived <= p.settle)
+    goal = front + 4 * n * mod(number, size(s.targets, 2) / 2);  % the place of its distance; a column on, its bearing
+    target = s.targets([goal, goal + 2 * n]);
+    bars = along_bars(p, s.support);
+    seen = obstacles(p, sensors, s.distances, bars(:, 3));
+    [lead_speed, V(front, :)] = lead(p, lead_speed, target, seen(front, :), bars(front, :), left);
+    [help_speed, V(back, :)] = help_carry(p, help_speed, seen(back, :), bars(back, :), dt);
     for k = find(target(:, 1).' < p.reached & isinf(arrived))
       arrived(k) = s.time;
       fprintf('%s arrived: %.2f %.2f at t = %.2f s\n', names{k}, s.pose(front(k), 1:2), s.time);
@@ -63,11 +65,13 @@ function p = parameters()
   p.leader_decay = 0.45;       % [m] the leader keeps room for the bar behind it
   p.helper_obstacle = 4.0;     % [1/s]
   p.helper_decay = 0.2;        % [m]
+  p.edge = exp(-0.5);          % of a Gaussian
   p.bias = 0.02;               % [rad/s] instead of noise
   p.leader_speed = 0.3;        % [m/s]
-  p.helper_speed = 0.5;        % [m/s]
   p.leader_turn = 0.8;         % [rad/s]
+  p.helper_speed = 0.5;        % [m/s]
   p.helper_turn = 1.8;         % [rad/s]
+  p.helper_limits = [p.helper_speed p.helper_turn];
   p.time_to_target = 1.5;      % [s]
   p.time_to_contact = 1.6;     % [s]
   p.relaxation = 2.0;          % [1/s] of the leader's speed
@@ -80,72 +84,78 @@ function p = parameters()
   p.across = 5.0;              % [rad/s per m] of the load across the bar
   p.slack = 0.055;             % [m] the leader stands when the load lags so far behind
   p.ease = 0.03;               % [m] it slows down from slack - ease on
-  p.mate_width = 0.35;         % [rad] ranges about the mate's bearing are the mate
-  p.mate_near = 0.25;          % [m] unless they are nearer than it by so much
+  p.mate_cos = cos(0.35);      % ranges about the mate's bearing are the mate, up to 0.35 rad beside it
+  p.mate_from = p.team_distance - 2 * p.robot_radius - 0.25;  % [m] unless they are nearer
   p.settle = 2.0;              % [s] the helpers have after the leaders have arrived
   p.time_limit = 180.0;        % [s] simulated
 end
 
-function geometry = geometry_of(names)
-% Where the distance sensors of these robots look and how wide [rad], a row for each.
+function sensors = sensors_of(p, names, front)
+% The distance sensors of these robots, a row for each: where they look [rad], how they weigh what they see.
   sim = coopdyn.connect('watch', true);
   for k = 1:numel(names)
     r = sim.robot(names{k});
     g = r.get_geometry();
-    geometry.bearing(k, :) = g.bearing;
-    geometry.opening(k, :) = g.opening;
+    sensors.bearing(k, :) = g.bearing;
+    sensors.half_width(k, :) = tan(g.opening / 2);
   end
   sim.close();
+  rows = ones(numel(names), 1);
+  sensors.strength = p.helper_obstacle * rows;
+  sensors.strength(front) = p.leader_obstacle;
+  sensors.decay = p.helper_decay * rows;
+  sensors.decay(front) = p.leader_decay;
+  sensors.to_mate = sensors.bearing;  % the bearing of the other robot of the team is the bar's angle, for leaders the opposite
+  sensors.to_mate(front, :) = sensors.to_mate(front, :) - pi;
+  sensors.aside = abs(sensors.bearing) > p.ahead;
 end
 
-function [speed, V] = lead(p, geometry, speed, target, distances, load, dt)
-% Speeds and turn rates to the targets (distance, bearing), as fast as the loads (x, y, angle) follow.
-  [away, potential, free] = obstacles(p, geometry, distances, p.leader_obstacle, p.leader_decay, load(:, 3) + pi);
-  turn = clamp(p.target_strength * sin(target(:, 2)) + p.bias + away, -p.leader_turn, p.leader_turn);
-  near = atan(8 * potential) / pi;  % -1/2: nothing near ahead, 1/2: much
+function [speed, V] = lead(p, speed, target, seen, bar, left)
+% Speeds and turn rates to the targets (distance, bearing), as fast as the loads follow; `left`: of the old speed.
+  turn = p.target_strength * sin(target(:, 2)) + p.bias + seen(:, 1);
+  turn = max(-p.leader_turn, min(p.leader_turn, turn));
+  near = atan(8 * seen(:, 2)) / pi;  % -1/2: nothing near ahead, 1/2: much
   by_target = min(p.leader_speed, target(:, 1) / p.time_to_target) .* max(0.1, cos(target(:, 2) / 2));
-  by_obstacles = min(p.leader_speed, free / p.time_to_contact);
-  by_load = clamp((p.slack + along(load)) / p.ease, 0, 1);
+  by_obstacles = min(p.leader_speed, seen(:, 3) / p.time_to_contact);
+  by_load = max(0, min(1, (p.slack + bar(:, 1)) / p.ease));
   wanted = by_load .* ((0.5 - near) .* by_target + (0.5 + near) .* min(by_target, by_obstacles));
   far = target(:, 1) >= p.reached;  % the others stand
-  speed = far .* (wanted + (speed - wanted) * exp(-p.relaxation * dt));
-  V = [speed .* by_load, far .* (turn + unfold(p, load(:, 3)))];
+  speed = far .* (wanted + (speed - wanted) * left);
+  V = [speed .* by_load, far .* (turn + bar(:, 4))];
 end
 
-function [speed, V] = help_carry(p, geometry, speed, distances, load, dt)
+function [speed, V] = help_carry(p, speed, seen, bar, dt)
 % Speeds and turn rates that follow the loads; `speed`: what the leaders seem to drive along the bars.
-  angle = load(:, 3);
-  away = obstacles(p, geometry, distances, p.helper_obstacle, p.helper_decay, angle);
-  across = load(:, 2) .* cos(angle) - load(:, 1) .* sin(angle);
-  turn = p.bar_strength * sin(angle) + p.across * across + away + unfold(p, angle);
-  speed = clamp(speed + p.follow_integral * along(load) * dt, -p.helper_speed, p.helper_speed);
-  wanted = (speed + p.follow * along(load)) ./ max(0.5, cos(angle));
-  V = [clamp(wanted, -p.helper_speed, p.helper_speed), clamp(turn, -p.helper_turn, p.helper_turn)];
+  angle = bar(:, 3);
+  turn = p.bar_strength * sin(angle) + p.across * bar(:, 2) + seen(:, 1) + bar(:, 4);
+  along = bar(:, 1);
+  speed = speed + p.follow_integral * along * dt;
+  speed = max(-p.helper_speed, min(p.helper_speed, speed));
+  wanted = (speed + p.follow * along) ./ max(0.5, cos(angle));
+  V = max(-p.helper_limits, min(p.helper_limits, [wanted, turn]));
 end
 
-function [turn, potential, free] = obstacles(p, geometry, distances, strength, decay, mate)
-% What is seen at the bearing `mate` is the other robot of the team.
-  psi = geometry.bearing;
-  off = mod(psi - mate + pi, 2 * pi) - pi;
-  distances(abs(off) < p.mate_width & distances > p.team_distance - 2 * p.robot_radius - p.mate_near) = inf;
-  weight = strength * exp(-distances / decay);  % 0 where nothing is
-  width = atan(tan(geometry.opening / 2) + p.robot_radius ./ (p.robot_radius + distances));
+function seen = obstacles(p, sensors, distances, angle)
+% Turn rate, potential and free way ahead of each robot. What is seen along the bar is the other robot of the team.
+  psi = sensors.bearing;
+  distances(cos(sensors.to_mate - angle) > p.mate_cos & distances > p.mate_from) = inf;
+  weight = sensors.strength .* exp(-distances ./ sensors.decay);  % 0 where nothing is
+  width = atan(sensors.half_width + p.robot_radius ./ (p.robot_radius + distances));
   gauss = exp(-psi.^2 ./ (2 * width.^2));
   turn = -sum(weight .* psi .* gauss, 2);
-  potential = sum(weight .* width.^2 .* (gauss - exp(-0.5)), 2);
-  distances(abs(psi) > p.ahead) = inf;
-  free = min(distances, [], 2);
+  potential = sum(weight .* width.^2 .* (gauss - p.edge), 2);
+  distances(sensors.aside) = inf;
+  seen = [turn, potential, min(distances, [], 2)];
 end
 
-function a = along(load)
-  a = load(:, 1) .* cos(load(:, 3)) + load(:, 2) .* sin(load(:, 3));
-end
-
-function turn = unfold(p, angle)
-% Turns back towards the bar if the heading is too far from it.
-  turn = p.fold_strength * sign(angle) .* max(0, abs(angle) - p.fold);
-end
-
-function value = clamp(value, low, high)
-  value = max(low, min(high, value));
+function bars = along_bars(p, load)
+% Of loads (x, y, angle): their ways along and across their bars, the angle, and the turn rate back towards the bar if the
+% heading is too far from it.
+  x = load(:, 1);
+  y = load(:, 2);
+  angle = load(:, 3);
+  c = cos(angle);
+  s = sin(angle);
+  unfold = p.fold_strength * (angle - max(-p.fold, min(p.fold, angle)));
+  bars = [x .* c + y .* s, y .* c - x .* s, angle, unfold];
 end

@@ -55,7 +55,7 @@ classdef Team < handle
     %   N m; m, m/s, N]. nan: this joint goes on as it does, or the robot has fewer.
       if nargin < 2
         V = [];
-      elseif coopdyn.internal.is_text(V)  % names
+      elseif ~isnumeric(V) && coopdyn.internal.is_text(V)  % names
         [words, rows, varargin] = coopdyn.internal.team_commands([{V} varargin]);
         if ~isempty(words)
           s = t.go(rows, '', words, strjoin(words, ' '), varargin);
@@ -64,7 +64,7 @@ classdef Team < handle
         V = [];
       elseif isempty(V) || ~isnumeric(V)
         t.link.settle(t.session);
-        t.speeds(V, 'V', 'forward turn');
+        speeds(t.link, t.n, V, 'V', 'forward turn');
       end
       s = t.go(V, 'V', 'forward turn', '', varargin);
     end
@@ -73,14 +73,14 @@ classdef Team < handle
     %STEP_WHEELS The same with the speeds of the left and right wheel [rad/s].
       coopdyn.internal.need(nargin, 2, 'team.step_wheels([3 3])');
       if isempty(W)
-        t.speeds(W, 'W', 'left right');
+        speeds(t.link, t.n, W, 'W', 'left right');
       end
       s = t.go(W, 'W', 'left right', 'wheels', varargin);
     end
 
     function s = read(t)
     %READ The readings of the newest step, without a step.
-      s = t.readings(t.link.read(t.session));
+      s = readings(t.link, t.session, t.link.read(t.session));
     end
 
     function select(t, varargin)
@@ -138,30 +138,31 @@ classdef Team < handle
   methods (Access = private)
     function s = go(t, V, what, columns, text, pairs)
       link = t.link;
-      link.settle(t.session);
+      session = t.session;
+      link.settle(session);
       limit = Inf;
       if ~isempty(pairs)
         options = coopdyn.internal.options(pairs, struct('timeout', Inf));
         limit = options.timeout;
       end
       n = numel(link.names);
-      frame = t.frame(V, what, columns, text);
+      bytes = frame(link, n, V, what, columns, text);
       if ~isempty(link.playing)
         try
-          link.own(t.session);
+          link.own(session);
         catch cause
           if ~isempty(V) || ~coopdyn.internal.is_playing(cause)
             rethrow(cause);
           end
-          t.session.step(1, limit);  % the next moment that is shown
+          session.step(1, limit);  % the next moment that is shown
           s = t.read();
           return
         end
       end
-      links = t.session.links;
+      links = session.links;
       kept = cellfun(@(l) {l.kept}, links);
       try
-        reply = t.session.step_team(link, frame, limit);
+        reply = session.step_team(link, bytes, limit);
       catch cause
         smaller = strcmp(cause.identifier, 'coopdyn:wrong_data') && isempty(link.lost) && numel(link.names) ~= n;
         if ~smaller || isempty(strfind(cause.message, 'no longer in the team'))
@@ -171,110 +172,110 @@ classdef Team < handle
           l = links{k};
           l.kept = kept{k};
         end
-        reply = t.session.step_team(link, t.frame(V, what, columns, text), limit);
+        link.settle(session);
+        reply = session.step_team(link, frame(link, numel(link.names), V, what, columns, text), limit);
       end
-      s = t.readings(reply);
-    end
-
-    function bytes = frame(t, V, what, columns, text)
-    % The request to step.
-      raw = uint8(text);
-      bytes = zeros(1, 0, 'uint8');
-      if iscell(V)  % of each word of `columns`
-        for k = 1:numel(V)
-          V{k} = t.rows(V{k}, columns{k});
-        end
-        bytes = typecast(reshape([V{:}].', 1, []), 'uint8');
-      elseif ~isempty(V)
-        V = t.speeds(V, what, columns);
-        bytes = typecast(reshape(V.', 1, []), 'uint8');  % row after row
-      end
-      head = typecast(int32([20 + numel(raw) + numel(bytes), 0, 110, numel(raw), 0, numel(bytes) / 8]), 'uint8');
-      bytes = [head raw bytes];
-    end
-
-    function V = rows(t, V, what)
-    % n rows of doubles, finite or nan.
-      n = numel(t.link.names);
-      if ~isnumeric(V) || ~isreal(V) || ~ismatrix(V) || isempty(V)
-        coopdyn.internal.fail(3, [what ' is a matrix of numbers, a row for each robot, or one row for all']);
-      end
-      t.require_rows(V, what);
-      if ~any(size(V, 1) == [1 n])
-        coopdyn.internal.fail(3, sprintf(['%s is %d x %d, the team has %d robots; write a row for each robot, or one ' ...
-          'row for all'], what, size(V, 1), size(V, 2), n));
-      end
-      bad = find(any(isinf(V), 2), 1);
-      if ~isempty(bad)
-        coopdyn.internal.fail(4, sprintf('row %d of %s must be finite, or nan: this one goes on as it does', bad, what));
-      end
-      V = double(V);
-      if size(V, 1) < n
-        V = repmat(V, n, 1);
-      end
-    end
-
-    function require_rows(t, V, what)
-    % Says who has been taken away if the rows do not fit.
-      n = numel(t.link.names);
-      gone = t.link.gone;
-      if isempty(gone) || any(size(V, 1) == [1 n])
-        return
-      end
-      more = '';
-      if numel(gone) > 4
-        more = sprintf(' and %d more', numel(gone) - 4);
-      end
-      coopdyn.internal.fail(3, sprintf(['%s has lost %s%s: %s must have %d rows now, in the order of team.names, or ' ...
-        'one row for all'], t.link.label, strjoin(gone(1:min(end, 4)), ', '), more, what, n));
-    end
-
-    function V = speeds(t, V, what, columns)
-    % n x 2 finite doubles.
-      names = t.link.names;
-      n = numel(names);
-      if ~isnumeric(V) || ~isreal(V) || ~ismatrix(V)
-        coopdyn.internal.fail(3, sprintf('%s is a matrix of numbers, %d x 2: a row [%s] for each robot', what, n, columns));
-      end
-      t.require_rows(V, what);
-      if size(V, 2) ~= 2 || ~any(size(V, 1) == [1 n])
-        coopdyn.internal.fail(3, sprintf(['%s is %d x %d, the team has %d robots; write %d x 2, one row [%s] for each ' ...
-          'robot, or one row for all'], what, size(V, 1), size(V, 2), n, n, columns));
-      end
-      bad = find(~all(isfinite(V), 2), 1);
-      if ~isempty(bad)
-        whose = what;
-        if size(V, 1) == n
-          whose = sprintf('row %d of %s (%s)', bad, what, names{bad});
-        end
-        coopdyn.internal.fail(4, sprintf('%s must be finite, not %g, %g', whose, V(bad, 1), V(bad, 2)));
-      end
-      V = double(V);
-      if size(V, 1) < n
-        V = repmat(V, n, 1);
-      end
-    end
-
-    function s = readings(t, reply)
-    % The matrices out of a reply. If robots or targets have come or gone, the columns are asked for again.
-      link = t.link;
-      n = reply.params(end - 1);
-      m = reply.params(end);
-      if n ~= numel(link.names) || m ~= sum(link.columns)
-        link.refresh(t.session);
-        if n ~= numel(link.names) || m ~= sum(link.columns)
-          s = t.read();  % it has changed once more meanwhile
-          return
-        end
-      end
-      data = reply.data;
-      rows = reshape(data(1:n * m), m, n).';
-      s = struct('time', data(end - 1), 'step', data(end), 'text', reply.text);
-      first = 0;
-      for k = 1:numel(link.readings)
-        s.(link.readings{k}) = rows(:, first + 1:first + link.columns(k));
-        first = first + link.columns(k);
-      end
+      s = readings(link, session, reply);
     end
   end
+end
+
+function bytes = frame(link, n, V, what, columns, text)
+% The request to step.
+  data = [];
+  if iscell(V)  % of each word of `columns`
+    for k = 1:numel(V)
+      V{k} = rows(link, n, V{k}, columns{k});
+    end
+    data = [V{:}].';
+  elseif ~isempty(V)
+    data = speeds(link, n, V, what, columns).';
+  end
+  count = numel(data);
+  raw = uint8(text);
+  letters = numel(raw);
+  head = typecast(int32([20 + letters + 8 * count, 0, 110, letters, 0, count]), 'uint8');
+  bytes = [head raw typecast(reshape(data, 1, count), 'uint8')];  % row after row
+end
+
+function V = rows(link, n, V, what)
+% n rows of doubles, finite or nan.
+  if ~isnumeric(V) || ~isreal(V) || ~ismatrix(V) || isempty(V)
+    coopdyn.internal.fail(3, [what ' is a matrix of numbers, a row for each robot, or one row for all']);
+  end
+  if ~any(size(V, 1) == [1 n])
+    say_who_is_gone(link, n, what);
+    coopdyn.internal.fail(3, sprintf(['%s is %d x %d, the team has %d robots; write a row for each robot, or one ' ...
+      'row for all'], what, size(V, 1), size(V, 2), n));
+  end
+  bad = find(any(isinf(V), 2), 1);
+  if ~isempty(bad)
+    coopdyn.internal.fail(4, sprintf('row %d of %s must be finite, or nan: this one goes on as it does', bad, what));
+  end
+  V = double(V);
+  if size(V, 1) < n
+    V = repmat(V, n, 1);
+  end
+end
+
+function V = speeds(link, n, V, what, columns)
+% n x 2 finite doubles.
+  if ~isnumeric(V) || ~isreal(V) || ~ismatrix(V)
+    coopdyn.internal.fail(3, sprintf('%s is a matrix of numbers, %d x 2: a row [%s] for each robot', what, n, columns));
+  end
+  given = size(V, 1);
+  fits = given == n || given == 1;
+  if ~fits
+    say_who_is_gone(link, n, what);
+  end
+  if ~fits || size(V, 2) ~= 2
+    coopdyn.internal.fail(3, sprintf(['%s is %d x %d, the team has %d robots; write %d x 2, one row [%s] for each ' ...
+      'robot, or one row for all'], what, given, size(V, 2), n, n, columns));
+  end
+  finite = isfinite(V);
+  if ~all(finite(:))
+    bad = find(~all(finite, 2), 1);
+    whose = what;
+    if given == n
+      whose = sprintf('row %d of %s (%s)', bad, what, link.names{bad});
+    end
+    coopdyn.internal.fail(4, sprintf('%s must be finite, not %g, %g', whose, V(bad, 1), V(bad, 2)));
+  end
+  V = double(V);
+  if given < n
+    V = repmat(V, n, 1);
+  end
+end
+
+function say_who_is_gone(link, n, what)
+% Why the rows do not fit any more.
+  gone = link.gone;
+  if isempty(gone)
+    return
+  end
+  more = '';
+  if numel(gone) > 4
+    more = sprintf(' and %d more', numel(gone) - 4);
+  end
+  coopdyn.internal.fail(3, sprintf(['%s has lost %s%s: %s must have %d rows now, in the order of team.names, or ' ...
+    'one row for all'], link.label, strjoin(gone(1:min(end, 4)), ', '), more, what, n));
+end
+
+function s = readings(link, session, reply)
+% The matrices out of a reply. If robots or targets have come or gone, the columns are asked for again.
+  n = reply.params(end - 1);
+  m = reply.params(end);
+  columns = link.columns;
+  if n ~= numel(link.names) || m ~= sum(columns)
+    link.refresh(session);
+    columns = link.columns;
+    if n ~= numel(link.names) || m ~= sum(columns)
+      s = readings(link, session, link.read(session));  % it has changed once more meanwhile
+      return
+    end
+  end
+  data = reply.data;
+  count = n * m;
+  parts = mat2cell(reshape(data(1:count), m, n).', n, columns);
+  s = cell2struct([{data(count + 1), data(count + 2), reply.text} parts], [{'time', 'step', 'text'} link.readings], 2);
 end

@@ -23,7 +23,7 @@ s = coopdyn.internal.Session(a, false);
 link = coopdyn.internal.take_robot(s, 'robot1');
 c = link.motors;
 c.send(13, coopdyn.internal.encode(13, [], []));
-assert(c.busy);
+assert(~c.idle);
 reply = s.read(link, 'motors', 12, [], '');
 assert(reply.command == 12 && numel(reply.data) == 6);
 disp('passed')

@@ -36,7 +36,7 @@ session = coopdyn.internal.Session(a, false);
 link = coopdyn.internal.take_team(session, 'robot1');
 c = link.connection;
 c.send(112, coopdyn.internal.encode(112, [], []));
-assert(c.busy);
+assert(~c.idle);
 reply = link.ask(session, 113);
 assert(reply.command == 113 && isequal(reply.params, 1));
 session.close();

@@ -1,14 +1,14 @@
 % SPDX-License-Identifier: MIT
 classdef Connection < handle
 %CONNECTION One connection to one module, through the daemon's one port.
-%   busy: a reply is under way; such a connection is never used for anything else (Ctrl-C leaves it so).
+%   idle: open, and no reply is under way. Another is never used for a request (Ctrl-C leaves one so).
 %   Replies are read in one piece of the length that the last reply to the same command had; what is longer or shorter
 %   is completed.
   properties
     address
     module
     socket = []
-    busy = false
+    idle = false
     pushes = {}
     notice = ''
   end
@@ -55,7 +55,6 @@ classdef Connection < handle
       if c.octave && exist('__tcpclient_read__')  % of instrument-control
         c.fast = socket;
       end
-      c.busy = true;
       write(socket, [uint8('CDS1') coopdyn.internal.encode(6, [], [], c.hello)]);
       c.asked = 7;
       try
@@ -69,14 +68,14 @@ classdef Connection < handle
     function close(c)
       c.socket = [];
       c.fast = [];
-      c.busy = false;
+      c.idle = false;
       c.buffer = zeros(1, 0, 'uint8');
       c.pushes = {};
     end
 
     function send(c, command, bytes)
     % Writes a request whose reply is awaited by poll or receive.
-      c.busy = true;
+      c.idle = false;
       c.asked = command + 1;
       socket = c.fast;
       try
@@ -88,12 +87,6 @@ classdef Connection < handle
       catch
         c.lost();
       end
-    end
-
-    function message = exchange(c, command, bytes)
-    % Writes a request and takes its reply, [] if it does not come at once.
-      c.send(command, bytes);
-      message = c.answer(command);
     end
 
     function message = answer(c, command)
@@ -110,10 +103,10 @@ classdef Connection < handle
       end
       n = numel(bytes);
       if n >= 24
-        h = double(typecast(bytes(1:24), 'int32'));
+        h = typecast(bytes(1:24), 'int32');
         at = 24 + 4 * h(5);
         if h(1) == n - 4 && h(2) == 0 && h(3) == command && h(4) == 0 && n == at + 8 * h(6)
-          c.busy = false;
+          c.idle = true;
           params = typecast(bytes(25:at), 'int32');
           if h(5) <= 1024  % more are the bytes of a picture
             params = double(params);
@@ -164,7 +157,7 @@ classdef Connection < handle
           message = [];
           continue
         end
-        c.busy = false;
+        c.idle = true;
         if message.error == 0
           c.sizes(c.asked) = 24 + 4 * numel(message.params) + 8 * numel(message.data);
         end
@@ -213,7 +206,8 @@ classdef Connection < handle
       else
         bytes = coopdyn.internal.encode(command, params, data, text);
       end
-      message = c.exchange(command, bytes);
+      c.send(command, bytes);
+      message = c.answer(command);
       if isempty(message)
         message = c.receive(limit);
       end
@@ -236,7 +230,7 @@ classdef Connection < handle
 
     function yes = alive(c)
     % False if closed, in use, or closed by the peer meanwhile as far as that can be seen.
-      yes = ~isempty(c.socket) && ~c.busy;
+      yes = c.idle;
       if yes
         try
           if c.socket.NumBytesAvailable > 0

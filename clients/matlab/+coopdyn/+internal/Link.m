@@ -166,7 +166,7 @@ classdef Link < handle
         coopdyn.internal.fail(link.lost_code, link.lost);
       end
       c = link.motors;
-      if isempty(c.socket) || (c.busy && isempty(link.sent))  % interrupted, or never opened again
+      if isempty(c.socket) || (~c.idle && isempty(link.sent))  % interrupted, or never opened again
         link.open(session);
       end
       if isempty(link.sent) || link.await_command(session, 0.08)

@@ -202,7 +202,7 @@ classdef Session < handle
     function reply = ask(s, c, command, params, text, data)
     % A request that may be repeated: a connection that broke since it was last used is opened again.
       if nargin < 6, data = []; end
-      if ~isempty(c.socket) && ~c.busy
+      if c.idle
         try
           reply = c.request(command, params, data, text);
           s.note(reply);
@@ -219,9 +219,8 @@ classdef Session < handle
     end
 
     % --- a step of the world
-    function step(s, n, limit, commanded, bytes)
-    % Sends what was kept (or ready) for every robot and every team of this sim, then takes in the replies. One of the
-    % teams may be commanded otherwise: bytes.
+    function step(s, n, limit)
+    % Sends what was kept (or ready) for every robot and every team of this sim, then takes in the replies.
       if n > 1 && any(cellfun(@(link) link.has_parts() && ~isempty(link.kept), s.links))
         started = tic;
         s.step(1, limit);  % such a command stands for one step
@@ -229,36 +228,25 @@ classdef Session < handle
         limit = max(0, limit - toc(started));
       end
       links = s.links;
-      if isempty(links) && numel(s.teams) == 1 && nargin > 3
-        driven = commanded;
-        c = driven.connection;
-        ready = true;
-      elseif numel(links) == 1 && isempty(s.teams) && ~s.watch
+      alone = numel(links) == 1 && isempty(s.teams) && ~s.watch;
+      if alone
         driven = links{1};
         c = driven.motors;
-        ready = ~isempty(c) && ~driven.unclaimed;
-      else
-        ready = false;
+        alone = ~isempty(c) && ~driven.unclaimed && c.idle && ~s.closed;
       end
-      if ready && ~c.busy && ~isempty(c.socket) && ~s.closed
-        % One alone, and its connection is in order: the same as below with less to do.
-        if nargin > 3
-          s.step_one(driven, c, 110, bytes, limit);
-        else
-          [number, bytes] = driven.frame(n);
-          s.step_one(driven, c, number, bytes, limit);
-        end
-      elseif nargin < 4
-        coopdyn.internal.step_all(s, n, limit);
+      if alone  % and its connection is in order: the same with less to do
+        [number, bytes] = driven.frame(n);
+        s.step_one(driven, c, number, bytes, limit);
       else
-        coopdyn.internal.step_all(s, n, limit, commanded, bytes);
+        coopdyn.internal.step_all(s, n, limit);
       end
     end
 
     function step_one(s, driven, c, number, bytes, limit)
       since = s.reached + 1;
       try
-        reply = c.exchange(number, bytes);
+        c.send(number, bytes);
+        reply = c.answer(number);
         if isempty(reply)
           step = coopdyn.internal.collect(s, {c}, {driven}, limit);
         else
@@ -275,8 +263,12 @@ classdef Session < handle
     end
 
     function reply = step_team(s, team, bytes, limit)
-    % One step of the world, in which the team does what the bytes say.
-      s.step(1, limit, team, bytes);
+    % One step of the world, in which the team, which is settled, does what the bytes say.
+      if isempty(s.links) && numel(s.teams) == 1
+        s.step_one(team, team.connection, 110, bytes, limit);
+      else
+        coopdyn.internal.step_all(s, 1, limit, team, bytes);
+      end
       reply = team.reply;
       team.reply = [];
       team.gone = {};

@@ -64,17 +64,19 @@ classdef TeamLink < handle
 
     function settle(t, session)
     % Makes the connection free for a request.
-      session.require_open();
-      if ~isempty(t.lost)
+      if session.closed || ~isempty(t.lost)
+        session.require_open();
         coopdyn.internal.fail(t.lost_code, t.lost);
       end
       c = t.connection;
-      if isempty(c.socket) || c.busy  % never opened again, or interrupted
+      if ~c.idle  % never opened again, or interrupted
         t.open(session);
-      elseif t.stale && ~isempty(t.playing)
-        t.take(session);
       elseif t.stale
-        t.named(c.request(113, [], []), session);
+        if isempty(t.playing)
+          t.named(c.request(113, [], []), session);
+        else
+          t.take(session);
+        end
       end
     end
 
@@ -237,9 +239,11 @@ classdef TeamLink < handle
         t.stale = true;  % a robot may have been taken from it
         coopdyn.internal.check_reply(reply, [t.label ': ']);
       end
-      session.note(reply);
+      newest = reply.data(end - 1:end);
+      step = newest(2);
+      session.newest = newest;
+      session.mode = reply.params(1);
       t.reply = reply;
-      step = reply.data(end);
     end
 
     function refresh(t, session)
@@ -262,13 +266,10 @@ classdef TeamLink < handle
       c = t.connection;
       if isempty(t.lost) && ~isempty(c.socket)
         try
-          if c.busy
-            stop = false;  % interrupted: closing ends what waits
-          end
-          if stop
+          if c.idle && stop  % else interrupted: closing ends what waits
             c.request(114, [], [], '', 1);
           end
-          if ~c.busy
+          if c.idle
             c.request(8, [], [], '', 1);
           end
         catch

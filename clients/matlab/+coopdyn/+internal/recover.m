@@ -7,10 +7,10 @@ function recover(session, connections, links, cause)
   for k = 1:numel(connections)
     c = connections{k};
     link = links{k};
-    gone = isempty(c.socket);
-    if ~gone && ~c.busy
+    if c.idle
       continue  % it has had its reply, or nothing was sent
     end
+    gone = isempty(c.socket);
     c.close();
     if isempty(link)
       continue

@@ -28,7 +28,7 @@ function step_all(s, n, limit, commanded, bytes)
       c = link.motors;
       if link.beside
         beside{end + 1} = link; %#ok<AGROW>
-      elseif link.drives && isempty(link.sent) && ~c.busy && ~isempty(c.socket) || link.takes_part(s)
+      elseif link.drives && isempty(link.sent) && c.idle || link.takes_part(s)
         links{end + 1} = link; %#ok<AGROW>
         connections{end + 1} = c; %#ok<AGROW>
       end

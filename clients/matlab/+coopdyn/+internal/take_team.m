@@ -24,7 +24,7 @@ function team = take_team(session, text)
   session.drop_lost_teams();
   for k = 1:numel(session.teams)  % what one of ours lets go of for a moment is not free
     other = session.teams{k};
-    if ~isempty(other.names) && (isempty(other.connection.socket) || other.connection.busy)
+    if ~isempty(other.names) && ~other.connection.idle
       try
         other.settle(session);
       catch
