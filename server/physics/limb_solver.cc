@@ -16,7 +16,7 @@ constexpr int kIterations = 80;
 // Motors change between holding and giving in no more often than this in a step.
 constexpr int kMotorRounds = 12;
 // Rates at which the step's mean forces change something while others touch: rad/s, m/s.
-constexpr double kMattersInContact = 1e-2;
+constexpr double kMattersInContact = 0.1;
 
 }  // namespace
 

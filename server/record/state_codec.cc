@@ -11,9 +11,8 @@ namespace coopdyn {
 
 namespace {
 
-// A state without drive trains is written as it always was.
-constexpr std::uint8_t kStateVersion = 7, kWithoutTrains = 6, kWithoutScores = 5, kWithoutSensed = 4,
-                       kWithoutAcceleration = 3, kWithoutControls = 2;
+constexpr std::uint8_t kStateVersion = 8, kWithoutEfforts = 7, kWithoutTrains = 6, kWithoutScores = 5,
+                       kWithoutSensed = 4, kWithoutAcceleration = 3, kWithoutControls = 2;
 constexpr std::size_t kStoredContactBytes = 2 * 4 * 4 + 9 * 8;
 constexpr std::size_t kMessageBytes = 4 + 8 + 4;  // and its values
 
@@ -36,13 +35,14 @@ void CodeSensed(auto& codec, auto& frame) {
 }
 
 /// A moment that a sensor shows.
-void CodeSample(auto& codec, auto& frame) {
+void CodeSample(auto& codec, auto& frame, bool has_efforts) {
   codec.Number(frame.step);
   codec.Number(frame.revision);
   codec.Number(frame.time);
   codec.Number(frame.step_length);
   codec.List(frame.bodies, kBodyBytes, [&codec](auto& body) { CodeBody(codec, body); });
-  codec.List(frame.channels, kChannelStateBytes, [&codec](auto& channel) { CodeChannel(codec, channel); });
+  codec.List(frame.channels, kChannelStateBytes,
+             [&](auto& channel) { CodeChannel(codec, channel, has_efforts); });
   CodeSensed(codec, frame);
 }
 
@@ -53,7 +53,7 @@ void WriteSamples(ByteWriter& writer, const Frame& frame) {
       if (std::ranges::find(samples, sample) == samples.end()) samples.push_back(sample);
     }
   }
-  writer.List(samples, 1, [&writer](const FramePtr& sample) { CodeSample(writer, *sample); });
+  writer.List(samples, 1, [&writer](const FramePtr& sample) { CodeSample(writer, *sample, true); });
   writer.List(frame.samples, 4, [&](const FrameSamples& clock) {
     writer.List(clock, 4, [&](const FramePtr& sample) {
       writer.Number(static_cast<std::uint32_t>(std::ranges::find(samples, sample) - samples.begin()));
@@ -61,14 +61,15 @@ void WriteSamples(ByteWriter& writer, const Frame& frame) {
   });
 }
 
-void ReadSamples(ByteReader& reader, const std::shared_ptr<const Scene>& scene, Frame& frame) {
+void ReadSamples(ByteReader& reader, const std::shared_ptr<const Scene>& scene, bool have_efforts,
+                 Frame& frame) {
   std::vector<std::shared_ptr<Frame>> samples;
   reader.List(samples, 32, [&](std::shared_ptr<Frame>& sample) {
     sample = std::make_shared<Frame>();
     sample->epoch = frame.epoch;
     sample->seed = frame.seed;
     sample->scene = scene;
-    CodeSample(reader, *sample);
+    CodeSample(reader, *sample, have_efforts);
   });
   reader.List(frame.samples, 4, [&](FrameSamples& clock) {
     reader.List(clock, 4, [&](FramePtr& sample) {
@@ -104,7 +105,8 @@ void CodeState(Codec& codec, const std::shared_ptr<const Scene>& scene, auto& st
   codec.Number(frame.seed);
   codec.Number(frame.solver_seed);
   codec.List(frame.bodies, kBodyBytes, [&codec](auto& body) { CodeBody(codec, body); });
-  codec.List(frame.channels, kChannelStateBytes, [&codec](auto& channel) { CodeChannel(codec, channel); });
+  codec.List(frame.channels, kChannelStateBytes,
+             [&](auto& channel) { CodeChannel(codec, channel, version > kWithoutEfforts); });
   if (version != kWithoutControls) {
     const std::size_t doubles = JointControl::kDoubles - (version > kWithoutAcceleration ? 0 : 1);
     codec.List(frame.controls, 8 * doubles,
@@ -117,7 +119,7 @@ void CodeState(Codec& codec, const std::shared_ptr<const Scene>& scene, auto& st
   if (version > kWithoutSensed) {
     CodeSensed(codec, frame);
     if constexpr (Codec::kReads) {
-      ReadSamples(codec, scene, frame);
+      ReadSamples(codec, scene, version > kWithoutEfforts, frame);
     } else {
       WriteSamples(codec, frame);
     }
@@ -179,9 +181,8 @@ std::vector<std::byte> EncodeState(const SavedState& state) {
   bytes.reserve(128 + frame.bodies.size() * kBodyBytes + frame.channels.size() * kChannelStateBytes +
                 frame.messages.size() * sizeof(SentMessage) + state.controllers.size());
   ByteWriter writer(bytes);
-  const std::uint8_t version = frame.drive_trains.empty() ? kWithoutTrains : kStateVersion;
-  writer.Number(version);
-  CodeState(writer, frame.scene, state, frame, version);
+  writer.Number(kStateVersion);
+  CodeState(writer, frame.scene, state, frame, kStateVersion);
   return bytes;
 }
 

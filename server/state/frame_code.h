@@ -27,9 +27,10 @@ void CodeBody(auto& codec, auto& body) {
   codec.Number(body.sleep_counter);
 }
 
-void CodeChannel(auto& codec, auto& channel) {
+void CodeChannel(auto& codec, auto& channel, bool has_effort = false) {
   codec.Finite(channel.position);
   codec.Finite(channel.velocity);
+  if (has_effort) codec.Number(channel.effort);  // may be nan
   CodeSetpoint(codec, channel.setpoint);
 }
 

@@ -123,6 +123,7 @@ PutRobot PutBack(const SceneRobot& robot, const Frame& frame) {
   };
   copy(frame.bodies, robot.first_body, robot.body_count, put.bodies);
   copy(frame.channels, robot.first_channel, robot.channel_count, put.channels);
+  for (ChannelState& channel : put.channels) channel.effort = ChannelState().effort;  // recordings have none
   copy(frame.controls, robot.first_control, robot.control_count, put.controls);
   copy(frame.drive_trains, robot.first_drive_train, robot.drive_train_count, put.drive_trains);
   const RobotModel& model = *robot.entry.model;
