@@ -5,12 +5,13 @@
 
 namespace coopdyn::portable {
 
+// A compiler may make one call of sincos() of two of sin() and cos(): all three have the same bits.
 double Sin(double x) {
-  return Sleef_cinz_sind1_u10purec(x);
+  return SinCos(x).sin;
 }
 
 double Cos(double x) {
-  return Sleef_cinz_cosd1_u10purec(x);
+  return SinCos(x).cos;
 }
 
 SineCosine SinCos(double x) {
