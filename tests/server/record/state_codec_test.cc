@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include "record_fixture.h"
@@ -148,11 +151,6 @@ TEST(StateCodecTest, DriveTrainsAreKept) {
   EXPECT_EQ(read->frame->drive_trains, frame->drive_trains);
   EXPECT_EQ(StateHash(*read->frame), StateHash(*frame));
   EXPECT_EQ(DecodeState(bytes, maker.scene()), nullptr);
-}
-
-TEST(StateCodecTest, AStateWithoutDriveTrainsHasTheVersionOfBefore) {
-  FrameMaker maker(RecordScene());
-  EXPECT_EQ(EncodeState(*maker.Start())[0], std::byte{6});
 }
 
 class SensedStateTest : public testing::Test {
