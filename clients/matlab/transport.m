@@ -84,10 +84,12 @@ function p = parameters()
   p.across = 5.0;              % [rad/s per m] of the load across the bar
   p.slack = 0.055;             % [m] the leader stands when the load lags so far behind
   p.ease = 0.03;               % [m] it slows down from slack - ease on
-  p.mate_cos = cos(0.35);      % ranges about the mate's bearing are the mate, up to 0.35 rad beside it
-  p.mate_from = p.team_distance - 2 * p.robot_radius - 0.25;  % [m] unless they are nearer
+  p.mate_width = 0.35;         % [rad] ranges about the mate's bearing are the mate
+  p.mate_near = 0.25;          % [m] unless they are nearer than it by so much
   p.settle = 2.0;              % [s] the helpers have after the leaders have arrived
   p.time_limit = 180.0;        % [s] simulated
+  p.mate_cos = cos(p.mate_width);
+  p.mate_from = p.team_distance - 2 * p.robot_radius - p.mate_near;
 end
 
 function sensors = sensors_of(p, names, front)

@@ -35,7 +35,10 @@ class ScenarioTest(unittest.TestCase):
             words = ("diffuse100", "--set", "SWARM_1.count=5")
             done = run("check", "--digests", *words)
             digests = json.loads(done.stdout)
-            self.assertEqual(set(digests), {"build", "scenario", "world square10.world", "robot minibot", "controller diffuse"}, done.stderr)
+            libraries = {name for name in digests if name.startswith("library ")}
+            self.assertTrue(any("libode" in name for name in libraries), digests)
+            self.assertEqual(set(digests) - libraries,
+                             {"build", "scenario", "world square10.world", "robot minibot", "controller diffuse"}, done.stderr)
             self.assertNotEqual(json.loads(run("check", "--digests", "diffuse100").stdout)["scenario"], digests["scenario"])
             recording = f"{folder}/a.run"
             told = run("serve", *words, "--no-net", "--mode", "free", "--steps", "5", "--summary", "/dev/stdout", "--record", recording).stdout.decode()

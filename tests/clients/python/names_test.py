@@ -186,8 +186,8 @@ class NamesTest(unittest.TestCase):
 
     def numbers(self, path, pattern):
         text = (harness.ROOT / "clients" / path).read_text(encoding="utf-8")
-        return {re.sub(r"^k(?=[A-Z])|_(s|m|rad)$", "", key).replace("_", "").lower(): float(re.search(r"\d[\d.]*", value).group())
-                for key, value in re.findall(pattern, text, re.M)}
+        return {re.sub(r"^k(?=[A-Z])|_(s|m|rad)$", "", key).replace("_", "").lower(): float(number.group())
+                for key, value in re.findall(pattern, text, re.M) if (number := re.search(r"\d[\d.]*", value))}
 
     def test_the_attractor_has_the_same_numbers(self):
         python = self.numbers("python/attractor.py", r"^([A-Z_]{4,}) = ([^#\n]+)")

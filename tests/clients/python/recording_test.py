@@ -113,8 +113,10 @@ class RecordingTest(DaemonTestCase):
         self.assertEqual(column("time_s"), list(self.run_.time))
         for name in self.run_.names:
             pose = self.run_.pose(name)
-            for j, word in enumerate(("x_m", "y_m", "heading_rad")):
+            for j, word in enumerate(("x_m", "y_m")):
                 self.assertEqual(column(f"{name}.{word}"), list(pose[:, j]), word)
+            for exported, own in zip(column(f"{name}.heading_rad"), pose[:, 2]):
+                self.assertAlmostEqual(exported, own, delta=1e-15, msg="by another arc tangent")
             joints = [f"{name}.{joint}" for joint in self.run_.joints(name)]
             channels = self.run_.reading(name, "channels")
             for j, word in enumerate(joint + unit for unit in ("_rad", "_rad_s") for joint in joints):
