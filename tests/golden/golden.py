@@ -12,6 +12,7 @@ import math
 import os
 import pathlib
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
@@ -111,7 +112,7 @@ class Daemon:
             given = str(path)
         self.summary = pathlib.Path(self.folder.name, "summary.json")
         self.process = subprocess.Popen([*program, "serve", given, *options, "--summary", str(self.summary)], stdout=subprocess.PIPE,
-                                        stderr=subprocess.DEVNULL, text=True, env=environment)
+                                        stderr=subprocess.DEVNULL, text=True, env=environment, start_new_session=True)
         line = self.process.stdout.readline()
         if not line:
             raise SystemExit(f"{given} does not start: try {' '.join(program)} serve {given} {' '.join(options)}")
@@ -121,7 +122,8 @@ class Daemon:
         return self
 
     def __exit__(self, *_):
-        self.process.terminate()
+        if self.process.poll() is None:
+            os.killpg(self.process.pid, signal.SIGTERM)  # proot, which may run it, takes no notice
         self.process.wait()
         self.process.stdout.close()
         self.folder.cleanup()
