@@ -42,6 +42,10 @@ def entries():
     return found | {f"robots/{path.name}": scenario_of(path.name) for path in sorted((ROOT / "robots").iterdir()) if path.is_dir()}
 
 
+def has_one(name, parts):
+    return any(part in name for part in parts.split(",") if part)
+
+
 def numbers(reading):
     """All that are finite in tuples of tuples."""
     for value in reading:
@@ -161,15 +165,15 @@ def hash_of(program, given, other):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
-    parser.add_argument("--only", default="", help="entries whose name has this")
-    parser.add_argument("--without", default="", help="but for these, with commas between")
+    parser.add_argument("--only", default="", help="entries whose name has one of these, with commas between")
+    parser.add_argument("--without", default="", help="but for these")
     parser.add_argument("--as", dest="how", choices=("plain", "other"), default="plain")
     parser.add_argument("--under", default="", help="what runs the program, as qemu-x86_64")
     parser.add_argument("--write", action="store_true", help="write hashes.json, if the hashes are to change")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     given = parser.parse_args()
     golden = json.loads(HASHES.read_text()) if HASHES.exists() else {}
-    chosen = {name: what for name, what in entries().items() if given.only in name and not (given.without and any(part in name for part in given.without.split(",")))}
+    chosen = {name: what for name, what in entries().items() if has_one(name, given.only or name) and not has_one(name, given.without)}
     program = [*shlex.split(given.under), given.program]
     with concurrent.futures.ThreadPoolExecutor(given.jobs) as pool:
         hashes = dict(zip(chosen, pool.map(lambda what: hash_of(program, what, given.how == "other"), chosen.values())))
