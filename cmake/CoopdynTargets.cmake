@@ -26,6 +26,9 @@ add_library(coopdyn_options INTERFACE)
 target_compile_options(coopdyn_options INTERFACE
   $<${ours}:-Wall> $<${ours}:-Wextra> $<${ours}:-Wpedantic> $<${ours}:-Werror> -fno-fast-math
   -ffp-contract=off)  # a * b + c is rounded twice on every machine
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
+  target_compile_options(coopdyn_options INTERFACE -U__ARM_FEATURE_FMA)  # Eigen calls the fused instruction itself
+endif()
 target_include_directories(coopdyn_options INTERFACE ${PROJECT_SOURCE_DIR})
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   target_compile_options(coopdyn_options INTERFACE $<${ours}:-Wthread-safety>)

@@ -11,8 +11,8 @@
 namespace coopdyn {
 namespace {
 
-bool IsControl(char c) {
-  return (c >= 0 && c < ' ') || c == 0x7f;
+bool IsControl(unsigned char c) {
+  return c < ' ' || c == 0x7f;
 }
 
 int HexDigit(char c) {

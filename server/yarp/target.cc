@@ -32,7 +32,7 @@ YarpTarget ParseYarpTarget(const std::string& text) {
   }
   // Whoever asks must not speak to the reader in our name.
   if (!IsCleanUtf8(target.qualifiers) || std::any_of(target.qualifiers.begin(), target.qualifiers.end(),
-                                                     [](char c) { return c >= 0 && c < ' '; }))
+                                                     [](unsigned char c) { return c < ' '; }))
     target.problem = "the words of a carrier are plain text";
   return target;
 }

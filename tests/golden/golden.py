@@ -12,6 +12,7 @@ import math
 import os
 import pathlib
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
@@ -39,6 +40,10 @@ def entries():
     """{name: what `serve` takes}; of a robot the text of a scenario."""
     found = {f"scenarios/{path.name}": str(path) for path in sorted((ROOT / "scenarios").glob("*")) if path.suffix in (".scenario", ".xml")}
     return found | {f"robots/{path.name}": scenario_of(path.name) for path in sorted((ROOT / "robots").iterdir()) if path.is_dir()}
+
+
+def has_one(name, parts):
+    return any(part in name for part in parts.split(",") if part)
 
 
 def numbers(reading):
@@ -115,7 +120,7 @@ class Daemon:
             given = str(path)
         self.summary = pathlib.Path(self.folder.name, "summary.json")
         self.process = subprocess.Popen([*program, "serve", *filter(None, [given]), *options, "--summary", str(self.summary)], stdout=subprocess.PIPE,
-                                        stderr=subprocess.DEVNULL, text=True, env=environment)
+                                        stderr=subprocess.DEVNULL, text=True, env=environment, start_new_session=True)
         line = self.process.stdout.readline()
         if not line:
             raise SystemExit(f"{given} does not start: try {' '.join(program)} serve {given} {' '.join(options)}")
@@ -130,14 +135,17 @@ class Daemon:
 
     def check_recording(self):
         """Made where features are hidden, it verifies where they are shown."""
-        self.process.terminate()
-        self.process.wait()
+        self.stop()
         if self.recording:
             subprocess.run([*self.program, "verify", self.recording], stdout=subprocess.DEVNULL, check=True)
 
-    def __exit__(self, *_):
-        self.process.terminate()
+    def stop(self):
+        if self.process.poll() is None:
+            os.killpg(self.process.pid, signal.SIGTERM)  # proot, which may run it, takes no notice
         self.process.wait()
+
+    def __exit__(self, *_):
+        self.stop()
         self.process.stdout.close()
         self.folder.cleanup()
 
@@ -181,14 +189,15 @@ def hash_of(program, given, other):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
-    parser.add_argument("--only", default="", help="entries whose name has this")
+    parser.add_argument("--only", default="", help="entries whose name has one of these, with commas between")
+    parser.add_argument("--without", default="", help="but for these")
     parser.add_argument("--as", dest="how", choices=("plain", "other"), default="plain")
     parser.add_argument("--under", default="", help="what runs the program, as qemu-x86_64")
     parser.add_argument("--write", action="store_true", help="write hashes.json, if the hashes are to change")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     given = parser.parse_args()
     golden = json.loads(HASHES.read_text()) if HASHES.exists() else {}
-    chosen = {name: what for name, what in entries().items() if given.only in name}
+    chosen = {name: what for name, what in entries().items() if has_one(name, given.only or name) and not has_one(name, given.without)}
     program = [*shlex.split(given.under), given.program]
     with concurrent.futures.ThreadPoolExecutor(given.jobs) as pool:
         hashes = dict(zip(chosen, pool.map(lambda what: hash_of(program, what, given.how == "other"), chosen.values())))

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Checks that what computes calls no transcendental function of libm: their bits differ between machines, and are in the hash
 of a run. server/base/portable_math.h has the functions that it may call. And that a program shows its own in place of
-libm's, which foreign libraries then call.
+libm's, which foreign libraries then call, and that nothing is compiled to a fused multiply-add.
 
 Usage: check_math.py ROOT PROGRAM LIBRARY…
 """
+import json
 import pathlib
 import re
 import subprocess
@@ -14,6 +15,7 @@ NAMES = ["sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sincos", "exp", 
 OTHERS = ["exp2", "expm1", "exp10", "log2", "log10", "log1p", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "erf", "erfc", "tgamma", "lgamma", "fma"]
 LIBM = {name + end for name in NAMES + OTHERS for end in ("", "f", "l")}
 CALL = re.compile(r"std::(" + "|".join(NAMES + OTHERS) + r")\(|AngleAxisd|Rotation2D")
+ROUND_TWICE = "-ffp-contract=off"
 DRAW_AND_ANSWER = ("render", "web")  # folders of server/ that no hash depends on
 
 
@@ -32,6 +34,12 @@ def mistakes_in(root, program, libraries):
         found += [f"{library} calls {name} of libm: call portable:: of server/base/portable_math.h" for name in sorted(symbols(library, "-u") & LIBM)]
     shown = symbols(program, "-D", "--defined-only")
     found += [f"{program} does not show {name}: foreign libraries call libm's" for name in NAMES if not {name, name + "f"} <= shown]
+    commands = [entry["command"] for entry in json.loads((pathlib.Path(program).parent / "compile_commands.json").read_text())]
+    outputs = {re.search(r" -o (\S+)", command)[1]: command for command in commands}
+    fused = [output for output, command in outputs.items() if not output.startswith("tests/") and ROUND_TWICE not in command]
+    skeleton = root / "clients" / "plugin" / "skeleton" / "CMakeLists.txt"  # what `coopdyn new-controller` writes
+    fused += [] if ROUND_TWICE in skeleton.read_text() else [skeleton]
+    found += [f"{output} may get fused multiply-adds: compile it with {ROUND_TWICE}" for output in fused]
     return found
 
 
