@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <malloc.h>
 #include <pthread.h>
 
 #include <csignal>
@@ -9,6 +10,9 @@
 
 int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
+  // Small blocks that are freed join their neighbours at once: put off, as glibc does it, that takes a second
+  // when 100,000 robots end. Steps do not notice.
+  mallopt(M_MXFAST, 0);
   sigset_t report;  // waits until `serve` can answer it: it shall not end one that is just starting
   sigemptyset(&report);
   sigaddset(&report, SIGUSR1);
