@@ -7,8 +7,8 @@
 #include <memory>
 #include <numbers>
 #include <string>
+#include <utility>
 
-#include "tests/server/physics/physics_scene.h"
 #include "tests/server/physics/rig.h"
 
 namespace coopdyn {
@@ -16,13 +16,7 @@ namespace {
 
 class FreeMotionTest : public ::testing::TestWithParam<int> {
  protected:
-  void Add(RobotModel model) {
-    scene_.step_length = GetParam() * 1'000'000;
-    scene_.robot_model = std::make_shared<const RobotModel>(std::move(model));
-    scene_.AddRobot(0, 0);
-    scene_.Build();
-    ASSERT_EQ(scene_.diagnostics().ToString(), "");
-  }
+  void Add(RobotModel model) { BuildWith(std::move(model), GetParam(), scene_); }
 
   double Energy_j(double gravity_m_s2 = kG) {
     const auto frame = scene_.Capture();

@@ -6,8 +6,8 @@
 #include <memory>
 #include <numbers>
 #include <string>
+#include <utility>
 
-#include "tests/server/physics/physics_scene.h"
 #include "tests/server/physics/rig.h"
 
 namespace coopdyn {
@@ -38,13 +38,7 @@ RobotModel Carriage() {
 
 class JointsTest : public ::testing::TestWithParam<int> {
  protected:
-  void Add(RobotModel model) {
-    scene_.step_length = GetParam() * 1'000'000;
-    scene_.robot_model = std::make_shared<const RobotModel>(std::move(model));
-    scene_.AddRobot(0, 0);
-    scene_.Build();
-    ASSERT_EQ(scene_.diagnostics().ToString(), "");
-  }
+  void Add(RobotModel model) { BuildWith(std::move(model), GetParam(), scene_); }
   double step_s() const { return GetParam() * 1e-3; }
   Pose Where(int link) { return LinkPose(*scene_.Capture(), 0, link); }
   const BodyState& body(std::size_t index) {

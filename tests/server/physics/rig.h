@@ -2,9 +2,13 @@
 // Robots of links and hinges that a test builds by hand.
 #pragma once
 
-#include <string>
+#include <gtest/gtest.h>
 
-#include "server/model/robot_model.h"
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "tests/server/physics/physics_scene.h"
 
 namespace coopdyn {
 
@@ -36,6 +40,15 @@ inline RobotModel OnAPost() {
   model.footprint_radius_m = 0.02;
   model.height_m = 3;
   return model;
+}
+
+/// A world with one of them, in steps of `step_ms`.
+inline void BuildWith(RobotModel model, int step_ms, PhysicsScene& scene) {
+  scene.step_length = step_ms * 1'000'000;
+  scene.robot_model = std::make_shared<const RobotModel>(std::move(model));
+  scene.AddRobot(0, 0);
+  scene.Build();
+  ASSERT_EQ(scene.diagnostics().ToString(), "");
 }
 
 }  // namespace coopdyn
