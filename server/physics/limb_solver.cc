@@ -170,7 +170,7 @@ LimbSolver::Outcome LimbSolver::Step(double dt_s) {
   forest_.Begin(settings_.gravity_m_s2, dt_s);
   FitSprings(dt_s);
   bool is_solved = Settle(false);
-  if (TakeMeanForces()) is_solved = Settle(true);
+  if (is_solved && TakeMeanForces()) is_solved = Settle(true);
   if (!std::isfinite(std::accumulate(rates_.begin(), rates_.end(), 0.0))) return Outcome::kInsane;
   for (const Motor& motor : motors_) {
     if (motor.effort != kNowhere) efforts_[motor.effort] += motor.applied / dt_s;
