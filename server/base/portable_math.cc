@@ -3,6 +3,8 @@
 
 #include <sleef.h>  // 4,000 lines of vector types: here alone
 
+#include "server/base/portable_loaded.h"
+
 namespace coopdyn::portable {
 
 // A compiler may make one call of sincos() of two of sin() and cos(): all three have the same bits.
@@ -53,6 +55,42 @@ double Pow(double x, double y) {
 
 double Cbrt(double x) {
   return Sleef_cinz_cbrtd1_u10purec(x);
+}
+
+double Sinh(double x) {
+  return Sleef_cinz_sinhd1_u10purec(x);
+}
+
+double Cosh(double x) {
+  return Sleef_cinz_coshd1_u10purec(x);
+}
+
+double Tanh(double x) {
+  return Sleef_cinz_tanhd1_u10purec(x);
+}
+
+double Exp2(double x) {
+  return Sleef_cinz_exp2d1_u10purec(x);
+}
+
+double Exp10(double x) {
+  return Sleef_cinz_exp10d1_u10purec(x);
+}
+
+double Expm1(double x) {
+  return Sleef_cinz_expm1d1_u10purec(x);
+}
+
+double Log2(double x) {
+  return Sleef_cinz_log2d1_u10purec(x);
+}
+
+double Log10(double x) {
+  return Sleef_cinz_log10d1_u10purec(x);
+}
+
+double Log1p(double x) {
+  return Sleef_cinz_log1pd1_u10purec(x);
 }
 
 Eigen::Quaterniond AngleAxis(double angle_rad, const Eigen::Vector3d& axis) {

@@ -2,6 +2,7 @@
 // Part of every program of ours that links coopdyn_base. It stands before libm in the order in which names
 // are looked up, so that what libraries compute between a file and the hash (libsdformat's poses, libassimp's
 // nodes, ODE's joints) has the same bits on every machine, too.
+#include "server/base/portable_loaded.h"
 #include "server/base/portable_math.h"
 
 namespace portable = coopdyn::portable;
@@ -34,6 +35,33 @@ double log(double x) noexcept {
 }
 double cbrt(double x) noexcept {
   return portable::Cbrt(x);
+}
+double sinh(double x) noexcept {
+  return portable::Sinh(x);
+}
+double cosh(double x) noexcept {
+  return portable::Cosh(x);
+}
+double tanh(double x) noexcept {
+  return portable::Tanh(x);
+}
+double exp2(double x) noexcept {
+  return portable::Exp2(x);
+}
+double exp10(double x) noexcept {
+  return portable::Exp10(x);
+}
+double expm1(double x) noexcept {
+  return portable::Expm1(x);
+}
+double log2(double x) noexcept {
+  return portable::Log2(x);
+}
+double log10(double x) noexcept {
+  return portable::Log10(x);
+}
+double log1p(double x) noexcept {
+  return portable::Log1p(x);
 }
 double atan2(double x, double y) noexcept {
   return portable::Atan2(x, y);
@@ -76,6 +104,33 @@ float logf(float x) noexcept {
 }
 float cbrtf(float x) noexcept {
   return static_cast<float>(portable::Cbrt(x));
+}
+float sinhf(float x) noexcept {
+  return static_cast<float>(portable::Sinh(x));
+}
+float coshf(float x) noexcept {
+  return static_cast<float>(portable::Cosh(x));
+}
+float tanhf(float x) noexcept {
+  return static_cast<float>(portable::Tanh(x));
+}
+float exp2f(float x) noexcept {
+  return static_cast<float>(portable::Exp2(x));
+}
+float exp10f(float x) noexcept {
+  return static_cast<float>(portable::Exp10(x));
+}
+float expm1f(float x) noexcept {
+  return static_cast<float>(portable::Expm1(x));
+}
+float log2f(float x) noexcept {
+  return static_cast<float>(portable::Log2(x));
+}
+float log10f(float x) noexcept {
+  return static_cast<float>(portable::Log10(x));
+}
+float log1pf(float x) noexcept {
+  return static_cast<float>(portable::Log1p(x));
 }
 float atan2f(float x, float y) noexcept {
   return static_cast<float>(portable::Atan2(x, y));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The functions of clients/plugin/controller.h, in every program that loads controllers.
 #include "clients/plugin/controller.h"
+#include "server/base/portable_loaded.h"
 #include "server/base/portable_math.h"
 
 namespace portable = coopdyn::portable;
@@ -31,6 +32,33 @@ double coopdyn_ln(double x) {
 }
 double coopdyn_cbrt(double x) {
   return portable::Cbrt(x);
+}
+double coopdyn_sinh(double x) {
+  return portable::Sinh(x);
+}
+double coopdyn_cosh(double x) {
+  return portable::Cosh(x);
+}
+double coopdyn_tanh(double x) {
+  return portable::Tanh(x);
+}
+double coopdyn_exp2(double x) {
+  return portable::Exp2(x);
+}
+double coopdyn_exp10(double x) {
+  return portable::Exp10(x);
+}
+double coopdyn_expm1(double x) {
+  return portable::Expm1(x);
+}
+double coopdyn_log2(double x) {
+  return portable::Log2(x);
+}
+double coopdyn_log10(double x) {
+  return portable::Log10(x);
+}
+double coopdyn_log1p(double x) {
+  return portable::Log1p(x);
 }
 double coopdyn_atan2(double y, double x) {
   return portable::Atan2(y, x);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "server/base/portable_math.h"
+#include "server/base/portable_loaded.h"
 
 #include <bit>
 #include <cmath>
@@ -51,6 +52,15 @@ TEST(PortableMathTest, EachFunctionIsWithinOneUlp) {
                                 {"pow", [](double x) { return portable::Pow(x, 2.5); },
                                  [](L x) { return std::pow(x, L(2.5)); }, 0, 1e3},
                                 {"cbrt", portable::Cbrt, [](L x) { return std::cbrt(x); }, -1e3, 1e3},
+                                {"sinh", portable::Sinh, [](L x) { return std::sinh(x); }, -700, 700},
+                                {"cosh", portable::Cosh, [](L x) { return std::cosh(x); }, -700, 700},
+                                {"tanh", portable::Tanh, [](L x) { return std::tanh(x); }, -20, 20},
+                                {"exp2", portable::Exp2, [](L x) { return std::exp2(x); }, -1000, 1000},
+                                {"exp10", portable::Exp10, [](L x) { return std::pow(L(10), x); }, -300, 300},
+                                {"expm1", portable::Expm1, [](L x) { return std::expm1(x); }, -30, 30},
+                                {"log2", portable::Log2, [](L x) { return std::log2(x); }, 1e-09, 1000.0},
+                                {"log10", portable::Log10, [](L x) { return std::log10(x); }, 1e-09, 1000.0},
+                                {"log1p", portable::Log1p, [](L x) { return std::log1p(x); }, -0.99, 1000.0},
                                 {"hypot", [](double x) { return portable::Hypot(x, 3); },
                                  [](L x) { return std::hypot(x, L(3)); }, -9, 9}};
   for (const Function& each : functions) {
@@ -70,13 +80,20 @@ TEST(PortableMathTest, TheBitsAreTheseOnEveryMachine) {
   for (int i = 0; i < 1000; ++i) {
     const double x = 20 * random.Next() - 10, part = x / 10, y = random.Next();
     for (const double value :
-         {portable::Sin(x), portable::Cos(x), portable::Tan(x), portable::Asin(part), portable::Acos(part),
-          portable::Atan(x), portable::Atan2(x, y), portable::Exp(x), portable::Log(y), portable::Pow(y, x),
-          portable::Cbrt(x), portable::Hypot(x, y),
-          NormalOf(UniformOf(MixBits(static_cast<std::uint64_t>(i) + 1)), y)})
+         {portable::Sin(x),      portable::Cos(x),
+          portable::Tan(x),      portable::Asin(part),
+          portable::Acos(part),  portable::Atan(x),
+          portable::Atan2(x, y), portable::Exp(x),
+          portable::Log(y),      portable::Pow(y, x),
+          portable::Cbrt(x),     portable::Hypot(x, y),
+          portable::Sinh(x),     portable::Cosh(x),
+          portable::Tanh(x),     portable::Exp2(x),
+          portable::Exp10(x),    portable::Expm1(x),
+          portable::Log2(y),     portable::Log10(y),
+          portable::Log1p(y),    NormalOf(UniformOf(MixBits(static_cast<std::uint64_t>(i) + 1)), y)})
       state = AbsorbBits(state, std::bit_cast<std::uint64_t>(value));
   }
-  EXPECT_EQ(state, 15091953135391785203u);
+  EXPECT_EQ(state, 3756760741608005362u);
 }
 
 TEST(PortableMathTest, WhatALibraryCallsIsOurs) {
@@ -91,6 +108,10 @@ TEST(PortableMathTest, WhatALibraryCallsIsOurs) {
     ASSERT_EQ(std::atan2(x, 3.0), portable::Atan2(x, 3));
     ASSERT_EQ(std::exp(x), portable::Exp(x));
     ASSERT_EQ(std::pow(2.5, x), portable::Pow(2.5, x));
+    ASSERT_EQ(std::tanh(x), portable::Tanh(x));
+    ASSERT_EQ(std::expm1(x), portable::Expm1(x));
+    ASSERT_EQ(std::log10(x * x), portable::Log10(x * x));
+    ASSERT_EQ(std::tanh(static_cast<float>(x)), static_cast<float>(portable::Tanh(static_cast<float>(x))));
   }
 }
 
@@ -104,6 +125,11 @@ TEST(PortableMathTest, SpecialValuesAreThoseOfTheStandard) {
   EXPECT_EQ(portable::Log(0), -kInf);
   EXPECT_EQ(portable::Hypot(3, -4), 5);
   EXPECT_EQ(portable::Acos(-1), std::numbers::pi);
+  EXPECT_EQ(portable::Tanh(kInf), 1);
+  EXPECT_EQ(portable::Exp2(10), 1024);
+  EXPECT_EQ(portable::Exp10(2), 100);
+  EXPECT_EQ(portable::Log2(8), 3);
+  EXPECT_EQ(portable::Log10(1000), 3);
   EXPECT_TRUE(std::isnan(portable::Sin(kInf)));
   EXPECT_TRUE(std::isnan(portable::Acos(2)));
 }
