@@ -2,20 +2,24 @@
 """The hash of each shipped scenario, experiment and robot after STEPS steps, against hashes.json: one on every machine.
 
 Usage: golden.py PROGRAM [--only NAME] [--write] [--as plain|other] [--under "qemu-x86_64 -cpu Conroe"]
-`plain` is one thread; `other` all that must change nothing: two threads, 64 of robots, a recording, an open page, and a
-processor that hides what it has from libm. What no loaded controller drives is driven by a client, by what it reads.
+`plain` is one thread; `other` all that must change nothing: two threads, 64 of robots, a recording, an open page, spectators, and
+a processor that hides what it has from libm. What no loaded controller drives is driven by a client, by what it reads.
 """
 import argparse
 import concurrent.futures
+import contextlib
 import json
 import math
 import os
 import pathlib
 import shlex
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
+import threading
+import urllib.parse
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "clients" / "python"))
@@ -100,6 +104,26 @@ class Crowd:
         self.reading = self.team.step([(0.1 + 0.1 * part, 0.4 * (part - 0.5)) for part in rows])
 
 
+def open_page(url):
+    """The socket of a page that shows poses and reads them."""
+    place = urllib.parse.urlsplit(url)
+    page = socket.create_connection((place.hostname, place.port))
+    page.sendall(f"GET /ws HTTP/1.1\r\nHost: {place.netloc}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                 f"Sec-WebSocket-Key: {'A' * 22}==\r\nSec-WebSocket-Version: 13\r\n\r\n".encode())
+    ask = b'{"type":"poses","rate":30}'
+    page.sendall(bytes([0x81, 0x80 | len(ask)]) + bytes(4) + ask)  # masked with zeros
+    head = page.recv(1 << 16)
+    if b" 101 " not in head:
+        raise SystemExit(f"{url} is no page: {head[:80]}")
+
+    def read():
+        with contextlib.suppress(OSError):
+            while page.recv(1 << 16):
+                pass
+    threading.Thread(target=read, daemon=True).start()
+    return page
+
+
 class Daemon:
     """That runs one entry, in a folder of its own."""
 
@@ -124,7 +148,9 @@ class Daemon:
         line = self.process.stdout.readline()
         if not line:
             raise SystemExit(f"{given} does not start: try {' '.join(program)} serve {given} {' '.join(options)}")
-        self.server = dict(word.split("=", 1) for word in line.split()[1:])["names"]
+        ready = dict(word.split("=", 1) for word in line.split()[1:])
+        self.server = ready["names"]
+        self.page = open_page(ready["http"]) if other else None
 
     def __enter__(self):
         return self
@@ -146,6 +172,8 @@ class Daemon:
 
     def __exit__(self, *_):
         self.stop()
+        if self.page:
+            self.page.close()
         self.process.stdout.close()
         self.folder.cleanup()
 
