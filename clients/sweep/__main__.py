@@ -130,7 +130,8 @@ def look(commands, processes=1):
 
 def show_conflicts(results):
     for key in results.conflicts:
-        print(f"{key}: two results of this run have different hashes: the machines, builds or clients differ", file=sys.stderr)
+        print(f"{key}: two results of this run have different hashes, though files, build and libraries are the same: a client or a controller "
+              "computes another thing, or reads a file that no --input names", file=sys.stderr)
 
 
 def show_older(results):

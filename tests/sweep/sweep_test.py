@@ -124,7 +124,7 @@ class SweepTest(SweepCase):
         [result] = self.results()
         with open(os.path.join(self.path("out"), "results.jsonl"), "a", encoding="utf-8") as stream:
             stream.write(json.dumps(dict(result, hash="0" * 16)) + "\n")
-        told = f"{result['key']}: two results of this run have different hashes"
+        told = f"{result['key']}: two results of this run have different hashes, though files, build and libraries are the same"
         self.assertIn(told, self.refused("--duration", "0.5"))
         report = engines.answers([BINARY, "sweep", "report", self.path("out")])
         self.assertEqual(report.returncode, 1)
