@@ -66,9 +66,9 @@ std::string What(const RunHeader& header) {
 }
 
 /// "diffuse (hash 0123456789abcdef)".
-std::string Plugins(const RunHeader& header) {
+std::string WithHashes(const std::vector<PluginHash>& files) {
   std::string text;
-  for (const PluginHash& one : header.controllers) {
+  for (const PluginHash& one : files) {
     text += fmt::format("{}{} (hash {})", text.empty() ? "" : ", ", Printable(one.name), Printable(one.hash));
   }
   return text;
@@ -162,7 +162,8 @@ std::string ToText(const RunInfo& info, bool all_events) {
   AddLine(text, "made by",
           fmt::format("coopdyn {} (build {}), {}{}", header.version, header.build, header.started,
                       header.cpu.empty() ? "" : ", on " + header.cpu));
-  AddLine(text, "plug-ins", Plugins(header));
+  AddLine(text, "libraries", WithHashes(header.libraries));
+  AddLine(text, "plug-ins", WithHashes(header.controllers));
   AddLine(text, "command", header.command);
   AddLine(text, "last hash", HashText(info.contents.last_hash));
   const std::size_t notes = Notes(info);

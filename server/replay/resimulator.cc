@@ -50,8 +50,11 @@ std::string OtherOrigin(const RunHeader& header) {
     };
     if (std::ranges::none_of(here, same)) add("with another " + one.name);
   }
-  if (header.cpu != CpuName()) add("on another processor (" + header.cpu + ")");
-  return text;
+  const char* const advice =
+      text.empty() ? "; with the same build and libraries only a controller of yours computes otherwise there"
+                   : "; repeat it with that build and those libraries (coopdyn info lists them)";
+  if (!header.cpu.empty() && header.cpu != CpuName()) add("on another processor (" + header.cpu + ")");
+  return text.empty() ? text : text + advice;
 }
 
 std::vector<std::string> OtherPlugins(const RunHeader& header, const Scene& scene) {

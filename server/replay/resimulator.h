@@ -114,7 +114,7 @@ class Resimulator {
 /// another hash.
 std::vector<std::string> OtherPlugins(const RunHeader& header, const Scene& scene);
 /// "made by another build (…), with another libode.so.8.0.1, on another processor (…)", as far as `header`
-/// says so, else empty.
+/// says so, and what to do; else empty.
 std::string OtherOrigin(const RunHeader& header);
 
 }  // namespace coopdyn

@@ -231,16 +231,18 @@ TEST_F(InfoCommandTest, ADamagedPageIsToldOrDoesNoHarm) {
   EXPECT_GT(damaged, 50);
 }
 
-TEST_F(InfoCommandTest, PluginsAreToldWithTheirHashes) {
+TEST_F(InfoCommandTest, PluginsAndLibrariesAreToldWithTheirHashes) {
   RecordAndClose();
   {
     std::string error;
     const auto database = Database::Open(file_, Database::Access::kReadWrite, error);
     ASSERT_TRUE(database->Try("INSERT INTO meta VALUES('controllers', 'a b 0123456789abcdef, flock 00ff')"));
+    ASSERT_TRUE(database->Try("INSERT OR REPLACE INTO meta VALUES('libraries', 'libode.so.7 00ee')"));
   }
   Rechain(file_);
   EXPECT_EQ(Run(), kExitOk) << errors_.str() << out_.str();
   ExpectLine("plug-ins  a b (hash 0123456789abcdef), flock (hash 00ff)\n");
+  ExpectLine("libraries libode.so.7 (hash 00ee)\n");
   Run(Json());
   const boost::json::value value = boost::json::parse(out_.str());
   EXPECT_EQ(value.as_array()[0].as_object().at("controllers").at("flock").as_string(), "00ff");

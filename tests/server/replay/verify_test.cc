@@ -281,13 +281,27 @@ TEST_F(VerifyTest, AnEqualRunOfAnotherBuildAndProcessorHasNoWarning) {
   EXPECT_EQ(report.warning, "");
 }
 
+constexpr const char* kDiffers = "UPDATE step SET hash = hash + 1 WHERE step = 5;";
+
 TEST_F(VerifyTest, WhereARunDiffersAnotherBuildLibraryAndProcessorAreSaid) {
-  const VerifyReport report =
-      RecordedAs(std::string(kMadeElsewhere) + "UPDATE step SET hash = hash + 1 WHERE step = 5");
+  const VerifyReport report = RecordedAs(std::string(kMadeElsewhere) + kDiffers);
   EXPECT_TRUE(report.difference);
   EXPECT_EQ(report.warning, File() +
                                 " was made by another build (version test, 0123456789abcdef), with another "
-                                "libode.so.7, on another processor (Abacus)");
+                                "libode.so.7, on another processor (Abacus); repeat it with that build and "
+                                "those libraries (coopdyn info lists them)");
+}
+
+TEST_F(VerifyTest, WhereOnlyTheProcessorIsAnotherTheControllersAreNamed) {
+  const VerifyReport report =
+      RecordedAs(std::string("UPDATE meta SET value = 'Abacus' WHERE key = 'cpu';") + kDiffers);
+  EXPECT_EQ(report.warning, File() +
+                                " was made on another processor (Abacus); with the same build and libraries "
+                                "only a controller of yours computes otherwise there");
+}
+
+TEST_F(VerifyTest, AProcessorThatTheRunDoesNotNameIsNoOtherOne) {
+  EXPECT_EQ(RecordedAs(std::string("DELETE FROM meta WHERE key = 'cpu';") + kDiffers).warning, "");
 }
 
 }  // namespace
