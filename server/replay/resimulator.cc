@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "server/base/printable.h"
 #include "server/render/picture_maker.h"
 #include "server/sensing/channel_filters.h"
 
@@ -51,7 +52,7 @@ std::string OtherOrigin(const RunHeader& header) {
     if (std::ranges::none_of(here, same)) add("with another " + one.name);
   }
   if (header.cpu != CpuName()) add("on another processor (" + header.cpu + ")");
-  return text;
+  return Printable(text);
 }
 
 std::vector<std::string> OtherPlugins(const RunHeader& header, const Scene& scene) {
@@ -63,8 +64,8 @@ std::vector<std::string> OtherPlugins(const RunHeader& header, const Scene& scen
     if (recorded == header.controllers.end()) continue;
     const std::string now = FileHash(choice->file);
     if (now == recorded->hash) continue;
-    lines.push_back("controller " + choice->name + " is not the one that was recorded (hash " +
-                    recorded->hash + ", now " + (now.empty() ? "unreadable" : now) + ")");
+    lines.push_back(Printable("controller " + choice->name + " is not the one that was recorded (hash " +
+                              recorded->hash + ", now " + (now.empty() ? "unreadable" : now) + ")"));
   }
   return lines;
 }
