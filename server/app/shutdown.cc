@@ -11,6 +11,7 @@
 #include <array>
 #include <cerrno>
 #include <condition_variable>
+#include <csignal>
 #include <cstdint>
 #include <initializer_list>
 #include <mutex>
@@ -31,7 +32,12 @@ sigset_t SetOf(std::initializer_list<int> signals) {
 }  // namespace
 
 Shutdown::Shutdown() {
-  const sigset_t set = SetOf({SIGINT, SIGTERM, SIGHUP, SIGUSR1});
+  sigset_t set = SetOf({SIGINT, SIGTERM, SIGHUP, SIGUSR1});
+  struct sigaction at_hangup {};
+  ::sigaction(SIGHUP, nullptr, &at_hangup);
+  if (at_hangup.sa_handler == SIG_IGN) sigdelset(&set, SIGHUP);  // under nohup, we outlive the terminal
+  // A shell lets what it starts in the background take no notice of Ctrl-C; we end all the same.
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   signals_ = ::signalfd(-1, &set, SFD_CLOEXEC);
   request_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What the main thread waits for: SIGINT, SIGTERM, SIGHUP, `quit` and the end of the run end the daemon;
-// SIGUSR1 asks how the run stands.
+// SIGUSR1 asks how the run stands. Under nohup SIGHUP does nothing.
 #pragma once
 
 #include <csignal>

@@ -80,14 +80,14 @@ std::string PluginsText(const std::vector<PluginHash>& plugins) {
   return text;
 }
 
-std::vector<PluginHash> PluginsIn(std::string text) {
+std::vector<PluginHash> PluginsIn(const std::string& text) {
   std::vector<PluginHash> plugins;
-  for (text += ", "; !text.empty();) {
-    const std::size_t end = text.find(", "), space = text.rfind(' ', end - 1);
-    if (end > 0 && space != std::string::npos) {
-      plugins.push_back({text.substr(0, space), text.substr(space + 1, end - space - 1)});
-    }
-    text.erase(0, end + 2);
+  for (std::size_t start = 0; start < text.size();) {
+    const std::size_t end = std::min(text.find(", ", start), text.size());
+    const std::string one = text.substr(start, end - start);
+    const std::size_t space = one.rfind(' ');
+    if (space != std::string::npos) plugins.push_back({one.substr(0, space), one.substr(space + 1)});
+    start = end + 2;
   }
   return plugins;
 }

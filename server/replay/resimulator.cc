@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "server/base/printable.h"
 #include "server/render/picture_maker.h"
 #include "server/sensing/channel_filters.h"
 
@@ -54,7 +55,7 @@ std::string OtherOrigin(const RunHeader& header) {
       text.empty() ? "; with the same build and libraries only a controller of yours computes otherwise there"
                    : "; repeat it with that build and those libraries (coopdyn info lists them)";
   if (!header.cpu.empty() && header.cpu != CpuName()) add("on another processor (" + header.cpu + ")");
-  return text.empty() ? text : text + advice;
+  return text.empty() ? text : Printable(text) + advice;
 }
 
 std::vector<std::string> OtherPlugins(const RunHeader& header, const Scene& scene) {
@@ -66,8 +67,8 @@ std::vector<std::string> OtherPlugins(const RunHeader& header, const Scene& scen
     if (recorded == header.controllers.end()) continue;
     const std::string now = FileHash(choice->file);
     if (now == recorded->hash) continue;
-    lines.push_back("controller " + choice->name + " is not the one that was recorded (hash " +
-                    recorded->hash + ", now " + (now.empty() ? "unreadable" : now) + ")");
+    lines.push_back(Printable("controller " + choice->name + " is not the one that was recorded (hash " +
+                              recorded->hash + ", now " + (now.empty() ? "unreadable" : now) + ")"));
   }
   return lines;
 }

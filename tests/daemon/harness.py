@@ -19,6 +19,7 @@ import time
 from pathlib import Path
 
 BINARY = os.environ.get("COOPDYN_BINARY", "build/release/coopdyn")
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # for the programs: nohup may run the tests, which send it
 LIMIT_S = 60
 BOX = "[BOX_1]\ntype box\nsize 0.3 0.3 0.3\nposition 0.9 0.1\nmass 1\n"
 

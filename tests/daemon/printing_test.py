@@ -9,6 +9,7 @@ import unittest
 from pathlib import Path
 
 from harness import BINARY, Daemon, frame, scenario
+from recording import change
 
 NASTY = "a\x1b[2J\x1b]0;owned\x07\u202eb\u2066c\u200b\x9b31m"
 FORBIDDEN = [chr(code) for code in (*range(0x0, 0xA), *range(0xB, 0x20), *range(0x7F, 0xA0), 0x202E, 0x2066, 0x200B)]
@@ -77,6 +78,19 @@ class PrintingTest(unittest.TestCase):
             Path(f"{folder}/a.run").rename(name)
             for command in (["info", name, "--events"], ["info", name, "--json"], ["verify", name]):
                 self.check(run(*command))
+
+    def test_a_recording_of_a_machine_with_a_nasty_name(self):
+        with tempfile.TemporaryDirectory() as folder:
+            name = f"{folder}/a.run"
+            with Daemon(scenario(1, mode="free"), "--record", name, "--paused"):
+                pass
+            change(name, "UPDATE step SET hash = 0")
+            for key in ("cpu", "version", "build", "libraries", "controllers"):
+                change(name, "UPDATE meta SET value = ? WHERE key = ?", f"{NASTY}\nequal, 9 steps{'x' * 100000} 1", key)
+            for command in (["info", name], ["verify", name]):
+                said = self.check(run(*command))
+                self.assertNotIn("\nequal", said)
+            self.assertIn("made by another build", said)
 
     def test_a_peer_that_answers_nasty_names(self):
         def answer(connection):

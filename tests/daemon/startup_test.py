@@ -244,6 +244,15 @@ def thread_names(process):
     return names
 
 
+@contextlib.contextmanager
+def many_robots():
+    """The file of a scenario that takes some time to start."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "many.scenario"
+        file.write_text("[FLOOR]\nsize 1000 1000 0.1\n[SWARM_1]\ntype minibot\nname ant\ncount 100000\nsockets no\n")
+        yield file
+
+
 class EndTest(unittest.TestCase):
     def test_signals_end_the_daemon_under_load_with_exit_code_0(self):
         for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -273,9 +282,7 @@ class EndTest(unittest.TestCase):
                     worker.join()
 
     def test_a_signal_while_it_starts_ends_it_at_once(self):
-        with tempfile.TemporaryDirectory() as folder:
-            file = Path(folder) / "many.scenario"
-            file.write_text("[FLOOR]\nsize 1000 1000 0.1\n[SWARM_1]\ntype minibot\nname ant\ncount 100000\nsockets no\n")
+        with many_robots() as file:
             process = subprocess.Popen([BINARY, "serve", file, "--port", "0"], stdout=subprocess.PIPE)
             self.addCleanup(process.stdout.close)
             self.addCleanup(process.kill)
@@ -283,6 +290,25 @@ class EndTest(unittest.TestCase):
             process.send_signal(signal.SIGTERM)
             self.assertEqual(process.wait(LIMIT_S), -signal.SIGTERM)
             self.assertEqual(process.stdout.read(), b"", "it was not ready")
+
+    def test_nohup_keeps_it_from_its_terminals_end_and_ctrl_c_ends_it_in_the_background_too(self):
+        def as_nohup_in_a_script():
+            signal.signal(signal.SIGHUP, signal.SIG_IGN)
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # as sh does to what it starts with &
+
+        with Daemon(before_exec=as_nohup_in_a_script) as daemon:
+            daemon.process.send_signal(signal.SIGHUP)
+            daemon.process.send_signal(signal.SIGUSR1)  # of signals that wait, the lower number is taken first
+            until(lambda: "so far" in daemon.stderr())
+            self.assertEqual(daemon.end(signal.SIGINT), 0)
+        with many_robots() as file:
+            process = subprocess.Popen([BINARY, "serve", file, "--port", "0"], stdout=subprocess.PIPE, preexec_fn=as_nohup_in_a_script)
+            self.addCleanup(process.stdout.close)
+            self.addCleanup(process.kill)
+            until(lambda: "signals" in thread_names(process.pid))
+            process.send_signal(signal.SIGHUP)
+            process.send_signal(signal.SIGINT)
+            self.assertEqual(process.wait(LIMIT_S), -signal.SIGINT)
 
     def test_waiting_clients_get_a_notice_when_the_daemon_ends(self):
         with Daemon(scenario(2)) as daemon:

@@ -12,6 +12,7 @@ import json
 import math
 import os
 import pathlib
+import re
 import shlex
 import signal
 import socket
@@ -25,7 +26,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "clients" / "python"))
 import coopdyn  # noqa: E402
 
-HASHES = ROOT / "tests" / "golden" / "hashes.json"
+HASH = re.compile("[0-9a-f]{16}")
 STEPS, ROUND, CROWD_ROUND = 1500, 5, 50
 SEED = "3"
 HIDDEN = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F"}
@@ -60,6 +61,27 @@ def numbers(reading):
             yield from numbers(value.values())
         elif value is not None and not isinstance(value, str):
             yield from numbers(value)
+
+
+def read_hashes(file, names):
+    """{name: hash}, one for each of `names` and no other; or the program ends and says what is wrong."""
+    try:
+        hashes = json.loads(file.read_bytes())
+    except (OSError, ValueError) as error:
+        sys.exit(f"{file} cannot be read ({error}): get it back from the repository")
+    if not isinstance(hashes, dict) or not all(isinstance(value, str) and HASH.fullmatch(value) for value in hashes.values()):
+        sys.exit(f"{file} is damaged: it has to be an object of names and hashes of 16 hex digits: get it back from the repository")
+    if wrong := sorted(hashes.keys() ^ names):
+        sys.exit(f"{file} has not the names of what ships ({', '.join(wrong)}): write it anew with --write")
+    return hashes
+
+
+def choose(names, only, without):
+    for word in filter(None, [*only.split(","), *without.split(",")]):
+        if not any(word in name for name in names):
+            sys.exit(f"--only, --without: no entry has {word} in its name: {', '.join(sorted(names))}")
+    chosen = [name for name in names if has_one(name, only or name) and not has_one(name, without)]
+    return chosen or sys.exit("--only, --without: nothing is left to be compared")
 
 
 def lean(reading):
@@ -222,19 +244,23 @@ def main():
     parser.add_argument("--as", dest="how", choices=("plain", "other"), default="plain")
     parser.add_argument("--under", default="", help="what runs the program, as qemu-x86_64")
     parser.add_argument("--write", action="store_true", help="write hashes.json, if the hashes are to change")
+    parser.add_argument("--hashes", type=pathlib.Path, default=ROOT / "tests" / "golden" / "hashes.json", help="the file")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     given = parser.parse_args()
-    golden = json.loads(HASHES.read_text()) if HASHES.exists() else {}
-    chosen = {name: what for name, what in entries().items() if has_one(name, given.only or name) and not has_one(name, given.without)}
+    shipped = entries()
+    chosen = {name: shipped[name] for name in choose(shipped, given.only, given.without)}
+    golden = {} if given.write else read_hashes(given.hashes, shipped.keys())
     program = [*shlex.split(given.under), given.program]
     with concurrent.futures.ThreadPoolExecutor(given.jobs) as pool:
         hashes = dict(zip(chosen, pool.map(lambda what: hash_of(program, what, given.how == "other"), chosen.values())))
     if given.write:
-        HASHES.write_text(json.dumps(golden | hashes, indent=1, sort_keys=True) + "\n")
+        kept = json.loads(given.hashes.read_text()) if len(hashes) < len(shipped) else {}
+        kept = {name: value for name, value in kept.items() if name in shipped}
+        given.hashes.write_text(json.dumps(kept | hashes, indent=1, sort_keys=True) + "\n")
         return 0
-    differ = [name for name in chosen if hashes[name] != golden.get(name)]
+    differ = [name for name in chosen if hashes[name] != golden[name]]
     for name in differ:
-        print(f"{name}: {hashes[name]}, not {golden.get(name)}")
+        print(f"{name}: {hashes[name]}, not {golden[name]}")
     print(f"{len(chosen) - len(differ)} equal, {len(differ)} differ")
     return bool(differ)
 

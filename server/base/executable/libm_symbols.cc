@@ -2,6 +2,10 @@
 // Part of every program of ours that links coopdyn_base. It stands before libm in the order in which names
 // are looked up, so that what libraries compute between a file and the hash (libsdformat's poses, libassimp's
 // nodes, ODE's joints) has the same bits on every machine, too.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 #include "server/base/portable_loaded.h"
 #include "server/base/portable_math.h"
 
@@ -69,8 +73,12 @@ double atan2(double x, double y) noexcept {
 double pow(double x, double y) noexcept {
   return portable::Pow(x, y);
 }
+/// Of all numbers, as libm's: squares that would overflow, or be too small, are scaled by a power of two.
 double hypot(double x, double y) noexcept {
-  return portable::Hypot(x, y);
+  const double most = std::max(std::abs(x), std::abs(y));
+  if (std::isinf(x) || std::isinf(y)) return std::numeric_limits<double>::infinity();
+  const double scale = most > 1e150 ? 0x1p-600 : most < 1e-140 ? 0x1p600 : 1;
+  return portable::Hypot(x * scale, y * scale) / scale;
 }
 void sincos(double x, double* sine, double* cosine) noexcept {
   const auto [sin, cos] = portable::SinCos(x);

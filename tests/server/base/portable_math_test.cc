@@ -115,6 +115,23 @@ TEST(PortableMathTest, WhatALibraryCallsIsOurs) {
   }
 }
 
+TEST(PortableMathTest, TheLengthThatALibraryAsksForIsRightForEachNumber) {
+  constexpr double kInf = std::numeric_limits<double>::infinity(),
+                   kNan = std::numeric_limits<double>::quiet_NaN();
+  for (const double size :
+       {5e-324, 3e-320, 2e-308, 1e-300, 1e-200, 1e-155, 1e-139, 1.0, 1e149, 1e151, 1e200, 5e307}) {
+    const volatile double x = size, y = 0.75 * size;
+    const auto exact = std::hypot(static_cast<long double>(x), static_cast<long double>(y));
+    EXPECT_LE(UlpsOff(std::hypot(x, y), exact), 1.0) << size;
+    EXPECT_EQ(std::hypot(-x, 0.0), size);
+  }
+  volatile double infinite = -kInf, none = kNan;
+  EXPECT_EQ(std::hypot(infinite, none), kInf);
+  EXPECT_EQ(std::hypot(none, infinite), kInf);
+  EXPECT_TRUE(std::isnan(std::hypot(none, 1e300)));
+  EXPECT_TRUE(std::isnan(std::hypot(1.0, none)));
+}
+
 TEST(PortableMathTest, SpecialValuesAreThoseOfTheStandard) {
   constexpr double kInf = std::numeric_limits<double>::infinity();
   EXPECT_EQ(portable::Sin(0), 0);

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "server/record/run_reader.h"
+#include "server/record/sqlite_db.h"
 #include "tests/cpu.h"
 #include "tests/server/record/run_reader_sample.h"
 
@@ -72,6 +73,26 @@ TEST_F(LinearRunTest, StepsAtTimes) {
       reader.Inputs(step, step);
     }
   });
+}
+
+TEST_F(LinearRunTest, AHeaderWithManyLibraries) {
+  constexpr std::size_t kLibraries = 20000;
+  const auto file = [this](std::size_t count) { return folder_.File(std::to_string(count) + ".run"); };
+  for (const std::size_t count : {kLibraries, 8 * kLibraries}) {
+    sample_.Write(file(count), {.steps = 1});
+    std::string error;
+    Database::Open(file(count), Database::Access::kReadWrite, error)
+        ->Run("INSERT OR REPLACE INTO meta VALUES('libraries', replace(hex(zeroblob(" +
+              std::to_string(count) + ")), '00', ', l 0'))");
+  }
+  ExpectLinear(
+      [&](std::size_t count) {
+        std::string error;
+        const auto reader = RunReader::Open(file(count), error);
+        ASSERT_NE(reader, nullptr) << error;
+        EXPECT_EQ(reader->header().libraries.size(), count);
+      },
+      kLibraries);
 }
 
 }  // namespace
