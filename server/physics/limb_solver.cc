@@ -35,8 +35,11 @@ void LimbSolver::Load(std::uint32_t thing, const Actor& actor, std::span<const C
   member.first_node = forest_.Add(mechanism, {actor.bodies, mechanism.bodies.size()});
   member.first_effort = efforts_.size();
   member.channels = channels;
+  member.rows = rows;
+  member.bodies = {actor.bodies, mechanism.bodies.size()};
   efforts_.resize(efforts_.size() + mechanism.joints.size());
   pushes_.resize(static_cast<std::size_t>(forest_.dof_count()));
+  step_s_ = dt_s;
   DriveJoints(member, rows, dt_s);
 }
 
@@ -47,7 +50,7 @@ void LimbSolver::Unload() {
   forest_.Clear();
   motors_.clear();
   rows_.clear();
-  touches_ = false;
+  touches_ = holds_ = false;
   measured_.clear();
   rubbing_.clear();
   jacobian_.clear();
@@ -163,30 +166,39 @@ std::span<const Vector3> LimbSolver::AddContact(const dContact& contact, int nod
 }
 
 LimbSolver::Outcome LimbSolver::Step(double dt_s) {
-  for (const Member& member : members_) {
-    for (const int joint : member.mechanism->tree.loops) CloseLoop(member, joint, dt_s);
-    Couple(member, dt_s);
-  }
-  forest_.Begin(settings_.gravity_m_s2, dt_s);
-  FitSprings(dt_s);
-  bool is_solved = Settle(false);
-  if (is_solved && TakeMeanForces()) is_solved = Settle(true);
+  const bool flies = !touches_ && !holds_;
+  const bool is_solved = flies ? Fly(dt_s) : FindRates(dt_s);
   if (!std::isfinite(std::accumulate(rates_.begin(), rates_.end(), 0.0))) return Outcome::kInsane;
-  for (const Motor& motor : motors_) {
-    if (motor.effort != kNowhere) efforts_[motor.effort] += motor.applied / dt_s;
-  }
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
-    if (rows_[i].effort == kNone) continue;
-    efforts_[static_cast<std::size_t>(rows_[i].effort)] += impulses_[static_cast<Eigen::Index>(i)] / dt_s;
-  }
+  if (!flies) AddEfforts();
   for (std::size_t i = 0; i < measured_.size(); ++i) {
     for (std::size_t k = 0; k < rubbing_[i].count; ++k) {
       const double impulse = impulses_[static_cast<Eigen::Index>(rubbing_[i].first_row + k)];
       measured_[i].force_W += impulse / dt_s * rubbing_[i].directions[k];
     }
   }
-  forest_.Move(rates_, dt_s);
+  if (!flies) forest_.Move(rates_, dt_s);
   return is_solved ? Outcome::kSolved : Outcome::kNear;
+}
+
+bool LimbSolver::FindRates(double dt_s) {
+  for (const Member& member : members_) {
+    for (const int joint : member.mechanism->tree.loops) CloseLoop(member, joint, dt_s);
+    Couple(member, dt_s);
+  }
+  forest_.Begin(settings_.gravity_m_s2, dt_s);
+  FitSprings(dt_s);
+  const bool is_solved = Settle(false);
+  return is_solved && TakeMeanForces() ? Settle(true) : is_solved;
+}
+
+void LimbSolver::AddEfforts() {
+  for (const Motor& motor : motors_) {
+    if (motor.effort != kNowhere) efforts_[motor.effort] += motor.applied / step_s_;
+  }
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    if (rows_[i].effort == kNone) continue;
+    efforts_[static_cast<std::size_t>(rows_[i].effort)] += impulses_[static_cast<Eigen::Index>(i)] / step_s_;
+  }
 }
 
 bool LimbSolver::Settle(bool is_again) {

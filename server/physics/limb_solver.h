@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -62,6 +63,8 @@ class LimbSolver {
     int first_node = 0;
     std::size_t first_effort = 0;  // of efforts_, by joint
     std::span<const ChannelState> channels;
+    std::span<const JointRow> rows;
+    std::span<const BodyState> bodies;  // at the step's beginning
   };
   /// v + softness · impulse = target on one degree of freedom, with a bounded impulse.
   struct Motor {
@@ -136,6 +139,21 @@ class LimbSolver {
   /// rates_ at the step's end; whether all is exact, as far as the method goes. `is_again`: with other forces
   /// of the forest than before.
   bool Settle(bool is_again);
+  /// The rates at the step's end, rates_, where forest_ is; whether they are exact.
+  bool FindRates(double dt_s);
+  /// Moves on what touches nothing and is held by no motor; rates_ are then those of the end. Whether all is
+  /// exact. In limb_flight.cc, as what follows.
+  bool Fly(double dt_s);
+  struct Flight {
+    bool is_solved = true;
+    double work_j = 0;  // of motors and rows
+  };
+  /// A step in `parts` of `dt_s`; nothing if one of the joints swings too fast for that.
+  std::optional<Flight> FlyParts(int parts, double dt_s, double most_swing_rad);
+  /// Adds what motors and rows applied to efforts_, as a share of the whole step.
+  void AddEfforts();
+  /// Work of motors and rows in the change from the rates `before` to rates_.
+  double WorkSince(std::span<const double> before) const;
   /// Coriolis, centrifugal and gyroscopic forces at the mean of the rates before the step and rates_; whether
   /// that changes anything.
   bool TakeMeanForces();
@@ -175,6 +193,8 @@ class LimbSolver {
   std::vector<double> pushes_;                            // impulses by degree of freedom
   std::vector<double> added_, state_, rates_, mean_, momentum_, efforts_, column_;
   bool touches_ = false;  // a contact is among the rows
+  bool holds_ = false;    // a motor holds a rate or a place
+  double step_s_ = 0;     // length of the whole step
   Eigen::MatrixXd A_;
   Eigen::VectorXd b_, lower_, upper_, impulses_;
 };

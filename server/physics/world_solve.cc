@@ -129,7 +129,7 @@ void PhysicsWorld::MakeBatches() {
   std::size_t open = 0;  // 0: none
   for (const std::uint32_t root : islands_.roots()) {
     std::size_t at = 0;
-    if (HasLimbs(root)) {
+    if (HasLimbs(root) || Flies(root)) {
       at = batch_count_;
       NextBatch(Method::kLimbs);
     } else if (islands_.RowsOf(root) <= kMaxDirectRows) {
