@@ -108,7 +108,8 @@ TEST_P(FreeMotionTest, AThrownBoxKeepsEnergyMomentumAndItsParabola) {
   scene_.step_length = GetParam() * 1'000'000;
   const Vector3 size_m(0.1, 0.2, 0.4);
   constexpr double kMass_kg = 2;
-  const Vector3 inertia_kg_m2 = kMass_kg / 12 * (Vector3::Constant(size_m.squaredNorm()) - size_m.cwiseAbs2());
+  const Vector3 inertia_kg_m2 =
+      kMass_kg / 12 * (Vector3::Constant(size_m.squaredNorm()) - size_m.cwiseAbs2());
   scene_.Add(Box{size_m}, {{0, 0, 3}, Quaternion::Identity()}, kMass_kg);
   scene_.Build();
   auto frame = scene_.Capture();
