@@ -91,6 +91,8 @@ class Forest {
   double SwingRate_rad_s() const;
   /// How fast the fastest of what turns about any axis turns: what floats, and ball joints.
   double FreeTurnRate_rad_s() const;
+  /// And of all bodies.
+  double TurnRate_rad_s() const;
   /// The next step begins where Move() at `rates` has come to.
   void Continue(std::span<const double> rates);
   /// Takes `energy_j` out of the motion of bodies against each other: neither momentum nor angular momentum

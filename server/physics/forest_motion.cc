@@ -264,6 +264,12 @@ void Forest::Place(Node& node, std::span<const double> rates, double dt_s) {
   Orient(body, (node.R_WR * node.rigid->X_RB.q).normalized());
 }
 
+double Forest::TurnRate_rad_s() const {
+  double most = 0;
+  for (const Node& node : nodes_) most = std::max(most, node.state.w_WB.squaredNorm());
+  return std::sqrt(most);
+}
+
 double Forest::FreeTurnRate_rad_s() const {
   double most = 0;
   for (const Node& node : nodes_) {

@@ -110,6 +110,11 @@ void LimbSolver::Resist(const Member& member, int joint, double friction, bool c
              model.stiffness);
   }
   if (friction > 0) AddMotor(member, joint, 0, 0, -friction * dt_s, friction * dt_s, counts);
+  AddStops(member, joint, position, dt_s);
+}
+
+void LimbSolver::AddStops(const Member& member, int joint, double position, double dt_s) {
+  const JointModel& model = *member.mechanism->joints[static_cast<std::size_t>(joint)].model;
   // Far enough that no impact gets beyond it in a substep.
   constexpr double kNear_rad_s = 10;
   if (position - model.lower < kNear_rad_s * dt_s) AddStop(member, joint, -1, position - model.lower, dt_s);
@@ -152,11 +157,11 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
     } else if (joint.control >= 0) {
       const JointRow& row = rows[static_cast<std::size_t>(joint.control)];
       const ControlMode mode = member.channels[static_cast<std::size_t>(joint.channel)].setpoint.mode;
-      holds_ |= !row.shares.empty() || row.stop != 0 || row.stiffness > 0 || mode == ControlMode::kPosition ||
+      holds_ |= !row.shares.empty() || row.stiffness > 0 || mode == ControlMode::kPosition ||
                 mode == ControlMode::kDirect || mode == ControlMode::kVelocity;
       if (!row.shares.empty()) {
         DriveByTrain(member, index, row.shares, dt_s);
-      } else if (row.stop != 0) {
+      } else if (row.stop != 0 && !flies_) {
         AddStop(member, index, row.stop, row.gap, dt_s);
       } else if (row.max_effort > 0) {
         const std::size_t first = motors_.size();
@@ -167,12 +172,16 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
         if (motors_.size() > first && std::abs(effort) > kGivenIn * row.max_effort)
           motors_.back().gives_in = effort > 0 ? 1 : -1;
       }
+      // The row's stop is that of the whole step's beginning.
+      if (flies_) {
+        const double last = member.channels[static_cast<std::size_t>(joint.channel)].position;
+        AddStops(member, index, PositionNear(member, index, last), dt_s);
+      }
       if (row.effort != 0) {
         Push(member, index, row.effort * dt_s);
         efforts_[member.first_effort + i] += dt_s / step_s_ * row.effort;
       }
     } else if (joint.channel >= 0) {
-      holds_ = true;
       const Setpoint& wanted = member.channels[static_cast<std::size_t>(joint.channel)].setpoint;
       double most = joint.max_effort;
       if (joint.limiter >= 0)
@@ -292,9 +301,12 @@ double LimbSolver::JointRate(std::uint32_t thing, std::size_t joint) const {
 }
 
 double LimbSolver::JointPosition(std::uint32_t thing, std::size_t joint, double last) const {
-  const Member& member = members_[static_cast<std::size_t>(member_of_[thing])];
-  const double position = PositionOf(member, static_cast<int>(joint));
-  const Kind kind = member.mechanism->joints[joint].model->kind;
+  return PositionNear(members_[static_cast<std::size_t>(member_of_[thing])], static_cast<int>(joint), last);
+}
+
+double LimbSolver::PositionNear(const Member& member, int joint, double last) const {
+  const double position = PositionOf(member, joint);
+  const Kind kind = member.mechanism->joints[static_cast<std::size_t>(joint)].model->kind;
   if (kind != Kind::kHinge) return position;
   return last + std::remainder(position - last, 2 * std::numbers::pi);
 }

@@ -17,6 +17,9 @@ constexpr int kIterations = 80;
 constexpr int kMotorRounds = 12;
 // Rates at which the step's mean forces change something while others touch: rad/s, m/s.
 constexpr double kMattersInContact = 0.1;
+// Where a body turns farther than this in a step, the step's energy is looked at: an error of the method may
+// add this share of the kinetic energy.
+constexpr double kFast_rad = 0.1, kMostGain = 0.01;
 
 }  // namespace
 
@@ -50,7 +53,7 @@ void LimbSolver::Unload() {
   forest_.Clear();
   motors_.clear();
   rows_.clear();
-  touches_ = holds_ = false;
+  touches_ = holds_ = flies_ = false;
   measured_.clear();
   rubbing_.clear();
   jacobian_.clear();
@@ -166,18 +169,34 @@ std::span<const Vector3> LimbSolver::AddContact(const dContact& contact, int nod
 }
 
 LimbSolver::Outcome LimbSolver::Step(double dt_s) {
-  const bool flies = !touches_ && !holds_;
-  const bool is_solved = flies ? Fly(dt_s) : FindRates(dt_s);
+  flies_ = !touches_ && !holds_;
+  const bool is_solved = flies_ ? Fly(dt_s) : Push(dt_s);
   if (!std::isfinite(std::accumulate(rates_.begin(), rates_.end(), 0.0))) return Outcome::kInsane;
-  if (!flies) AddEfforts();
   for (std::size_t i = 0; i < measured_.size(); ++i) {
     for (std::size_t k = 0; k < rubbing_[i].count; ++k) {
       const double impulse = impulses_[static_cast<Eigen::Index>(rubbing_[i].first_row + k)];
       measured_[i].force_W += impulse / dt_s * rubbing_[i].directions[k];
     }
   }
-  if (!flies) forest_.Move(rates_, dt_s);
   return is_solved ? Outcome::kSolved : Outcome::kNear;
+}
+
+bool LimbSolver::Push(double dt_s) {
+  const bool is_fast = forest_.TurnRate_rad_s() * dt_s > kFast_rad;
+  const double before_j = is_fast ? forest_.Energy_j(settings_.gravity_m_s2) : 0;
+  const bool is_solved = FindRates(dt_s);
+  AddEfforts();
+  forest_.Move(rates_, dt_s);
+  if (!is_fast) return is_solved;
+  const double gained_j = forest_.Energy_j(settings_.gravity_m_s2) - before_j - WorkSince(forest_.rates());
+  const double kinetic_j = forest_.Energy_j(0), most_j = kMostGain * kinetic_j;
+  if (gained_j > most_j && !touches_) forest_.Slow(gained_j - most_j, rates_);
+  if (gained_j > most_j && touches_) {
+    const double scale = std::sqrt(std::max(0.0, 1 - (gained_j - most_j) / kinetic_j));
+    for (double& rate : rates_) rate *= scale;
+    forest_.Move(rates_, 0);
+  }
+  return is_solved;
 }
 
 bool LimbSolver::FindRates(double dt_s) {

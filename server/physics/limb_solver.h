@@ -111,11 +111,15 @@ class LimbSolver {
   /// it has none.
   void Resist(const Member& member, int joint, double friction, bool counts, double dt_s);
   void Steer(const Member& member, int joint, double dt_s);
+  /// Those that the joint at `position` may reach.
+  void AddStops(const Member& member, int joint, double position, double dt_s);
   void AddStop(const Member& member, int joint, int side, double gap, double dt_s);
   void Push(const Member& member, int joint, double impulse);
   void CloseLoop(const Member& member, int joint, double dt_s);
   void Couple(const Member& member, double dt_s);
   double PositionOf(const Member& member, int joint) const;
+  /// As JointPosition().
+  double PositionNear(const Member& member, int joint, double last) const;
   /// A muscle: where it pulls, between which nodes.
   struct Pull {
     int from = kNone, to = kNone;
@@ -139,6 +143,8 @@ class LimbSolver {
   /// rates_ at the step's end; whether all is exact, as far as the method goes. `is_again`: with other forces
   /// of the forest than before.
   bool Settle(bool is_again);
+  /// A step by its begin: what touches, or is held.
+  bool Push(double dt_s);
   /// The rates at the step's end, rates_, where forest_ is; whether they are exact.
   bool FindRates(double dt_s);
   /// Moves on what touches nothing and is held by no motor; rates_ are then those of the end. Whether all is
@@ -194,6 +200,7 @@ class LimbSolver {
   std::vector<double> added_, state_, rates_, mean_, momentum_, efforts_, column_;
   bool touches_ = false;  // a contact is among the rows
   bool holds_ = false;    // a motor holds a rate or a place
+  bool flies_ = false;    // the step is a flight
   double step_s_ = 0;     // length of the whole step
   Eigen::MatrixXd A_;
   Eigen::VectorXd b_, lower_, upper_, impulses_;
