@@ -40,6 +40,8 @@ class LimbSolver {
   /// Advances what is loaded; not if there is no sane solution. kNear: some bound or motor is not met
   /// exactly.
   Outcome Step(double dt_s);
+  /// What is loaded touches nothing, and no motor holds it; after Step().
+  bool flies() const { return flies_; }
   /// The state of body `body` of a loaded thing; its sleep counter is 0.
   BodyState Read(std::uint32_t thing, std::size_t body) const;
   /// Rate of a driven joint of a loaded thing, rad/s or m/s; its position, rad or m, beyond ±π too: the one

@@ -290,6 +290,9 @@ void PhysicsWorld::ReadBatch(Batch& batch, const Solver& solver, double dt_s) {
       Freeze(thing, *why, batch);
       continue;
     }
+    if constexpr (std::is_same_v<Solver, LimbSolver>) {
+      if (solver.flies()) measures_.AddFlight(thing, share_);
+    }
     const std::vector<double> rates_before = RatesOf(thing);
     for (std::size_t k = info.mechanism->fixed_base ? 1 : 0; k < bodies.size(); ++k) {
       const std::uint64_t counter = bodies[k].sleep_counter;
