@@ -20,6 +20,12 @@ namespace coopdyn {
 /// Angular part (rad/s or N m) first, then linear (m/s or N).
 using Spatial = Eigen::Matrix<double, 6, 1>;
 
+inline Spatial Join(const Vector3& angular, const Vector3& linear) {
+  Spatial joined;
+  joined << angular, linear;
+  return joined;
+}
+
 /// Angle of a rotation about `axis`, in [-π, π].
 double AngleAbout(const Quaternion& q, const Vector3& axis);
 
@@ -79,6 +85,21 @@ class Forest {
 
   /// Moves everything on by `dt_s` at `rates`.
   void Move(std::span<const double> rates, double dt_s);
+  bool IsViolent() const;
+  /// After Begin(): roughly the frequency, rad/s, at which the fastest of the joints swings that carry what
+  /// hangs on them.
+  double SwingRate_rad_s() const;
+  /// How fast the fastest of what turns about any axis turns: what floats, and ball joints.
+  double FreeTurnRate_rad_s() const;
+  /// And of all bodies.
+  double TurnRate_rad_s() const;
+  /// The next step begins where Move() at `rates` has come to.
+  void Continue(std::span<const double> rates);
+  /// Takes `energy_j` out of the motion of bodies against each other: neither momentum nor angular momentum
+  /// of what floats changes. `rates`: of the last Move(), made slower (or faster).
+  void Slow(double energy_j, std::span<double> rates);
+  /// Kinetic and potential energy, J, after Add() or Move().
+  double Energy_j(double gravity_m_s2) const;
   /// A node's body, after Move() at its end; its sleep counter is 0.
   const BodyState& body(int node) const { return at(nodes_, node).state; }
   /// A direction, and a point, of the model as a node's body carries it; and how the child's model is turned
@@ -116,6 +137,12 @@ class Forest {
     Spatial force;           // then of all that hangs on it: momentum to come
   };
 
+  /// A point of the model as a node's body carries it.
+  static Vector3 Carried(const Node& node, const Vector3& p_R) {
+    return node.state.p_WB + node.R_WR * (p_R - node.rigid->X_RB.p);
+  }
+  /// About p_W.
+  static Inertia InertiaOf(const Node& node, const Vector3& p_W);
   void AddUp(std::span<const double> rates, bool at_start);
   void AddDofs(Node& node, int index);
   /// Where a joint stands, from its two bodies.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What works on the joints of an island with limbs: motors, springs, friction, stops, loops, couplings.
+// What works on the joints of an island with limbs: motors, springs, friction, stops, loops, couplings,
+// muscles, thrusters.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -109,6 +110,11 @@ void LimbSolver::Resist(const Member& member, int joint, double friction, bool c
              model.stiffness);
   }
   if (friction > 0) AddMotor(member, joint, 0, 0, -friction * dt_s, friction * dt_s, counts);
+  AddStops(member, joint, position, dt_s);
+}
+
+void LimbSolver::AddStops(const Member& member, int joint, double position, double dt_s) {
+  const JointModel& model = *member.mechanism->joints[static_cast<std::size_t>(joint)].model;
   // Far enough that no impact gets beyond it in a substep.
   constexpr double kNear_rad_s = 10;
   if (position - model.lower < kNear_rad_s * dt_s) AddStop(member, joint, -1, position - model.lower, dt_s);
@@ -150,9 +156,12 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
       Thrust(member, index, dt_s);
     } else if (joint.control >= 0) {
       const JointRow& row = rows[static_cast<std::size_t>(joint.control)];
+      const ControlMode mode = member.channels[static_cast<std::size_t>(joint.channel)].setpoint.mode;
+      holds_ |= !row.shares.empty() || row.stiffness > 0 || mode == ControlMode::kPosition ||
+                mode == ControlMode::kDirect || mode == ControlMode::kVelocity;
       if (!row.shares.empty()) {
         DriveByTrain(member, index, row.shares, dt_s);
-      } else if (row.stop != 0) {
+      } else if (row.stop != 0 && !flies_) {
         AddStop(member, index, row.stop, row.gap, dt_s);
       } else if (row.max_effort > 0) {
         const std::size_t first = motors_.size();
@@ -163,9 +172,14 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
         if (motors_.size() > first && std::abs(effort) > kGivenIn * row.max_effort)
           motors_.back().gives_in = effort > 0 ? 1 : -1;
       }
+      // The row's stop is that of the whole step's beginning.
+      if (flies_) {
+        const double last = member.channels[static_cast<std::size_t>(joint.channel)].position;
+        AddStops(member, index, PositionNear(member, index, last), dt_s);
+      }
       if (row.effort != 0) {
         Push(member, index, row.effort * dt_s);
-        efforts_[member.first_effort + i] += row.effort;
+        efforts_[member.first_effort + i] += dt_s / step_s_ * row.effort;
       }
     } else if (joint.channel >= 0) {
       const Setpoint& wanted = member.channels[static_cast<std::size_t>(joint.channel)].setpoint;
@@ -175,6 +189,7 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
       AddMotor(member, index, wanted.reference, 0, most * dt_s);
     } else if (model.has_axis() && (model.is_resisted() || model.has_stop() || joint.steers >= 0)) {
       if (joint.steers >= 0) Steer(member, index, dt_s);
+      holds_ |= joint.steers >= 0;
       Resist(member, index, model.friction, true, dt_s);
     }
   }
@@ -286,11 +301,81 @@ double LimbSolver::JointRate(std::uint32_t thing, std::size_t joint) const {
 }
 
 double LimbSolver::JointPosition(std::uint32_t thing, std::size_t joint, double last) const {
-  const Member& member = members_[static_cast<std::size_t>(member_of_[thing])];
-  const double position = PositionOf(member, static_cast<int>(joint));
-  const Kind kind = member.mechanism->joints[joint].model->kind;
+  return PositionNear(members_[static_cast<std::size_t>(member_of_[thing])], static_cast<int>(joint), last);
+}
+
+double LimbSolver::PositionNear(const Member& member, int joint, double last) const {
+  const double position = PositionOf(member, joint);
+  const Kind kind = member.mechanism->joints[static_cast<std::size_t>(joint)].model->kind;
   if (kind != Kind::kHinge) return position;
   return last + std::remainder(position - last, 2 * std::numbers::pi);
+}
+
+LimbSolver::Pull LimbSolver::PullOf(const Member& member, int joint) const {
+  const JointModel& model = *member.mechanism->joints[static_cast<std::size_t>(joint)].model;
+  const Hinge hinge = HingeOf(member, joint);
+  Pull pull;
+  pull.from = hinge.parent;
+  pull.to = hinge.child;
+  pull.p_from_W = forest_.Point(hinge.parent, model.muscle->p_from_R);
+  pull.p_to_W = forest_.Point(hinge.child, model.muscle->p_to_R);
+  const Vector3 way = pull.p_to_W - pull.p_from_W;
+  pull.length_m = way.norm();
+  constexpr double kNothing_m = 1e-9;
+  pull.direction_W = pull.length_m > kNothing_m ? Vector3(way / pull.length_m) : Vector3(Vector3::Zero());
+  return pull;
+}
+
+// F(u) of the shortening speed u falls: its tangent at the speed of now is a row, u + softness · impulse =
+// target, so that the muscle damps at the end of the step.
+void LimbSolver::AddMuscle(const Member& member, int joint, double dt_s) {
+  const Joint& of = member.mechanism->joints[static_cast<std::size_t>(joint)];
+  const MuscleModel& muscle = *of.model->muscle;
+  if (of.channel < 0) return;
+  const Setpoint& wanted = member.channels[static_cast<std::size_t>(of.channel)].setpoint;
+  const double activation = wanted.mode == ControlMode::kPwm ? std::clamp(wanted.reference, 0.0, 1.0) : 0;
+  const Pull pull = PullOf(member, joint);
+  const double most_n = activation * muscle.max_force_n * LengthFactor(muscle, pull.length_m);
+  if (!(most_n > 0) || pull.direction_W.isZero(0)) return;
+  const Vector3 none = Vector3::Zero();
+  Row& row = rows_.emplace_back();
+  row.effort = static_cast<int>(member.first_effort + static_cast<std::size_t>(joint));
+  AddWrench(pull.to, pull.p_to_W, none, -pull.direction_W, row);
+  AddWrench(pull.from, pull.p_from_W, none, pull.direction_W, row);
+  row.softness = kRigid;
+  row.lower = row.upper = most_n * dt_s;
+  if (!muscle.use_velocity) return;
+  const double fastest = muscle.max_velocity_m_s;
+  const double speed_m_s = std::clamp(RateOf(row, forest_.rates()), -fastest, fastest);
+  const VelocityFactor factor = VelocityFactorOf(muscle, speed_m_s);
+  row.lower = 0;
+  row.upper = most_n * muscle.eccentric * dt_s;
+  if (factor.slope < 0) {
+    row.target = speed_m_s - factor.value / factor.slope;
+    row.softness = -1 / (most_n * factor.slope * dt_s) + kRigid;
+  }
+}
+
+// Its impulse is given: no row needs it.
+void LimbSolver::Thrust(const Member& member, int joint, double dt_s) {
+  const Joint& of = member.mechanism->joints[static_cast<std::size_t>(joint)];
+  const JointModel& model = *of.model;
+  if (of.channel < 0) return;
+  const Setpoint& wanted = member.channels[static_cast<std::size_t>(of.channel)].setpoint;
+  if (wanted.mode != ControlMode::kEffort || wanted.reference == 0) return;
+  const double effort = std::clamp(wanted.reference, -model.max_effort, model.max_effort);
+  const int node = HingeOf(member, joint).child;
+  const Vector3 none = Vector3::Zero(), wrench = forest_.Axis(node, model.axis_R) * (effort * dt_s);
+  const bool pushes = model.kind == JointModel::Kind::kForce;
+  Row row;
+  const std::size_t before = jacobian_.size();
+  AddWrench(node, forest_.Point(node, model.p_RJ), pushes ? none : wrench, pushes ? wrench : none, row);
+  for (const Row::Part& part : row.all()) {
+    const double* impulse = jacobian_.data() + part.from;
+    for (const int dof : forest_.Chain(part.end)) pushes_[static_cast<std::size_t>(dof)] += *impulse++;
+  }
+  jacobian_.resize(before);
+  efforts_[member.first_effort + static_cast<std::size_t>(joint)] += dt_s / step_s_ * effort;
 }
 
 }  // namespace coopdyn

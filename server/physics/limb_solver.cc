@@ -17,6 +17,9 @@ constexpr int kIterations = 80;
 constexpr int kMotorRounds = 12;
 // Rates at which the step's mean forces change something while others touch: rad/s, m/s.
 constexpr double kMattersInContact = 0.1;
+// Where a body turns farther than this in a step, the step's energy is looked at: an error of the method may
+// add this share of the kinetic energy.
+constexpr double kFast_rad = 0.1, kMostGain = 0.01;
 
 }  // namespace
 
@@ -35,8 +38,11 @@ void LimbSolver::Load(std::uint32_t thing, const Actor& actor, std::span<const C
   member.first_node = forest_.Add(mechanism, {actor.bodies, mechanism.bodies.size()});
   member.first_effort = efforts_.size();
   member.channels = channels;
+  member.rows = rows;
+  member.bodies = {actor.bodies, mechanism.bodies.size()};
   efforts_.resize(efforts_.size() + mechanism.joints.size());
   pushes_.resize(static_cast<std::size_t>(forest_.dof_count()));
+  step_s_ = dt_s;
   DriveJoints(member, rows, dt_s);
 }
 
@@ -47,7 +53,7 @@ void LimbSolver::Unload() {
   forest_.Clear();
   motors_.clear();
   rows_.clear();
-  touches_ = false;
+  touches_ = holds_ = flies_ = false;
   measured_.clear();
   rubbing_.clear();
   jacobian_.clear();
@@ -163,30 +169,55 @@ std::span<const Vector3> LimbSolver::AddContact(const dContact& contact, int nod
 }
 
 LimbSolver::Outcome LimbSolver::Step(double dt_s) {
-  for (const Member& member : members_) {
-    for (const int joint : member.mechanism->tree.loops) CloseLoop(member, joint, dt_s);
-    Couple(member, dt_s);
-  }
-  forest_.Begin(settings_.gravity_m_s2, dt_s);
-  FitSprings(dt_s);
-  bool is_solved = Settle(false);
-  if (is_solved && TakeMeanForces()) is_solved = Settle(true);
+  flies_ = !touches_ && !holds_;
+  const bool is_solved = flies_ ? Fly(dt_s) : Push(dt_s);
   if (!std::isfinite(std::accumulate(rates_.begin(), rates_.end(), 0.0))) return Outcome::kInsane;
-  for (const Motor& motor : motors_) {
-    if (motor.effort != kNowhere) efforts_[motor.effort] += motor.applied / dt_s;
-  }
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
-    if (rows_[i].effort == kNone) continue;
-    efforts_[static_cast<std::size_t>(rows_[i].effort)] += impulses_[static_cast<Eigen::Index>(i)] / dt_s;
-  }
   for (std::size_t i = 0; i < measured_.size(); ++i) {
     for (std::size_t k = 0; k < rubbing_[i].count; ++k) {
       const double impulse = impulses_[static_cast<Eigen::Index>(rubbing_[i].first_row + k)];
       measured_[i].force_W += impulse / dt_s * rubbing_[i].directions[k];
     }
   }
-  forest_.Move(rates_, dt_s);
   return is_solved ? Outcome::kSolved : Outcome::kNear;
+}
+
+bool LimbSolver::Push(double dt_s) {
+  const bool is_fast = forest_.TurnRate_rad_s() * dt_s > kFast_rad;
+  const double before_j = is_fast ? forest_.Energy_j(settings_.gravity_m_s2) : 0;
+  const bool is_solved = FindRates(dt_s);
+  AddEfforts();
+  forest_.Move(rates_, dt_s);
+  if (!is_fast) return is_solved;
+  const double gained_j = forest_.Energy_j(settings_.gravity_m_s2) - before_j - WorkSince(forest_.rates());
+  const double kinetic_j = forest_.Energy_j(0), most_j = kMostGain * kinetic_j;
+  if (gained_j > most_j && !touches_) forest_.Slow(gained_j - most_j, rates_);
+  if (gained_j > most_j && touches_) {
+    const double scale = std::sqrt(std::max(0.0, 1 - (gained_j - most_j) / kinetic_j));
+    for (double& rate : rates_) rate *= scale;
+    forest_.Move(rates_, 0);
+  }
+  return is_solved;
+}
+
+bool LimbSolver::FindRates(double dt_s) {
+  for (const Member& member : members_) {
+    for (const int joint : member.mechanism->tree.loops) CloseLoop(member, joint, dt_s);
+    Couple(member, dt_s);
+  }
+  forest_.Begin(settings_.gravity_m_s2, dt_s);
+  FitSprings(dt_s);
+  const bool is_solved = Settle(false);
+  return is_solved && TakeMeanForces() ? Settle(true) : is_solved;
+}
+
+void LimbSolver::AddEfforts() {
+  for (const Motor& motor : motors_) {
+    if (motor.effort != kNowhere) efforts_[motor.effort] += motor.applied / step_s_;
+  }
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    if (rows_[i].effort == kNone) continue;
+    efforts_[static_cast<std::size_t>(rows_[i].effort)] += impulses_[static_cast<Eigen::Index>(i)] / step_s_;
+  }
 }
 
 bool LimbSolver::Settle(bool is_again) {

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -39,6 +40,8 @@ class LimbSolver {
   /// Advances what is loaded; not if there is no sane solution. kNear: some bound or motor is not met
   /// exactly.
   Outcome Step(double dt_s);
+  /// What is loaded touches nothing, and no motor holds it; after Step().
+  bool flies() const { return flies_; }
   /// The state of body `body` of a loaded thing; its sleep counter is 0.
   BodyState Read(std::uint32_t thing, std::size_t body) const;
   /// Rate of a driven joint of a loaded thing, rad/s or m/s; its position, rad or m, beyond ±π too: the one
@@ -62,6 +65,8 @@ class LimbSolver {
     int first_node = 0;
     std::size_t first_effort = 0;  // of efforts_, by joint
     std::span<const ChannelState> channels;
+    std::span<const JointRow> rows;
+    std::span<const BodyState> bodies;  // at the step's beginning
   };
   /// v + softness · impulse = target on one degree of freedom, with a bounded impulse.
   struct Motor {
@@ -108,11 +113,15 @@ class LimbSolver {
   /// it has none.
   void Resist(const Member& member, int joint, double friction, bool counts, double dt_s);
   void Steer(const Member& member, int joint, double dt_s);
+  /// Those that the joint at `position` may reach.
+  void AddStops(const Member& member, int joint, double position, double dt_s);
   void AddStop(const Member& member, int joint, int side, double gap, double dt_s);
   void Push(const Member& member, int joint, double impulse);
   void CloseLoop(const Member& member, int joint, double dt_s);
   void Couple(const Member& member, double dt_s);
   double PositionOf(const Member& member, int joint) const;
+  /// As JointPosition().
+  double PositionNear(const Member& member, int joint, double last) const;
   /// A muscle: where it pulls, between which nodes.
   struct Pull {
     int from = kNone, to = kNone;
@@ -136,6 +145,23 @@ class LimbSolver {
   /// rates_ at the step's end; whether all is exact, as far as the method goes. `is_again`: with other forces
   /// of the forest than before.
   bool Settle(bool is_again);
+  /// A step by its begin: what touches, or is held.
+  bool Push(double dt_s);
+  /// The rates at the step's end, rates_, where forest_ is; whether they are exact.
+  bool FindRates(double dt_s);
+  /// Moves on what touches nothing and is held by no motor; rates_ are then those of the end. Whether all is
+  /// exact. In limb_flight.cc, as what follows.
+  bool Fly(double dt_s);
+  struct Flight {
+    bool is_solved = true;
+    double work_j = 0;  // of motors and rows
+  };
+  /// A step in `parts` of `dt_s`; nothing if one of the joints swings too fast for that.
+  std::optional<Flight> FlyParts(int parts, double dt_s, double most_swing_rad);
+  /// Adds what motors and rows applied to efforts_, as a share of the whole step.
+  void AddEfforts();
+  /// Work of motors and rows in the change from the rates `before` to rates_.
+  double WorkSince(std::span<const double> before) const;
   /// Coriolis, centrifugal and gyroscopic forces at the mean of the rates before the step and rates_; whether
   /// that changes anything.
   bool TakeMeanForces();
@@ -175,6 +201,9 @@ class LimbSolver {
   std::vector<double> pushes_;                            // impulses by degree of freedom
   std::vector<double> added_, state_, rates_, mean_, momentum_, efforts_, column_;
   bool touches_ = false;  // a contact is among the rows
+  bool holds_ = false;    // a motor holds a rate or a place
+  bool flies_ = false;    // the step is a flight
+  double step_s_ = 0;     // length of the whole step
   Eigen::MatrixXd A_;
   Eigen::VectorXd b_, lower_, upper_, impulses_;
 };

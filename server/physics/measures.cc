@@ -41,6 +41,7 @@ void Measures::Fit(const Scene& scene, const Things& things) {
   wants_.clear();
   wants_work_.clear();
   work_j_.assign(scene.channels.size(), 0.0);
+  flight_.clear();
   for (std::size_t i = 0; i < scene.robots.size(); ++i) {
     const SceneRobot& robot = scene.robots[i];
     const RobotModel& model = *robot.entry.model;
@@ -66,6 +67,7 @@ void Measures::Fit(const Scene& scene, const Things& things) {
       wants_work_[robots_.back().thing] = 1;
     }
     if (!wants_contacts) continue;
+    flight_.resize(things.first_static);
     wants_.resize(things.first_static);
     wants_[robots_.back().thing] = 1;
   }
@@ -108,6 +110,7 @@ void Measures::Begin(std::span<const BodyState> bodies) {
     of.before.assign(own.begin(), own.end());
   }
   std::ranges::fill(work_j_, 0.0);
+  std::ranges::fill(flight_, 0.0);
   gathered_.clear();
 }
 
@@ -290,15 +293,18 @@ void Measures::Measure(const WrenchModel& model, const Measured& of, std::span<c
   const std::size_t index = BodyOf(robot, model.mount.link);
   const BodyState &was = of.before[index], &is = now[index];
   const Pose X_BS = PlaceInBody(of, model.mount.link) * model.mount.X_LS;
-  // Weight and contacts act where things are when the step begins; the momentum changes in its middle.
+  // Weight and contacts act where things are when the step begins, in flight in its middle, where the
+  // momentum changes.
   const Vector3 o_W = was.p_WB + was.orientation() * X_BS.p;
   const Vector3 middle_W = (o_W + is.p_WB + is.orientation() * X_BS.p) / 2;
+  const double flight = flight_[of.thing];
   const double g = scene_->scenario->simulation.gravity_m_s2;
   Vector3 force = Vector3::Zero(), torque = Vector3::Zero();
   const auto add = [&](const Motion& motion, double mass_kg) {
     const Vector3 gained = (motion.P_next_W - motion.P_W) / moment.dt_s, carried(0, 0, mass_kg * g);
     force += gained + carried;
-    torque += (motion.middle_W - middle_W).cross(gained) + (motion.p_W - o_W).cross(carried) +
+    const Vector3 arm = motion.p_W - o_W, middle_arm = motion.middle_W - middle_W;
+    torque += middle_arm.cross(gained) + (arm + flight * (middle_arm - arm)).cross(carried) +
               (motion.L_next_W - motion.L_W) / moment.dt_s;
   };
   const WrenchModel::Part& part = model.part;

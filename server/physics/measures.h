@@ -45,6 +45,11 @@ class Measures {
   void Add(std::span<const MeasuredContact> contacts, double share);
   /// A motor has given this work in a substep, or has taken it. Different channels: from any threads.
   void AddWork(std::size_t channel, double work_j) { work_j_[channel] += std::abs(work_j); }
+  /// A thing was in flight (LimbSolver::flies()) in a substep, which is `share` of the step. Different
+  /// things: from any threads.
+  void AddFlight(std::uint32_t thing, double share) {
+    if (thing < flight_.size()) flight_[thing] += share;
+  }
   /// What a step that has run is told apart by.
   struct Moment {
     double dt_s = 0;
@@ -118,6 +123,7 @@ class Measures {
   std::vector<Measured> robots_;
   std::vector<std::uint8_t> wants_;             // by dynamic thing
   std::vector<std::uint8_t> wants_work_;        // by dynamic thing
+  std::vector<double> flight_;                  // share of this step, by dynamic thing, if it matters
   std::vector<double> work_j_;                  // of each channel's motor in this step, given or taken
   std::vector<std::uint32_t> thing_of_object_;  // by object of the scene
   std::vector<double> values_;                  // as Frame::measured

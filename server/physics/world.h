@@ -81,7 +81,7 @@ class PhysicsWorld {
     LimbSolver limbs;
   };
   enum class Method { kDirect, kIterative, kLimbs };
-  /// Islands that are solved together; by kLimbs one.
+  /// Islands that are solved together; by kLimbs one, of bodies with limbs or an object in flight.
   struct Batch {
     Method method = Method::kDirect;
     std::vector<std::uint32_t> members;                         // things, island by island
@@ -112,6 +112,8 @@ class PhysicsWorld {
   void MakeBatches();
   Batch& NextBatch(Method method);
   bool HasLimbs(std::uint32_t root) const;
+  /// It is an object that touches nothing.
+  bool Flies(std::uint32_t root) { return root < things_.first_robot && islands_.RowsOf(root) == 0; }
   void SolveAll(double dt_s);
   /// Solves a batch; if that fails, again without the body that was fastest.
   void SolveBatch(Batch& batch, Solvers& solvers, double dt_s);

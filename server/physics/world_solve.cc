@@ -129,7 +129,7 @@ void PhysicsWorld::MakeBatches() {
   std::size_t open = 0;  // 0: none
   for (const std::uint32_t root : islands_.roots()) {
     std::size_t at = 0;
-    if (HasLimbs(root)) {
+    if (HasLimbs(root) || Flies(root)) {
       at = batch_count_;
       NextBatch(Method::kLimbs);
     } else if (islands_.RowsOf(root) <= kMaxDirectRows) {
@@ -289,6 +289,9 @@ void PhysicsWorld::ReadBatch(Batch& batch, const Solver& solver, double dt_s) {
     if (why) {
       Freeze(thing, *why, batch);
       continue;
+    }
+    if constexpr (std::is_same_v<Solver, LimbSolver>) {
+      if (solver.flies()) measures_.AddFlight(thing, share_);
     }
     const std::vector<double> rates_before = RatesOf(thing);
     for (std::size_t k = info.mechanism->fixed_base ? 1 : 0; k < bodies.size(); ++k) {

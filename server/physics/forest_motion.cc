@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: MIT
+// Where the bodies of a forest are, how they move on, and with what energy.
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "server/base/portable_math.h"
+#include "server/physics/forest.h"
+#include "server/physics/rest.h"
+
+namespace coopdyn {
+
+namespace {
+
+using Kind = JointModel::Kind;
+
+/// The rotation of `dt_s` at `w`.
+Quaternion Turn(const Vector3& w, double dt_s) {
+  const double rate = w.norm();
+  if (rate == 0) return Quaternion::Identity();
+  return portable::AngleAxis(rate * dt_s, w / rate);
+}
+
+/// The first axis, on the side of the root, and the second.
+struct TwoAxes {
+  Vector3 first, second;
+};
+TwoAxes AxesOf(const JointModel& joint, int sign) {
+  return sign > 0 ? TwoAxes{joint.axis_R, joint.axis2_R} : TwoAxes{joint.axis2_R, joint.axis_R};
+}
+
+void Orient(BodyState& body, const Quaternion& q) {
+  body.q_WB = {q.w(), q.x(), q.y(), q.z()};
+  const Matrix3 R = q.toRotationMatrix();
+  for (int i = 0; i < 9; ++i) body.R_WB[static_cast<std::size_t>(i)] = R(i / 3, i % 3);
+}
+
+}  // namespace
+
+double AngleAbout(const Quaternion& q, const Vector3& axis) {
+  return std::remainder(2 * portable::Atan2(q.vec().dot(axis), q.w()), 2 * std::numbers::pi);
+}
+
+void Forest::Measure(Node& node) {
+  const Node& parent = at(nodes_, node.parent);
+  const JointModel& joint = *node.model;
+  const Quaternion q = parent.R_WR.conjugate() * node.R_WR;
+  const Vector3 w = node.state.w_WB - parent.state.w_WB, axis_W = node.R_WR * joint.axis_R;
+  double* const rates = &at(rates_, node.first_dof);
+  const auto slide = [&] {
+    const Vector3 here = Carried(node, joint.p_RJ);
+    return node.sign * axis_W.dot(here - Carried(parent, joint.p_RJ));
+  };
+  switch (joint.kind) {
+    case Kind::kHinge:
+      node.position = node.sign * AngleAbout(q, joint.axis_R);
+      rates[0] = node.sign * axis_W.dot(w);
+      break;
+    case Kind::kScrew:
+      node.position = slide() / joint.pitch_m_rad;
+      rates[0] = node.sign * axis_W.dot(w);
+      break;
+    case Kind::kSlider: {
+      const Vector3 here = Carried(node, joint.p_RJ);
+      const Vector3 v = node.state.v_WB + node.state.w_WB.cross(here - node.state.p_WB) - parent.state.v_WB -
+                        parent.state.w_WB.cross(here - parent.state.p_WB);
+      node.position = slide();
+      rates[0] = node.sign * axis_W.dot(v);
+      break;
+    }
+    case Kind::kUniversal: {
+      const auto [a, b] = AxesOf(joint, node.sign);
+      const Vector3 from = b - b.dot(a) * a, to = q * b;
+      node.position = portable::Atan2(a.dot(from.cross(to)), from.dot(to));
+      node.position2 = AngleAbout(portable::AngleAxis(-node.position, a) * q, b);
+      const Vector3 a_W = parent.R_WR * a, b_W = node.R_WR * b;
+      const double c = a_W.dot(b_W), x = a_W.dot(w), y = b_W.dot(w);
+      rates[0] = (x - c * y) / (1 - c * c);
+      rates[1] = (y - c * x) / (1 - c * c);
+      break;
+    }
+    case Kind::kBall:
+      node.q_rel = q;
+      for (int i = 0; i < 3; ++i) rates[i] = w[i];
+      break;
+    case Kind::kMuscle:  // in no tree
+    case Kind::kForce:
+    case Kind::kTorque:
+    case Kind::kLimiter:
+      break;
+  }
+}
+
+void Forest::AddAxes(const Node& node) {
+  if (node.dofs == 0) return;
+  Spatial* const axes = &at(axes_, node.first_dof);
+  if (node.model == nullptr) {
+    // About the tree's point, which is a root's centre of mass.
+    for (int i = 0; i < 6; ++i) {
+      axes[i] = Spatial::Unit(i);
+      at(rates_, node.first_dof + i) = i < 3 ? node.state.w_WB[i] : node.state.v_WB[i - 3];
+    }
+    return;
+  }
+  const JointModel& joint = *node.model;
+  const Node& parent = at(nodes_, node.parent);
+  const Vector3 lever = node.origin - Carried(node, joint.p_RJ);
+  const auto turning = [&](const Vector3& axis_W) { return Join(axis_W, axis_W.cross(lever)); };
+  const Vector3 axis_W = node.sign * (node.R_WR * joint.axis_R);
+  switch (joint.kind) {
+    case Kind::kHinge:
+      axes[0] = turning(axis_W);
+      break;
+    case Kind::kScrew:
+      axes[0] = turning(axis_W) + Join(Vector3::Zero(), joint.pitch_m_rad * axis_W);
+      break;
+    case Kind::kSlider:
+      axes[0] = Join(Vector3::Zero(), axis_W);
+      break;
+    case Kind::kUniversal: {
+      const auto [a, b] = AxesOf(joint, node.sign);
+      axes[0] = turning(parent.R_WR * a);
+      axes[1] = turning(node.R_WR * b);
+      break;
+    }
+    case Kind::kBall:
+      for (int i = 0; i < 3; ++i) axes[i] = turning(Vector3::Unit(i));
+      break;
+    case Kind::kMuscle:
+    case Kind::kForce:
+    case Kind::kTorque:
+    case Kind::kLimiter:
+      break;
+  }
+}
+
+Vector3 Forest::Point(int node, const Vector3& p_R) const {
+  const Node& of = at(nodes_, node);
+  return Carried(of, p_R);
+}
+
+void Forest::Move(std::span<const double> rates, double dt_s) {
+  for (Node& node : nodes_) {
+    if (node.model == nullptr) {
+      if (node.dofs == 0) continue;
+      const double* const now = rates.data() + node.first_dof;
+      BodyState& body = node.state;
+      body.w_WB = Vector3(now);
+      body.v_WB = Vector3(now + 3);
+      const Quaternion q = (Turn(body.w_WB, dt_s) * body.orientation()).normalized();
+      Orient(body, q);
+      body.p_WB += dt_s * body.v_WB;
+      node.R_WR = q * node.rigid->X_RB.q.conjugate();
+    } else {
+      Place(node, rates, dt_s);
+    }
+  }
+}
+
+void Forest::Continue(std::span<const double> rates) {
+  rates_.assign(rates.begin(), rates.end());
+  for (Node& node : nodes_) {
+    node.origin = node.model == nullptr ? node.state.p_WB : at(nodes_, node.parent).origin;
+    AddAxes(node);
+  }
+}
+
+bool Forest::IsViolent() const {
+  return std::ranges::any_of(nodes_, [](const Node& node) { return Violence(node.state) > 1; });
+}
+
+double Forest::Energy_j(double gravity_m_s2) const {
+  double energy_j = 0;
+  for (const Node& node : nodes_) {
+    const BodyState& body = node.state;
+    const Vector3 w_B = body.orientation().conjugate() * body.w_WB;
+    energy_j += node.rigid->mass_kg * (body.v_WB.squaredNorm() / 2 + gravity_m_s2 * body.p_WB.z()) +
+                w_B.dot(node.rigid->inertia_kg_m2 * w_B) / 2;
+  }
+  return energy_j;
+}
+
+void Forest::Slow(double energy_j, std::span<double> rates) {
+  struct Floating {
+    int root = 0;
+    Vector3 w_W, v_W;  // of the root's body, if the tree were rigid
+  };
+  std::vector<Floating> floating;
+  double inner_j = Energy_j(0);
+  for (int first = 0; first < node_count();) {
+    int end = first + 1;
+    while (end < node_count() && at(nodes_, end).model != nullptr) ++end;
+    const std::span<const Node> tree =
+        std::span(nodes_).subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(end - first));
+    first = end;
+    if (tree.front().dofs == 0) continue;
+    Inertia whole;
+    Spatial momentum = Spatial::Zero();
+    for (const Node& node : tree) {
+      const Inertia inertia = InertiaOf(node, tree.front().state.p_WB);
+      whole += inertia;
+      momentum +=
+          inertia * Join(node.state.w_WB,
+                         node.state.v_WB + node.state.w_WB.cross(tree.front().state.p_WB - node.state.p_WB));
+    }
+    Eigen::Matrix<double, 6, 6> matrix;
+    for (int i = 0; i < 6; ++i) matrix.col(i) = whole * Spatial::Unit(i);
+    const Spatial rigid = matrix.ldlt().solve(momentum);
+    inner_j -= rigid.dot(momentum) / 2;
+    floating.push_back({end - static_cast<int>(tree.size()), rigid.head<3>(), rigid.tail<3>()});
+  }
+  if (!(inner_j > 0)) return;
+  const double scale = std::sqrt(std::clamp(1 - energy_j / inner_j, 0.0, 4.0));
+  for (double& rate : rates) rate *= scale;
+  for (const Floating& tree : floating) {
+    for (int i = 0; i < 3; ++i) {
+      double* const own = &rates[static_cast<std::size_t>(at(nodes_, tree.root).first_dof)];
+      own[i] += (1 - scale) * tree.w_W[i];
+      own[i + 3] += (1 - scale) * tree.v_W[i];
+    }
+  }
+  Move(rates, 0);
+}
+
+void Forest::Place(Node& node, std::span<const double> rates, double dt_s) {
+  const Node& parent = at(nodes_, node.parent);
+  const JointModel& joint = *node.model;
+  const double* const now = rates.data() + node.first_dof;
+  Quaternion q = Quaternion::Identity();  // in the parent
+  Vector3 w_W = Vector3::Zero();          // against it
+  double slide_m = 0, slide_m_s = 0;
+  if (joint.kind == Kind::kBall) {
+    const Quaternion R_WP = node.R_WR * node.q_rel.conjugate();  // the parent's before
+    w_W = Vector3(now);
+    q = Turn(R_WP.conjugate() * w_W, dt_s) * node.q_rel;
+    node.q_rel = q.normalized();
+  } else {
+    node.position += dt_s * now[0];
+    if (joint.kind == Kind::kUniversal) {
+      node.position2 += dt_s * now[1];
+      const auto [a, b] = AxesOf(joint, node.sign);
+      q = portable::AngleAxis(node.position, a) * portable::AngleAxis(node.position2, b);
+      w_W = parent.R_WR * (now[0] * a + now[1] * (q * b));
+    } else {
+      const bool slides = joint.kind == Kind::kSlider;
+      const double way_m = slides ? 1 : joint.kind == Kind::kScrew ? joint.pitch_m_rad : 0;
+      slide_m = node.sign * way_m * node.position;
+      slide_m_s = node.sign * way_m * now[0];
+      if (!slides) {
+        q = portable::AngleAxis(node.sign * node.position, joint.axis_R);
+        w_W = parent.R_WR * (node.sign * now[0] * joint.axis_R);
+      }
+    }
+  }
+  BodyState& body = node.state;
+  node.R_WR = (parent.R_WR * q).normalized();
+  const Vector3 axis_W = parent.R_WR * joint.axis_R;
+  const Vector3 anchor = Carried(parent, joint.p_RJ) + slide_m * axis_W;
+  body.p_WB = anchor + node.R_WR * (node.rigid->X_RB.p - joint.p_RJ);
+  body.w_WB = parent.state.w_WB + w_W;
+  body.v_WB = parent.state.v_WB + parent.state.w_WB.cross(anchor - parent.state.p_WB) + slide_m_s * axis_W +
+              body.w_WB.cross(body.p_WB - anchor);
+  Orient(body, (node.R_WR * node.rigid->X_RB.q).normalized());
+}
+
+double Forest::TurnRate_rad_s() const {
+  double most = 0;
+  for (const Node& node : nodes_) most = std::max(most, node.state.w_WB.squaredNorm());
+  return std::sqrt(most);
+}
+
+double Forest::FreeTurnRate_rad_s() const {
+  double most = 0;
+  for (const Node& node : nodes_) {
+    if (node.dofs < 3) continue;
+    most =
+        std::max(most, Eigen::Map<const Vector3>(&rates_[static_cast<std::size_t>(node.first_dof)]).norm());
+  }
+  return most;
+}
+
+}  // namespace coopdyn
