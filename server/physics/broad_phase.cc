@@ -268,6 +268,32 @@ void BroadPhase::FindStatics(std::span<const std::uint8_t> moves) {
   }
 }
 
+void BroadPhase::FindIn(const Vector3& low_m, const Vector3& high_m,
+                        std::vector<std::uint32_t>& found) const {
+  const Aabb2 box{low_m.x(), low_m.y(), high_m.x(), high_m.y()};
+  // The grid knows where objects were when the substep began.
+  for (std::size_t i = 0; i < objects_.boxes.size(); ++i) {
+    const Aabb2& of = objects_.boxes[i];
+    if (of.min_x <= box.max_x && of.max_x >= box.min_x && of.min_y <= box.max_y && of.max_y >= box.min_y &&
+        objects_.BesideInHeight(i, low_m.z(), high_m.z()))
+      found.push_back(static_cast<std::uint32_t>(i));
+  }
+  for (std::size_t i = 0; i < spaces_.size(); ++i) {
+    const auto& [circle, min_z, max_z] = spaces_[i];
+    if (circle.x - circle.radius_m <= box.max_x && circle.x + circle.radius_m >= box.min_x &&
+        circle.y - circle.radius_m <= box.max_y && circle.y + circle.radius_m >= box.min_y &&
+        min_z <= high_m.z() && max_z >= low_m.z())
+      found.push_back(static_cast<std::uint32_t>(things_.first_robot + i));
+  }
+  const std::size_t first = found.size();
+  statics_.grid.VisitOverlaps(statics_.boxes, box, [&](std::uint32_t item) {
+    if (statics_.BesideInHeight(item, low_m.z(), high_m.z()))
+      found.push_back(static_cast<std::uint32_t>(things_.first_static + item));
+    return true;
+  });
+  std::sort(found.begin() + static_cast<std::ptrdiff_t>(first), found.end());
+}
+
 const std::vector<BroadPhase::Pair>& BroadPhase::FindPairs(std::span<const std::uint8_t> moves) {
   pairs_.clear();
   FindObjects(moves);

@@ -68,6 +68,8 @@ class BroadPhase {
   /// dynamic thing): first among the dynamic ones, then with static ones, each in increasing order. Valid
   /// until the next call.
   const std::vector<Pair>& FindPairs(std::span<const std::uint8_t> moves);
+  /// Appends what may reach into this box, increasing: robots by their spaces, objects where they are now.
+  void FindIn(const Vector3& low_m, const Vector3& high_m, std::vector<std::uint32_t>& found) const;
 
  private:
   struct Objects {

@@ -30,12 +30,6 @@ TwoAxes AxesOf(const JointModel& joint, int sign) {
   return sign > 0 ? TwoAxes{joint.axis_R, joint.axis2_R} : TwoAxes{joint.axis2_R, joint.axis_R};
 }
 
-void Orient(BodyState& body, const Quaternion& q) {
-  body.q_WB = {q.w(), q.x(), q.y(), q.z()};
-  const Matrix3 R = q.toRotationMatrix();
-  for (int i = 0; i < 9; ++i) body.R_WB[static_cast<std::size_t>(i)] = R(i / 3, i % 3);
-}
-
 }  // namespace
 
 double AngleAbout(const Quaternion& q, const Vector3& axis) {

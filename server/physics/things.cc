@@ -22,6 +22,12 @@ BodyState StateAt(const Pose& X_WB) {
 
 }  // namespace
 
+void Orient(BodyState& body, const Quaternion& q) {
+  body.q_WB = {q.w(), q.x(), q.y(), q.z()};
+  const Matrix3 R = q.toRotationMatrix();
+  for (int i = 0; i < 9; ++i) body.R_WB[static_cast<std::size_t>(i)] = R(i / 3, i % 3);
+}
+
 std::vector<BodyState> StartBodies(const Mechanism& mechanism, const Pose& X_WR) {
   std::vector<BodyState> bodies;
   for (const RigidBody& body : mechanism.bodies) bodies.push_back(StateAt(X_WR * body.X_RB));

@@ -127,6 +127,9 @@ Things MakeThings(const Scene& scene);
 /// its mechanism, and `bodies` is empty.
 Things MakeThings(const Scene& scene, const Things& before);
 
+/// Turns a body to `q`.
+void Orient(BodyState& body, const Quaternion& q);
+
 /// Where the bodies of a thing begin, at rest, if its model's frame is at `X_WR`.
 std::vector<BodyState> StartBodies(const Mechanism& mechanism, const Pose& X_WR);
 

@@ -117,7 +117,9 @@ void PhysicsWorld::Substep(Nanoseconds dt, int left) {
     Touch(dt_s);
     MakeIslands();
     MakeBatches();
+    sweep_.Begin(things_, active_, bodies_, dt_s);
     SolveAll(dt_s);
+    sweep_.End(things_, *broad_phase_, solvers_.front()->lane.collider(), bodies_);
   }
   AdvanceClosed(dt_s);
   CountRest(dt);

@@ -20,6 +20,7 @@
 #include "server/physics/limb_solver.h"
 #include "server/physics/measures.h"
 #include "server/physics/rest.h"
+#include "server/physics/sweep.h"
 #include "server/physics/wheel_drive.h"
 #include "server/state/frame.h"
 
@@ -190,6 +191,7 @@ class PhysicsWorld {
   Things things_;
   std::optional<BroadPhase> broad_phase_;  // always there
   Islands islands_;
+  Sweep sweep_;
   std::vector<std::unique_ptr<Solvers>> solvers_;  // one a thread; the first also has the large islands
   // All that the next step depends on, besides the scene and the set-points.
   std::vector<BodyState> bodies_;              // as Frame::bodies

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+#include "server/physics/sweep.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/geometry/mesh.h"
+
+namespace coopdyn {
+
+namespace {
+
+// Of its half size: who comes no farther is not fast; and what is deeper than this has not only been touched.
+constexpr double kFast = 0.5, kDeep = 0.1;
+// Deep enough that contacts are found.
+constexpr double kTouch_m = 1e-5;
+constexpr int kMostLooks = 2000, kBisections = 30;
+
+/// Radius of a sphere that fits into the shape.
+double HalfSizeOf(const Shape& shape) {
+  struct Visitor {
+    double operator()(const Box& box) const { return box.size_m.minCoeff() / 2; }
+    double operator()(const Cylinder& cylinder) const {
+      return std::min(cylinder.radius_m, cylinder.length_m / 2);
+    }
+    double operator()(const Sphere& sphere) const { return sphere.radius_m; }
+    double operator()(const Capsule& capsule) const { return capsule.radius_m; }
+    double operator()(const Mesh& mesh) const { return mesh.data->radius_m / 8; }
+  };
+  return std::visit(Visitor(), shape);
+}
+
+/// On the way from `before` to `after`.
+BodyState Between(const BodyState& before, const BodyState& after, double share) {
+  BodyState body = after;
+  body.p_WB = before.p_WB + share * (after.p_WB - before.p_WB);
+  body.v_WB = before.v_WB + share * (after.v_WB - before.v_WB);
+  body.w_WB = before.w_WB + share * (after.w_WB - before.w_WB);
+  const Quaternion from = before.orientation();
+  Quaternion to = after.orientation();
+  if (from.dot(to) < 0) to.coeffs() *= -1;
+  Orient(body,
+         Quaternion(Eigen::Vector4d(from.coeffs() + share * (to.coeffs() - from.coeffs()))).normalized());
+  return body;
+}
+
+}  // namespace
+
+void Sweep::Begin(const Things& things, std::span<const std::uint32_t> active,
+                  std::span<const BodyState> bodies, double dt_s) {
+  fast_.clear();
+  for (const std::uint32_t thing : active) {
+    if (thing >= things.first_robot) break;
+    const BodyState& body = bodies[static_cast<std::size_t>(things.all[thing].first_body)];
+    const double half_size_m = HalfSizeOf(things.all[thing].mechanism->parts.front().shape);
+    const double way_m = dt_s * body.v_WB.norm();
+    if (way_m > kFast * half_size_m) fast_.push_back({thing, half_size_m, body, body});
+  }
+}
+
+void Sweep::End(const Things& things, BroadPhase& broad_phase, Collider& collider,
+                std::span<BodyState> bodies) {
+  if (fast_.empty()) return;
+  const auto body_of = [&](std::uint32_t thing) -> BodyState& {
+    return bodies[static_cast<std::size_t>(things.all[thing].first_body)];
+  };
+  for (Fast& one : fast_) one.after = body_of(one.thing);
+  for (Fast& one : fast_) {
+    if (one.after.frozen()) continue;
+    const Vector3 reach = PlacedPart(things.all[one.thing].mechanism->parts.front(), one.after).half_m +
+                          Vector3::Constant(one.half_size_m);
+    near_.clear();
+    broad_phase.FindIn(one.before.p_WB.cwiseMin(one.after.p_WB) - reach,
+                       one.before.p_WB.cwiseMax(one.after.p_WB) + reach, near_);
+    one.end = std::min(one.end, EndBefore(things, one, nullptr, nullptr, collider));
+    for (const std::uint32_t thing : near_) {
+      if (std::ranges::binary_search(fast_, thing, {}, &Fast::thing)) continue;
+      const Actor other = things.ActorOf(thing, bodies);
+      one.end = std::min(one.end, EndBefore(things, one, &other, nullptr, collider));
+    }
+  }
+  for (std::size_t i = 0; i < fast_.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      Fast &a = fast_[i], &b = fast_[j];
+      const Vector3 apart_m = a.before.p_WB - b.before.p_WB;
+      const double ways_m = (a.after.p_WB - a.before.p_WB).norm() + (b.after.p_WB - b.before.p_WB).norm();
+      const auto radius_m = [&](const Fast& of) {
+        return PlacedPart(things.all[of.thing].mechanism->parts.front(), of.before).half_m.norm();
+      };
+      if (apart_m.norm() > ways_m + radius_m(a) + radius_m(b)) continue;
+      const Actor other = things.ActorOf(b.thing, bodies);
+      const double end = EndBefore(things, a, &other, &b, collider);
+      a.end = std::min(a.end, end);
+      b.end = std::min(b.end, end);
+    }
+  }
+  for (const Fast& one : fast_) {
+    if (one.end >= 1) continue;
+    body_of(one.thing) = Between(one.before, one.after, one.end);
+    broad_phase.MoveObject(one.thing, body_of(one.thing));
+  }
+}
+
+double Sweep::EndBefore(const Things& things, const Fast& a, const Actor* other, const Fast* moving,
+                        Collider& collider) {
+  BodyState place, other_place;
+  const Actor actor{things.all[a.thing], &place};
+  /// How deep it is in the other there.
+  const auto depth_m = [&](double share) {
+    place = Between(a.before, a.after, share);
+    found_.clear();
+    if (other == nullptr) {
+      FindFloorContacts(collider, actor, 0, found_);
+    } else if (moving != nullptr) {
+      other_place = Between(moving->before, moving->after, share);
+      FindContacts(collider, actor, {other->thing, &other_place}, 0, found_);
+    } else {
+      FindContacts(collider, actor, *other, 0, found_);
+    }
+    double deepest_m = -1;
+    for (const FoundContact& contact : found_) deepest_m = std::max(deepest_m, contact.point.depth_m);
+    return deepest_m;
+  };
+  Vector3 way_m = a.after.p_WB - a.before.p_WB;
+  if (moving != nullptr) way_m -= moving->after.p_WB - moving->before.p_WB;
+  const double step_m =
+      kFast * std::min(a.half_size_m, moving != nullptr ? moving->half_size_m : a.half_size_m);
+  const double deep_m = kDeep * a.half_size_m;
+  const int looks = static_cast<int>(std::clamp(std::ceil(way_m.norm() / step_m), 1.0, 1.0 * kMostLooks));
+  if (depth_m(0) > deep_m) return 1;  // contacts part them
+  for (int i = 1; i <= looks; ++i) {
+    if (!(depth_m(1.0 * i / looks) > deep_m)) continue;
+    double free = 0, touching = 1.0 * i / looks;
+    if (depth_m(1.0 * (i - 1) / looks) <= kTouch_m) free = 1.0 * (i - 1) / looks;
+    for (int k = 0; k < kBisections; ++k) {
+      const double middle = (free + touching) / 2;
+      (depth_m(middle) > kTouch_m ? touching : free) = middle;
+    }
+    return touching;
+  }
+  return 1;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+// Nothing passes through thin things, however fast it is, at 1, 5 and 10 ms.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "tests/server/physics/physics_scene.h"
+
+namespace coopdyn {
+namespace {
+
+class SweepTest : public ::testing::TestWithParam<int> {
+ protected:
+  void SetUp() override { scene_.step_length = GetParam() * 1'000'000; }
+
+  /// Sets the speed of objects, as if they had been thrown.
+  void Throw(std::initializer_list<Vector3> velocities) {
+    scene_.Build();
+    ASSERT_EQ(scene_.diagnostics().ToString(), "");
+    auto frame = scene_.Capture();
+    std::size_t i = 0;
+    for (const Vector3& v_W : velocities) frame->bodies[i++].v_WB = v_W;
+    scene_.Restore(*frame);
+  }
+
+  PhysicsScene scene_;
+};
+
+TEST_P(SweepTest, ABallDoesNotPassThroughAThinWall) {
+  for (const double speed_m_s : {2.0, 5.0, 20.0, 50.0}) {
+    for (int phase = 0; phase < 6; ++phase) {
+      scene_ = PhysicsScene();
+      SetUp();
+      const double start_m = -0.2 - 0.1 * phase / 6 * speed_m_s * GetParam() * 1e-3;
+      scene_.Add(Sphere{0.005}, At(start_m, 0.003, 1), 0.01);
+      scene_.Add(Box{{0.01, 2, 4}}, At(0, 0, 2));
+      Throw({{speed_m_s, 0.5, 0.2}});
+      scene_.RunFor(0.3);
+      const Vector3 p_W = scene_.object(0).p;
+      EXPECT_LT(p_W.x(), -0.009) << speed_m_s << " m/s, phase " << phase;
+      EXPECT_GT(p_W.x(), -0.05) << "it does not bounce";
+    }
+  }
+}
+
+TEST_P(SweepTest, ATumblingBoxDoesNotPassThroughAThinPlateThatItFallsOn) {
+  scene_.Add(Box{{0.05, 0.05, 0.05}}, At(0, 0, 22), 1);
+  scene_.Add(Box{{60, 60, 0.01}}, At(0, 0, 2));
+  Throw({{0, 0, 0}});
+  auto frame = scene_.Capture();
+  frame->bodies[0].w_WB = {3, 5, 1};
+  scene_.Restore(*frame);
+  scene_.RunFor(4);
+  EXPECT_GT(scene_.object(0).p.z(), 2.02);
+  EXPECT_LT(scene_.object(0).p.z(), 2.06);
+}
+
+TEST_P(SweepTest, BallsThatMeetHeadOnDoNotPassThroughEachOther) {
+  scene_.Add(Sphere{0.02}, At(-1, 0, 1), 0.1);
+  scene_.Add(Sphere{0.02}, At(1.013, 0, 1), 0.1);
+  Throw({{30, 0, 0}, {-30, 0, 0}});
+  scene_.RunFor(0.1);
+  EXPECT_LT(scene_.object(0).p.x() + 0.039, scene_.object(1).p.x());
+  EXPECT_NEAR(scene_.object_body(0).v_WB.x() + scene_.object_body(1).v_WB.x(), 0, 0.1);
+}
+
+TEST_P(SweepTest, AFastBallRollsOnTheFloorUnhindered) {
+  scene_.Add(Sphere{0.01}, At(0, 0, 0.01), 0.01);
+  scene_.Build();
+  auto frame = scene_.Capture();
+  frame->bodies[0].v_WB = {8, 0, 0};
+  frame->bodies[0].w_WB = {0, 800, 0};
+  scene_.Restore(*frame);
+  scene_.RunFor(1);
+  EXPECT_GT(scene_.object(0).p.x(), 7.6);
+  EXPECT_LT(scene_.object(0).p.x(), 8.1);
+}
+
+TEST_P(SweepTest, ABallThatRunsAlongTheFloorStopsAtAWall) {
+  scene_.Add(Sphere{0.01}, At(0, 0, 0.01), 0.01, 0);
+  scene_.Add(Box{{0.01, 2, 1}}, At(1, 0, 0.5));
+  Throw({{40, 0, 0}});
+  scene_.RunFor(0.5);
+  EXPECT_LT(scene_.object(0).p.x(), 0.987);
+}
+
+TEST_P(SweepTest, ABallHitsARobotThatStandsInItsWay) {
+  scene_.AddRobot(0, 0);
+  scene_.Add(Sphere{0.01}, At(-1, 0.01, 0.15), 0.05);
+  scene_.Build();
+  auto frame = scene_.Capture();
+  const auto ball = static_cast<std::size_t>(scene_.world().things().all[0].first_body);
+  frame->bodies[ball].v_WB = {40, 0, 0};
+  scene_.Restore(*frame);
+  scene_.RunFor(0.3);
+  EXPECT_LT(scene_.object(0).p.x(), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, SweepTest, ::testing::Values(1, 5, 10),
+                         [](const auto& step) { return std::to_string(step.param) + "ms"; });
+
+}  // namespace
+}  // namespace coopdyn
