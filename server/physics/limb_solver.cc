@@ -170,7 +170,7 @@ std::span<const Vector3> LimbSolver::AddContact(const dContact& contact, int nod
 
 LimbSolver::Outcome LimbSolver::Step(double dt_s) {
   flies_ = !touches_ && !holds_;
-  const bool is_solved = flies_ ? Fly(dt_s) : Push(dt_s);
+  const bool is_solved = flies_ ? Fly(dt_s) : Advance(dt_s);
   if (!std::isfinite(std::accumulate(rates_.begin(), rates_.end(), 0.0))) return Outcome::kInsane;
   for (std::size_t i = 0; i < measured_.size(); ++i) {
     for (std::size_t k = 0; k < rubbing_[i].count; ++k) {
@@ -181,7 +181,7 @@ LimbSolver::Outcome LimbSolver::Step(double dt_s) {
   return is_solved ? Outcome::kSolved : Outcome::kNear;
 }
 
-bool LimbSolver::Push(double dt_s) {
+bool LimbSolver::Advance(double dt_s) {
   const bool is_fast = forest_.TurnRate_rad_s() * dt_s > kFast_rad;
   const double before_j = is_fast ? forest_.Energy_j(settings_.gravity_m_s2) : 0;
   const bool is_solved = FindRates(dt_s);

@@ -145,8 +145,8 @@ class LimbSolver {
   /// rates_ at the step's end; whether all is exact, as far as the method goes. `is_again`: with other forces
   /// of the forest than before.
   bool Settle(bool is_again);
-  /// A step by its begin: what touches, or is held.
-  bool Push(double dt_s);
+  /// A step of what touches, or is held: forces where it begins, then the whole way at the new rates.
+  bool Advance(double dt_s);
   /// The rates at the step's end, rates_, where forest_ is; whether they are exact.
   bool FindRates(double dt_s);
   /// Moves on what touches nothing and is held by no motor; rates_ are then those of the end. Whether all is
