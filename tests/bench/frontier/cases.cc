@@ -295,7 +295,7 @@ Case Wall() {
 Setup Pile(const Shape& shape) {
   Setup setup;
   for (int i = 0; i < 100; ++i) {
-    const Vector3 p_W(0.25 * (i % 5) + 0.02 * (i / 25), 0.25 * (i / 5 % 5), 0.15 + 0.25 * (i / 25));
+    const Vector3 p_W(0.32 * (i % 5) + 0.02 * (i / 25), 0.32 * (i / 5 % 5), 0.15 + 0.26 * (i / 25));
     setup.bodies.push_back({shape, {p_W, FromRollPitchYaw(0.05, 0.1, 0.3 * i)}, 1, 0.5});
   }
   return setup;
