@@ -17,7 +17,7 @@ constexpr int kIterations = 80;
 constexpr int kMotorRounds = 12;
 // Rates at which the step's mean forces change something while others touch: rad/s, m/s.
 constexpr double kMattersInContact = 0.1;
-// Where a body turns farther than this in a step, the step's energy is looked at: an error of the method may
+// Where a body turns farther than this in a step, the solver checks the energy: an error of the method may
 // add this share of the kinetic energy.
 constexpr double kFast_rad = 0.1, kMostGain = 0.01;
 
