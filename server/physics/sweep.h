@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Objects that move by more than half their size in a substep: they would pass through what is thin, so they
-// stop where they first touch it, and the next substep finds them there, with their speed (continuous
+// Objects that move by more than half of their half size in a substep: they would pass through what is thin,
+// so they stop where they first touch it, and the next substep finds them there, with their speed (continuous
 // collision by time of impact, as E. Catto, Box2D, does it). One thread. Only server/physics includes this
 // file.
 #pragma once
