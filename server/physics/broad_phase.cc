@@ -185,14 +185,15 @@ void BroadPhase::Objects::Add(const Actor& actor) {
 }
 
 void BroadPhase::Objects::Move(std::size_t object, const PlacedPart& part) {
-  const Vector3& half = part.half_m;
+  const Vector3 half = part.half_m + Vector3::Constant(kAhead_m);
   parts[object] = part;
   boxes[object] = {part.p[0] - half.x(), part.p[1] - half.y(), part.p[0] + half.x(), part.p[1] + half.y()};
 }
 
 bool BroadPhase::Objects::BesideInHeight(std::size_t object, double min_z, double max_z) const {
   const PlacedPart& part = parts[object];
-  return part.p[2] - part.half_m.z() <= max_z && part.p[2] + part.half_m.z() >= min_z;
+  const double half_m = part.half_m.z() + kAhead_m;
+  return part.p[2] - half_m <= max_z && part.p[2] + half_m >= min_z;
 }
 
 BroadPhase::BroadPhase(const Things& things, std::span<const BodyState> bodies) : things_(things) {

@@ -65,6 +65,9 @@ struct PlacedPart {
 
 // Contacts across a gap of up to `margin_m` count too.
 
+// Of boxes, and of objects on the floor: so what lies still keeps all its points.
+inline constexpr double kAhead_m = 2e-4;
+
 /// Wheel A, as a disc in the middle of its tread, on the floor z = 0. Does not apply to a wheel that lies on
 /// its side.
 ClosedForm WheelOnFloor(double radius_m, const PlacedRotation& wheel, double margin_m = 0);

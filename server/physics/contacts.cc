@@ -8,6 +8,7 @@
 
 #include "server/base/portable_math.h"
 #include "server/geometry/mesh.h"
+#include "server/physics/box_contacts.h"
 #include "server/physics/convex_contacts.h"
 
 namespace coopdyn {
@@ -94,9 +95,16 @@ std::pair<PartRange, PartRange> FirstToTouch(const Actor& a, const Actor& b) {
   return {{0, a.parts().size()}, {0, b.parts().size()}};
 }
 
-/// The deepest of these contacts across a plane, and up to three that span the most.
-ContactList Spread(std::vector<ContactPoint> all, const Vector3& n) {
+/// All of these contacts across a plane; if they are many the deepest, and up to three that span the most.
+ContactList Spread(std::vector<ContactPoint> all) {
   ContactList list;
+  if (all.empty()) return list;
+  constexpr std::size_t kFew = 4;
+  if (all.size() <= kFew) {
+    for (const ContactPoint& one : all) list.points[static_cast<std::size_t>(list.count++)] = one;
+    return list;
+  }
+  const Vector3 n = all.front().n_W;
   const auto take = [&](auto measure) {
     if (all.empty()) return;
     const auto best = std::ranges::max_element(all, {}, measure);
@@ -127,7 +135,17 @@ ContactList MeshOnFloor(const MeshData& mesh, const PlacedRotation& place) {
     const Vector3 p = place.point(v);
     if (p.z() <= 0) low.push_back({p, Vector3::UnitZ(), -p.z()});
   }
-  return Spread(std::move(low), Vector3::UnitZ());
+  return Spread(std::move(low));
+}
+
+ContactList BoxOnFloor(const Box& box, const PlacedRotation& place, double margin_m) {
+  std::vector<ContactPoint> low;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vector3 signs(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5, corner & 4 ? 0.5 : -0.5);
+    const Vector3 p = place.point(signs.cwiseProduct(box.size_m));
+    if (p.z() < margin_m) low.push_back({p, Vector3::UnitZ(), -p.z()});
+  }
+  return Spread(std::move(low));
 }
 
 /// Whether these triangles are the whole surface of a convex solid, and few enough to be looked at one by
@@ -165,7 +183,7 @@ bool ArePartedBy(const ContactList& list, const PlacedPart& a, const PlacedPart&
 ContactList ConvexContacts(const PlacedPart& a, const PlacedPart& b) {
   constexpr double kOverlap_m = 1e-7;  // what only touches is left alone
   const LeastWay least = FindLeastWay(a, b);
-  return least.depth_m > kOverlap_m ? Spread(ContactsAlong(a, b, least), least.n_W) : ContactList{};
+  return least.depth_m > kOverlap_m ? Spread(ContactsAlong(a, b, least)) : ContactList{};
 }
 
 }  // namespace
@@ -254,11 +272,13 @@ ContactList Collide(Collider& collider, const PlacedPart& a, const PlacedPart& b
   if (TryClosedForm(a, b, margin_m, list)) return list;
   if (TryClosedForm(b, a, margin_m, list)) return Reversed(list);
   const Shape &of_a = a.part->shape, &of_b = b.part->shape;
+  const Box *box_a = std::get_if<Box>(&of_a), *box_b = std::get_if<Box>(&of_b);
+  if (box_a != nullptr && box_b != nullptr) {
+    return Spread(BoxContacts(*box_a, a.place(), *box_b, b.place(), std::min(margin_m, kAhead_m)));
+  }
   const bool convex = collider.IsConvex(a) && collider.IsConvex(b);
   if (convex && OdeErrs(of_a, of_b)) return ConvexContacts(a, b);
-  // Four corners carry a box.
-  const bool boxes = std::holds_alternative<Box>(of_a) && std::holds_alternative<Box>(of_b);
-  list = collider.Collide(a, b, boxes ? 4 : ContactList::kMax);
+  list = collider.Collide(a, b, ContactList::kMax);
   return !convex || ArePartedBy(list, a, b) ? list : ConvexContacts(a, b);
 }
 
@@ -274,6 +294,7 @@ ContactList CollideFloor(Collider& collider, const PlacedPart& a, double margin_
     const ClosedForm form = WheelOnFloor(cylinder->radius_m, place, margin_m);
     if (form.applies) return WheelList(form, 0);
   }
+  if (const Box* box = std::get_if<Box>(&a.part->shape)) return BoxOnFloor(*box, place, std::min(margin_m, kAhead_m));
   if (place.p[2] >= a.half_m.z()) return {};
   if (const Mesh* mesh = std::get_if<Mesh>(&a.part->shape)) return MeshOnFloor(*mesh->data, place);
   return collider.CollideFloor(a, 4);
@@ -286,8 +307,8 @@ void FindContacts(Collider& collider, const Actor& a, const Actor& b, double mar
     const PlacedPart part_a = a.Place(i);
     for (std::size_t j = range_b.first; j < range_b.end; ++j) {
       const PlacedPart part_b = b.Place(j);
-      if (!Near(part_a, part_b, margin_m)) continue;
-      const ContactList list = Collide(collider, part_a, part_b, margin_m);
+      if (!Near(part_a, part_b, margin_m + kAhead_m)) continue;
+      const ContactList list = Collide(collider, part_a, part_b, margin_m + kAhead_m);
       for (const ContactPoint& point : list.all()) {
         found.push_back({point, part_a.part, part_b.part, list.wheel});
       }

@@ -67,6 +67,7 @@ void PhysicsWorld::Rebuild(std::shared_ptr<const Scene> scene, const Frame& fram
   for (const std::unique_ptr<Solvers>& solvers : solvers_) {
     solvers->lane.Fit();
     solvers->limbs.Fit();
+    solvers->pile.Fit();
   }
   Fit();
   Restore(frame);

@@ -19,6 +19,7 @@
 #include "server/physics/lane.h"
 #include "server/physics/limb_solver.h"
 #include "server/physics/measures.h"
+#include "server/physics/pile_solver.h"
 #include "server/physics/rest.h"
 #include "server/physics/sweep.h"
 #include "server/physics/wheel_drive.h"
@@ -77,12 +78,14 @@ class PhysicsWorld {
   /// What one thread solves islands with.
   struct Solvers {
     Solvers(const Things& things, const WorldSettings& settings)
-        : lane(things, settings), limbs(things, settings) {}
+        : lane(things, settings), limbs(things, settings), pile(things, settings) {}
     Lane lane;
     LimbSolver limbs;
+    PileSolver pile;
   };
-  enum class Method { kDirect, kIterative, kLimbs };
-  /// Islands that are solved together; by kLimbs one, of bodies with limbs or an object in flight.
+  enum class Method { kDirect, kIterative, kLimbs, kPile };
+  /// Islands that are solved together; by kLimbs one, of bodies with limbs or an object in flight; by kPile one,
+  /// of single bodies.
   struct Batch {
     Method method = Method::kDirect;
     std::vector<std::uint32_t> members;                         // things, island by island
@@ -90,6 +93,7 @@ class PhysicsWorld {
     std::vector<std::pair<std::uint32_t, std::string>> frozen;  // in this substep: thing and why
     std::vector<MeasuredContact> measured;
     bool unsolved = false;
+    bool is_for_ode() const { return method == Method::kDirect || method == Method::kIterative; }
   };
 
   /// Makes what depends on the number of things. @pre things_
@@ -113,6 +117,7 @@ class PhysicsWorld {
   void MakeBatches();
   Batch& NextBatch(Method method);
   bool HasLimbs(std::uint32_t root) const;
+  bool HasSingleBodies(std::uint32_t root) const;
   /// It is an object that touches nothing.
   bool Flies(std::uint32_t root) { return root < things_.first_robot && islands_.RowsOf(root) == 0; }
   void SolveAll(double dt_s);

@@ -40,7 +40,7 @@ int RowsOf(const FoundContact& contact) {
 }
 
 double FloorGap(const Thing& thing, const BodyState& body, double dt_s) {
-  return thing.robot >= 0 ? kFloorGap_m + dt_s * std::abs(body.v_WB.z()) : 0;
+  return thing.robot >= 0 ? kFloorGap_m + dt_s * std::abs(body.v_WB.z()) : kAhead_m;
 }
 
 }  // namespace
@@ -92,7 +92,7 @@ void PhysicsWorld::MakeIslands() {
       rows += kRobotSurcharge;
     } else {
       floor.clear();
-      FindFloorContacts(solvers_.front()->lane.collider(), ActorOf(i), 0, floor);
+      FindFloorContacts(solvers_.front()->lane.collider(), ActorOf(i), kAhead_m, floor);
       for (const FoundContact& contact : floor) rows += RowsOf(contact);
     }
     islands_.Begin(i, rows);
@@ -132,6 +132,9 @@ void PhysicsWorld::MakeBatches() {
     if (HasLimbs(root) || Flies(root)) {
       at = batch_count_;
       NextBatch(Method::kLimbs);
+    } else if (HasSingleBodies(root)) {
+      at = batch_count_;
+      NextBatch(Method::kPile);
     } else if (islands_.RowsOf(root) <= kMaxDirectRows) {
       if (open == 0 || batches_[open].members.size() >= kBatchThings) {
         open = batch_count_;
@@ -158,6 +161,14 @@ bool PhysicsWorld::HasLimbs(std::uint32_t root) const {
     if (things_.all[i].mechanism->has_limbs()) return true;
   }
   return false;
+}
+
+bool PhysicsWorld::HasSingleBodies(std::uint32_t root) const {
+  if (std::getenv("NOPILE")) return false;
+  for (std::uint32_t i = islands_.FirstOf(root); i != Islands::kNone; i = islands_.NextOf(i)) {
+    if (things_.all[i].body_count() > 1) return false;
+  }
+  return true;
 }
 
 void PhysicsWorld::SolveAll(double dt_s) {
@@ -200,7 +211,7 @@ void PhysicsWorld::SolveAll(double dt_s) {
 
 void PhysicsWorld::SolveBatch(Batch& batch, Solvers& solvers, double dt_s) {
   EnsureOde();
-  if (batch.method != Method::kLimbs) solvers.lane.Reserve(batch.members);
+  if (batch.is_for_ode()) solvers.lane.Reserve(batch.members);
   while (true) {
     std::optional<std::string> why = TryBatch(batch, solvers, dt_s);
     if (!why) break;
@@ -209,6 +220,9 @@ void PhysicsWorld::SolveBatch(Batch& batch, Solvers& solvers, double dt_s) {
   if (batch.method == Method::kLimbs) {
     ReadBatch(batch, solvers.limbs, dt_s);
     solvers.limbs.Unload();
+  } else if (batch.method == Method::kPile) {
+    ReadBatch(batch, solvers.pile, dt_s);
+    solvers.pile.Unload();
   } else {
     ReadBatch(batch, solvers.lane, dt_s);
     solvers.lane.Unload();
@@ -223,6 +237,11 @@ std::optional<std::string> PhysicsWorld::TryBatch(Batch& batch, Solvers& solvers
     if (outcome != LimbSolver::Outcome::kInsane) return std::nullopt;
     solvers.limbs.Unload();
     return "its joints and contacts have no solution";
+  }
+  if (batch.method == Method::kPile) {
+    LoadBatch(batch, solvers.lane, solvers.pile, dt_s);
+    batch.unsolved = !solvers.pile.Step(dt_s);
+    return std::nullopt;
   }
   try {
     LoadBatch(batch, solvers.lane, solvers.lane, dt_s);
@@ -258,6 +277,8 @@ void PhysicsWorld::LoadBatch(const Batch& batch, Lane& lane, Solver& solver, dou
     const Thing& info = things_.all[thing];
     if constexpr (std::is_same_v<Solver, Lane>) {
       solver.Load(thing, ActorOf(thing), ChannelsOf(info));
+    } else if constexpr (std::is_same_v<Solver, PileSolver>) {
+      solver.Load(thing, ActorOf(thing), ChannelsOf(info), dt_s);
     } else {
       solver.Load(thing, ActorOf(thing), ChannelsOf(info), JointRowsOf(info), dt_s);
     }
@@ -317,7 +338,15 @@ template <typename Solver>
 void PhysicsWorld::ReadChannels(std::uint32_t thing, const Solver& solver, double dt_s) {
   const Thing& info = things_.all[thing];
   const std::span<ChannelState> channels = ChannelsOf(info);
-  if (!info.mechanism->one_body()) {
+  if (info.mechanism->one_body()) {
+    if (!info.mechanism->drive) return;
+    const OneBodyDrive& drive = *info.mechanism->drive;
+    const WheelSpeeds rates_rad_s = TurnedWheels(drive, FirstBody(thing), drive.SpeedsOf(channels));
+    const std::span<ChannelState> wheels = drive.ChannelsOf(channels);
+    for (std::size_t wheel = 0; wheel < wheels.size(); ++wheel) Turn(wheels[wheel], rates_rad_s[wheel], dt_s);
+    return;
+  }
+  if constexpr (!std::is_same_v<Solver, PileSolver>) {
     for (std::size_t i = 0; i < info.mechanism->joints.size(); ++i) {
       const Joint& joint = info.mechanism->joints[i];
       if (joint.channel < 0) continue;
@@ -332,11 +361,6 @@ void PhysicsWorld::ReadChannels(std::uint32_t thing, const Solver& solver, doubl
       if (joint.control < 0 || board_trains_.empty()) continue;
       FinishTrain(info.first_control + static_cast<std::size_t>(joint.control), channel.effort, dt_s);
     }
-  } else if (info.mechanism->drive) {
-    const OneBodyDrive& drive = *info.mechanism->drive;
-    const WheelSpeeds rates_rad_s = TurnedWheels(drive, FirstBody(thing), drive.SpeedsOf(channels));
-    const std::span<ChannelState> wheels = drive.ChannelsOf(channels);
-    for (std::size_t wheel = 0; wheel < wheels.size(); ++wheel) Turn(wheels[wheel], rates_rad_s[wheel], dt_s);
   }
 }
 

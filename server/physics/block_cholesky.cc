@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+#include "server/physics/block_cholesky.h"
+
+#include <Eigen/SparseCore>
+#include <algorithm>
+
+#include <Eigen/OrderingMethods>
+
+namespace coopdyn {
+
+namespace {
+
+using Block = BlockCholesky::Block;
+
+/// Of a symmetric and positive definite block, by L D Lᵀ.
+Block Inverse(const Block& A) {
+  constexpr int n = 6;
+  Block L = Block::Identity();
+  double pivots[n];
+  for (int j = 0; j < n; ++j) {
+    double column[n];
+    for (int i = j; i < n; ++i) {
+      double sum = A(i, j);
+      for (int k = 0; k < j; ++k) sum -= L(i, k) * pivots[k] * L(j, k);
+      column[i] = sum;
+    }
+    pivots[j] = column[j];
+    for (int i = j + 1; i < n; ++i) L(i, j) = column[i] / column[j];
+  }
+  Block inverse_L = Block::Identity();
+  for (int j = 0; j < n; ++j) {
+    for (int i = j + 1; i < n; ++i) {
+      double sum = 0;
+      for (int k = j; k < i; ++k) sum -= L(i, k) * inverse_L(k, j);
+      inverse_L(i, j) = sum;
+    }
+  }
+  Block scaled = inverse_L;
+  for (int i = 0; i < n; ++i) scaled.row(i) /= pivots[i];
+  return inverse_L.transpose() * scaled;
+}
+
+}  // namespace
+
+void BlockCholesky::Order(int nodes, std::span<const std::pair<int, int>> edges) {
+  const auto count = static_cast<std::size_t>(nodes);
+  order_of_.resize(count);
+  for (std::size_t i = 0; i < count; ++i) order_of_[i] = i;
+  constexpr int kFew = 4;  // no order saves anything
+  if (nodes <= kFew) return;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < nodes; ++i) entries.emplace_back(i, i, 1);
+  for (const auto& [a, b] : edges) {
+    entries.emplace_back(a, b, 1);
+    entries.emplace_back(b, a, 1);
+  }
+  Eigen::SparseMatrix<double> graph(nodes, nodes);
+  graph.setFromTriplets(entries.begin(), entries.end());
+  Eigen::AMDOrdering<int>::PermutationType order;
+  Eigen::AMDOrdering<int>()(graph, order);
+  for (int i = 0; i < nodes; ++i) {
+    order_of_[static_cast<std::size_t>(order.indices()[i])] = static_cast<std::size_t>(i);
+  }
+}
+
+void BlockCholesky::Plan(int nodes, std::span<const std::pair<int, int>> edges) {
+  Order(nodes, edges);
+  const auto count = static_cast<std::size_t>(nodes);
+  if (patterns_.size() < count) {
+    patterns_.resize(count);
+    children_.resize(count);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    patterns_[i].clear();
+    children_[i].clear();
+  }
+  const auto at = [this](int node) { return order_of_[static_cast<std::size_t>(node)]; };
+  for (const auto& [a, b] : edges) patterns_[std::min(at(a), at(b))].push_back(std::max(at(a), at(b)));
+  first_.assign(1, 0);
+  rows_.clear();
+  marks_.assign(count, count);
+  for (std::size_t column = 0; column < count; ++column) {
+    // What the column has itself, and what eliminating others has brought.
+    const std::size_t begin = rows_.size();
+    const auto take = [&](std::span<const std::size_t> rows) {
+      for (const std::size_t row : rows) {
+        if (row == column || marks_[row] == column) continue;
+        marks_[row] = column;
+        rows_.push_back(row);
+      }
+    };
+    take(patterns_[column]);
+    for (const std::size_t child : children_[column]) {
+      take(std::span(rows_).subspan(first_[child], first_[child + 1] - first_[child]));
+    }
+    std::sort(rows_.begin() + static_cast<std::ptrdiff_t>(begin), rows_.end());
+    first_.push_back(rows_.size());
+    if (rows_.size() > begin) children_[rows_[begin]].push_back(column);
+  }
+  slots_.clear();
+  for (const auto& [a, b] : edges) {
+    const std::size_t column = std::min(at(a), at(b)), row = std::max(at(a), at(b));
+    const auto begin = rows_.begin() + static_cast<std::ptrdiff_t>(first_[column]);
+    const auto end = rows_.begin() + static_cast<std::ptrdiff_t>(first_[column + 1]);
+    const auto found = std::lower_bound(begin, end, row);
+    slots_.push_back({static_cast<std::size_t>(found - rows_.begin()), at(a) < at(b)});
+  }
+  diagonal_.resize(count);
+  blocks_.resize(rows_.size());
+  ordered_.resize(count);
+  Clear();
+}
+
+void BlockCholesky::Clear() {
+  for (Block& block : diagonal_) block.setZero();
+  for (Block& block : blocks_) block.setZero();
+}
+
+void BlockCholesky::Factor() {
+  for (std::size_t column = 0; column < diagonal_.size(); ++column) {
+    const Block inverse = Inverse(diagonal_[column]);
+    diagonal_[column] = inverse;
+    const std::size_t begin = first_[column], end = first_[column + 1];
+    for (std::size_t k = begin; k < end; ++k) {
+      const Block original = blocks_[k];
+      const Block scaled = original.lazyProduct(inverse);
+      blocks_[k] = scaled;
+      diagonal_[rows_[k]] -= scaled.lazyProduct(original.transpose());
+      // All rows below are also in the column of rows_[k]; those above have been scaled.
+      std::size_t to = first_[rows_[k]];
+      for (std::size_t i = k + 1; i < end; ++i) {
+        while (rows_[to] != rows_[i]) ++to;
+        blocks_[to] -= blocks_[i].lazyProduct(scaled.transpose());
+      }
+    }
+  }
+}
+
+void BlockCholesky::Solve(std::span<Vector> x) {
+  for (std::size_t i = 0; i < x.size(); ++i) ordered_[order_of_[i]] = x[i];
+  for (std::size_t column = 0; column < x.size(); ++column) {
+    for (std::size_t k = first_[column]; k < first_[column + 1]; ++k) {
+      ordered_[rows_[k]] -= blocks_[k] * ordered_[column];
+    }
+  }
+  for (std::size_t column = x.size(); column-- > 0;) {
+    Vector value = diagonal_[column] * ordered_[column];
+    for (std::size_t k = first_[column]; k < first_[column + 1]; ++k) {
+      value -= blocks_[k].transpose() * ordered_[rows_[k]];
+    }
+    ordered_[column] = value;
+  }
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = ordered_[order_of_[i]];
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,468 @@
+// SPDX-License-Identifier: MIT
+#include "server/physics/pile_solver.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/base/portable_math.h"
+
+namespace coopdyn {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// What shares a load among redundant contacts: m/s per N s, for a mass of 1 kg. Robots come in crowds, and sink in by
+// some µm: that spares iterations.
+constexpr double kSoftness = 5e-4, kSoftnessOfRobots = 1e-2;
+
+/// [r]× K.
+Matrix3 Cross(const Vector3& r, const Matrix3& K) {
+  Matrix3 product;
+  for (int i = 0; i < 3; ++i) product.col(i) = r.cross(K.col(i));
+  return product;
+}
+
+Matrix3 CrossMatrix(const Vector3& r) {
+  Matrix3 cross;
+  cross << 0, -r.z(), r.y(), r.z(), 0, -r.x(), -r.y(), r.x(), 0;
+  return cross;
+}
+
+/// A torque-free body's rates after the step: one iteration of Newton's method for the implicit step in the
+/// body's axes (E. Catto (2015), "Numerical methods", GDC), which cannot gain energy.
+Vector3 Spin(const Vector3& w_W, const Matrix3& R_WB, const Matrix3& I, double dt_s) {
+  const Vector3 w = R_WB.transpose() * w_W;
+  const Vector3 Iw = I * w;
+  const Matrix3 J = I + dt_s * (CrossMatrix(w) * I - CrossMatrix(Iw));
+  return R_WB * (w - J.inverse() * (dt_s * w.cross(Iw)));
+}
+
+}  // namespace
+
+void PileSolver::Law::Bound(double load) {
+  for (int i = 0; i < 3; ++i) {
+    if (friction[i] == kInfinity) continue;  // the normal
+    upper[i] = is_fixed[static_cast<std::size_t>(i)] ? friction[i] : friction[i] * load;
+    lower[i] = -upper[i];
+  }
+}
+
+void PileSolver::Law::Push(double share) {
+  const Vector3 free = hardness * (target - rate - share * change);
+  if (!is_cone) {
+    impulse = free.cwiseMax(lower).cwiseMin(upper);
+    return;
+  }
+  // The nearest point of the friction cone.
+  const double mu = friction[1], along2 = free[1] * free[1] + free[2] * free[2];
+  const double normal = free[0] - hardness * mu * slip;
+  if (normal >= 0 && along2 <= mu * mu * normal * normal) {
+    state = State::kSticks;
+    impulse = {normal, free[1], free[2]};
+  } else if (normal <= 0 && mu * mu * along2 <= normal * normal) {
+    state = State::kOpen;
+    impulse.setZero();
+  } else {
+    state = State::kSlides;
+    const double along = std::sqrt(along2), load = (normal + mu * along) / (1 + mu * mu);
+    const double scale = mu * load / along;
+    impulse = {load, scale * free[1], scale * free[2]};
+  }
+}
+
+Matrix3 PileSolver::Law::Stiffness() const {
+  Matrix3 stiffness = Matrix3::Zero();
+  const Vector3 free = hardness * (target - rate);
+  if (!is_cone) {
+    for (int i = 0; i < 3; ++i) {
+      if (free[i] > lower[i] && free[i] < upper[i]) stiffness(i, i) = hardness;
+    }
+    return stiffness;
+  }
+  // Of what slides. Across the slip the impulse turns with it.
+  const double mu = friction[1], along = std::sqrt(free[1] * free[1] + free[2] * free[2]);
+  const double normal = free[0] - hardness * mu * slip, load = (normal + mu * along) / (1 + mu * mu);
+  const double x = free[1] / along, y = free[2] / along;
+  const Vector3 edge(1, mu * x, mu * y), across(0, -y, x);
+  return hardness / (1 + mu * mu) * edge * edge.transpose() +
+         hardness * mu * load / along * across * across.transpose();
+}
+
+PileSolver::PileSolver(const Things& things, const WorldSettings& settings)
+    : things_(things), settings_(settings) {
+  Fit();
+}
+
+void PileSolver::Load(std::uint32_t thing, const Actor& actor, std::span<const ChannelState> channels,
+                      double dt_s) {
+  const RigidBody& rigid = actor.thing.mechanism->bodies.front();
+  body_of_[thing] = static_cast<int>(bodies_.size());
+  loaded_.push_back(thing);
+  Body& body = bodies_.emplace_back();
+  body.state = actor.bodies[0];
+  body.channels = channels;
+  body.mass_kg = rigid.mass_kg;
+  const Matrix3 R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(body.state.R_WB.data());
+  body.I_W = R * rigid.inertia_kg_m2 * R.transpose();
+  body.inverse_I_W = body.I_W.inverse();
+  body.is_robot = actor.thing.robot >= 0;
+  body.v = body.free_v = body.state.v_WB;
+  body.w = body.state.w_WB;
+  body.free_v.z() -= settings_.gravity_m_s2 * dt_s;
+  body.free_w = Spin(body.w, R, rigid.inertia_kg_m2, dt_s);
+}
+
+void PileSolver::Unload() {
+  for (const std::uint32_t thing : loaded_) body_of_[thing] = kNone;
+  loaded_.clear();
+  bodies_.clear();
+  joints_.clear();
+  points_.clear();
+  measured_.clear();
+  measured_points_.clear();
+}
+
+const BodyState& PileSolver::Read(std::uint32_t thing, std::size_t) const {
+  return bodies_[static_cast<std::size_t>(body_of_[thing])].state;
+}
+
+// --- contacts
+
+void PileSolver::Join(std::span<const FoundContact> found, const Actor& a, std::uint32_t index_a,
+                      const Actor* b, std::uint32_t index_b, double dt_s, bool measured) {
+  const int body_a = BodyOf(index_a), body_b = b == nullptr ? kNone : BodyOf(index_b);
+  if (body_a == kNone && body_b == kNone) return;
+  const auto channels = [this](int body) {
+    return body == kNone ? std::span<const ChannelState>() : bodies_[static_cast<std::size_t>(body)].channels;
+  };
+  Joint joint{body_a, body_b, points_.size()};
+  for (const FoundContact& contact : found) {
+    const Toucher of_b = b == nullptr ? Toucher() : Toucher{b, body_b != kNone, channels(body_b)};
+    const auto surface =
+        SurfaceOf(contact, {&a, body_a != kNone, channels(body_a)}, of_b, settings_, dt_s);
+    if (!surface) continue;
+    if (measured) {
+      measured_.push_back({index_a, b == nullptr ? MeasuredContact::kFloor : index_b, contact.a, contact.b,
+                           contact.point.p_W, contact.point.n_W});
+      measured_points_.push_back(points_.size());
+    }
+    AddPoint(*surface, body_a, body_b, dt_s);
+  }
+  joint.count = points_.size() - joint.first;
+  if (joint.count == 0) return;
+  double mass_kg = 0;
+  bool is_of_robot = false;
+  for (const int body : {body_a, body_b}) {
+    if (body == kNone) continue;
+    mass_kg += bodies_[static_cast<std::size_t>(body)].mass_kg;
+    is_of_robot |= bodies_[static_cast<std::size_t>(body)].is_robot;
+  }
+  const double hardness = mass_kg / (is_of_robot ? kSoftnessOfRobots : kSoftness);
+  for (Point& point : PointsOf(joint)) point.slide.hardness = point.roll.hardness = hardness;
+  joints_.push_back(joint);
+}
+
+void PileSolver::AddPoint(const Surface& surface, int a, int b, double dt_s) {
+  const dContact& contact = surface.contact;
+  const dSurfaceParameters& of = contact.surface;
+  const auto has = [&of](int flags) { return (of.mode & flags) == flags; };
+  const double sign = surface.swapped ? -1 : 1;  // the surface's first one is B
+  Point& point = points_.emplace_back();
+  const Vector3 normal(contact.geom.normal);
+  Vector3 along;
+  if (has(dContactFDir1)) {
+    along = Vector3(contact.fdir1);
+  } else {
+    const int least = std::abs(normal.x()) < 0.6 ? 0 : 1;
+    along = normal.cross(Vector3::Unit(least)).normalized();
+  }
+  // All along the axes turns round with them, but for the rates, which are of A against B.
+  point.axes_W.col(0) = sign * normal;
+  point.axes_W.col(1) = sign * along;
+  point.axes_W.col(2) = sign * normal.cross(along);
+  const Vector3 p_W(contact.geom.pos);
+  point.r_a = point.r_b = Vector3::Zero();
+  Law& slide = point.slide;
+  Vector3 approach = Vector3::Zero();
+  if (a != kNone) {
+    const BodyState& state = bodies_[static_cast<std::size_t>(a)].state;
+    point.r_a = p_W - state.p_WB;
+    approach += state.v_WB + state.w_WB.cross(point.r_a);
+  }
+  if (b != kNone) {
+    const BodyState& state = bodies_[static_cast<std::size_t>(b)].state;
+    point.r_b = p_W - state.p_WB;
+    approach -= state.v_WB + state.w_WB.cross(point.r_b);
+  }
+  double target = kErp * contact.geom.depth / dt_s;
+  if (has(dContactMotionN)) target += of.motionN;
+  target = std::min(target, kMaxPushOut_m_s);
+  if (has(dContactBounce)) {
+    const double speed = -approach.dot(point.axes_W.col(0));
+    if (speed > of.bounce_vel) target = std::max(target, of.bounce * speed);
+  }
+  slide.target = {target, has(dContactMotion1) ? of.motion1 : 0, 0};
+  const bool is_force_1 = !has(dContactApprox1_1), is_force_2 = !has(dContactApprox1_2);
+  const double second = has(dContactMu2) ? of.mu2 : of.mu;
+  slide.friction = {kInfinity, is_force_1 ? of.mu * dt_s : of.mu, is_force_2 ? second * dt_s : second};
+  slide.is_fixed = {false, is_force_1, is_force_2};
+  slide.is_cone = !has(dContactMu2) && !is_force_1;
+  slide.lower = Vector3::Zero();
+  slide.upper = {kInfinity, 0, 0};
+  if (has(dContactRolling)) {
+    point.rolls = true;
+    Law& roll = point.roll;
+    const double other = has(dContactMu2) ? of.rho2 : of.rho;
+    roll.friction = {of.rhoN, of.rho, other};
+    roll.lower = roll.upper = Vector3::Zero();
+  }
+}
+
+// --- Newton's method
+
+template <typename Linear, typename Angular, typename Take>
+void PileSolver::AtPoints(const Linear& linear, const Angular& angular, const Take& take) {
+  for (const Joint& joint : joints_) {
+    const Body& a = BodyAt(joint.a);
+    const Body& b = BodyAt(joint.b);
+    const Vector3 between = linear(a) - linear(b), turn = angular(a) - angular(b);
+    for (Point& point : PointsOf(joint)) {
+      const Vector3 speed = between + angular(a).cross(point.r_a) - angular(b).cross(point.r_b);
+      take(point.slide, point.axes_W.transpose() * speed);
+      if (point.rolls) take(point.roll, point.axes_W.transpose() * turn);
+    }
+  }
+}
+
+double PileSolver::TakeLoads() {
+  double most = 0;
+  for (Point& point : points_) {
+    if (point.slide.is_cone) {
+      const double slip = std::sqrt(point.slide.rate[1] * point.slide.rate[1] + point.slide.rate[2] * point.slide.rate[2]);
+      most = std::max(most, point.slide.friction[1] * std::abs(slip - point.slide.slip));
+      point.slide.slip = slip;
+    }
+    const double load = point.slide.impulse[0];
+    point.slide.Bound(load);
+    point.slide.Push(0);
+    if (!point.rolls) continue;
+    point.roll.Bound(load);
+    point.roll.Push(0);
+  }
+  return most;
+}
+
+double PileSolver::FindGradient() {
+  for (Body& body : bodies_) {
+    body.gradient_v = body.mass_kg * (body.v - body.free_v);
+    body.gradient_w = body.I_W * (body.w - body.free_w);
+  }
+  for (const Joint& joint : joints_) {
+    Vector3 impulse = Vector3::Zero(), torque_a = Vector3::Zero(), torque_b = Vector3::Zero();
+    for (const Point& point : PointsOf(joint)) {
+      if (point.slide.state == State::kOpen) continue;
+      const Vector3 push = point.axes_W * point.slide.impulse;
+      impulse += push;
+      torque_a += point.r_a.cross(push);
+      torque_b += point.r_b.cross(push);
+      if (!point.rolls) continue;
+      const Vector3 twist = point.axes_W * point.roll.impulse;
+      torque_a += twist;
+      torque_b += twist;
+    }
+    Body& a = BodyAt(joint.a);
+    Body& b = BodyAt(joint.b);
+    a.gradient_v -= impulse;
+    a.gradient_w -= torque_a;
+    b.gradient_v += impulse;
+    b.gradient_w += torque_b;
+  }
+  double most = 0;
+  for (const Body& body : bodies_) {
+    const double energy =
+        body.gradient_v.squaredNorm() / body.mass_kg + body.gradient_w.dot(body.inverse_I_W * body.gradient_w);
+    most = std::max(most, energy / body.mass_kg);
+  }
+  return std::sqrt(most);
+}
+
+void PileSolver::FindStep() {
+  matrix_.Clear();
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    Matrix6& block = matrix_.diagonal(static_cast<int>(i));
+    block.topLeftCorner<3, 3>().diagonal().setConstant(bodies_[i].mass_kg);
+    block.bottomRightCorner<3, 3>() = bodies_[i].I_W;
+  }
+  for (const Joint& joint : joints_) {
+    // J = (1, −[r]×) of A and its negative of B; K: the stiffness in W. The sums of Jᵀ K J over the points.
+    Matrix3 K_sum = Matrix3::Zero(), rK_a = K_sum, rK_b = K_sum, aa = K_sum, bb = K_sum, ab = K_sum;
+    for (const Point& point : PointsOf(joint)) {
+      if (point.slide.state == State::kOpen) continue;
+      if (point.slide.state == State::kSticks) {
+        const double k = point.slide.hardness;
+        const Vector3 ka = k * point.r_a, kb = k * point.r_b;
+        K_sum.diagonal().array() += k;
+        rK_a += CrossMatrix(ka);
+        rK_b += CrossMatrix(kb);
+        aa.diagonal().array() += ka.dot(point.r_a);
+        bb.diagonal().array() += kb.dot(point.r_b);
+        ab.diagonal().array() += ka.dot(point.r_b);
+        aa -= ka * point.r_a.transpose();
+        bb -= kb * point.r_b.transpose();
+        ab -= kb * point.r_a.transpose();
+      } else {
+        const Matrix3 K = point.axes_W * point.slide.Stiffness() * point.axes_W.transpose();
+        const Matrix3 of_a = Cross(point.r_a, K), of_b = Cross(point.r_b, K);
+        K_sum += K;
+        rK_a += of_a;
+        rK_b += of_b;
+        aa += Cross(point.r_a, of_a.transpose());
+        bb += Cross(point.r_b, of_b.transpose());
+        ab += Cross(point.r_a, of_b.transpose());
+      }
+      if (!point.rolls) continue;
+      const Matrix3 twist = point.axes_W * point.roll.Stiffness() * point.axes_W.transpose();
+      aa += twist;
+      bb += twist;
+      ab += twist;
+    }
+    const auto add = [](Matrix6& block, const Matrix3& vv, const Matrix3& vw, const Matrix3& wv, const Matrix3& ww) {
+      block.topLeftCorner<3, 3>() += vv;
+      block.topRightCorner<3, 3>() += vw;
+      block.bottomLeftCorner<3, 3>() += wv;
+      block.bottomRightCorner<3, 3>() += ww;
+    };
+    if (joint.a != kNone) add(matrix_.diagonal(joint.a), K_sum, rK_a.transpose(), rK_a, aa);
+    if (joint.b != kNone) add(matrix_.diagonal(joint.b), K_sum, rK_b.transpose(), rK_b, bb);
+    if (joint.a == kNone || joint.b == kNone) continue;
+    // In the row of the one whose column comes later.
+    if (matrix_.is_turned(joint.edge)) {
+      add(matrix_.edge(joint.edge), -K_sum, -rK_a.transpose(), -rK_b, -ab.transpose());
+    } else {
+      add(matrix_.edge(joint.edge), -K_sum, -rK_b.transpose(), -rK_a, -ab);
+    }
+  }
+  matrix_.Factor();
+  solution_.resize(bodies_.size());
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    solution_[i] << -bodies_[i].gradient_v, -bodies_[i].gradient_w;
+  }
+  matrix_.Solve(solution_);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    bodies_[i].step_v = solution_[i].head<3>();
+    bodies_[i].step_w = solution_[i].tail<3>();
+  }
+}
+
+double PileSolver::TakeStep() {
+  AtPoints([](const Body& body) -> const Vector3& { return body.step_v; },
+           [](const Body& body) -> const Vector3& { return body.step_w; },
+           [](Law& law, const Vector3& rates) { law.change = rates; });
+  // The slope at the share s of the step, without that of the contacts: slope + s bend.
+  double begin_slope = 0, free_slope = 0, bend = 0;
+  for (const Body& body : bodies_) {
+    const Vector3 momentum = body.mass_kg * body.step_v, spin = body.I_W * body.step_w;
+    begin_slope += body.gradient_v.dot(body.step_v) + body.gradient_w.dot(body.step_w);
+    free_slope += momentum.dot(body.v - body.free_v) + spin.dot(body.w - body.free_w);
+    bend += momentum.dot(body.step_v) + spin.dot(body.step_w);
+  }
+  const auto slope_at = [&](double share) {
+    double slope = free_slope + share * bend;
+    for (Point& point : points_) {
+      point.slide.Push(share);
+      slope -= point.slide.impulse.dot(point.slide.change);
+      if (!point.rolls) continue;
+      point.roll.Push(share);
+      slope -= point.roll.impulse.dot(point.roll.change);
+    }
+    return slope;
+  };
+  // The slope grows with the share. Regula falsi, by the rule of Illinois.
+  constexpr double kFlat = 0.01;
+  constexpr int kMostTrials = 20;
+  const double flat = kFlat * std::abs(begin_slope);
+  double share = 1, slope = slope_at(1);
+  double low = 0, low_slope = begin_slope, high = 1, high_slope = slope;
+  int side = 0;
+  for (int i = 0; i < kMostTrials && (slope > flat || (i > 0 && slope < -flat)); ++i) {
+    share = (low * high_slope - high * low_slope) / (high_slope - low_slope);
+    slope = slope_at(share);
+    if (slope > 0) {
+      high = share;
+      high_slope = slope;
+      if (side > 0) low_slope /= 2;
+      side = 1;
+    } else {
+      low = share;
+      low_slope = slope;
+      if (side < 0) high_slope /= 2;
+      side = -1;
+    }
+  }
+  for (Point& point : points_) {
+    point.slide.rate += share * point.slide.change;
+    point.roll.rate += share * point.roll.change;
+  }
+  double most = 0;
+  for (Body& body : bodies_) {
+    body.v += share * body.step_v;
+    body.w += share * body.step_w;
+    most = std::max(most, body.step_v.squaredNorm());
+  }
+  return std::sqrt(most);
+}
+
+bool PileSolver::Step(double dt_s) {
+  edges_.clear();
+  for (Joint& joint : joints_) {
+    if (joint.a == kNone || joint.b == kNone) continue;
+    joint.edge = edges_.size();
+    edges_.emplace_back(joint.a, joint.b);
+  }
+  // How exact velocities are: of what moves to a thousandth.
+  constexpr double kExact_m_s = 1e-6, kExact = 1e-3;
+  double speed_m_s = 0;
+  for (const Body& body : bodies_) speed_m_s = std::max(speed_m_s, body.v.norm());
+  const double enough_m_s = kExact_m_s + kExact * speed_m_s;
+  AtPoints([](const Body& body) -> const Vector3& { return body.v; },
+           [](const Body& body) -> const Vector3& { return body.w; },
+           [](Law& law, const Vector3& rates) { law.rate = rates; });
+  for (Point& point : points_) point.slide.Push(0);
+  bool is_solved = false;
+  // From some iteration on it is one convex problem.
+  constexpr int kMostIterations = 50, kWithLoads = 6;
+  for (int i = 0; i < kMostIterations && !is_solved; ++i) {
+    const double change_m_s = i < kWithLoads ? TakeLoads() : 0;
+    is_solved = FindGradient() < enough_m_s;
+    if (is_solved) break;
+    if (i == 0) matrix_.Plan(static_cast<int>(bodies_.size()), edges_);
+    FindStep();
+    is_solved = std::max(TakeStep(), change_m_s) < enough_m_s;
+  }
+  for (std::size_t i = 0; i < measured_.size(); ++i) {
+    const Point& point = points_[measured_points_[i]];
+    measured_[i].force_W = point.axes_W * point.slide.impulse / dt_s;
+  }
+  Move(dt_s);
+  return is_solved;
+}
+
+void PileSolver::Move(double dt_s) {
+  for (Body& body : bodies_) {
+    BodyState& state = body.state;
+    state.v_WB = body.v;
+    state.w_WB = body.w;
+    state.p_WB += dt_s * state.v_WB;
+    const double rate = state.w_WB.norm();
+    if (rate > 0) {
+      const Quaternion q(state.q_WB[0], state.q_WB[1], state.q_WB[2], state.q_WB[3]);
+      Orient(state, (portable::AngleAxis(dt_s * rate, state.w_WB / rate) * q).normalized());
+    }
+    state.sleep_counter = 0;
+  }
+}
+
+}  // namespace coopdyn
