@@ -23,7 +23,8 @@ class BlockCholesky {
   void Clear();
   /// To be filled in.
   Block& diagonal(int node) { return diagonal_[order_of_[static_cast<std::size_t>(node)]]; }
-  /// The block in the row of the edge's first node and the column of its second; if it is turned, the other one.
+  /// The block in the row of the edge's first node and the column of its second; if it is turned, the other
+  /// one.
   Block& edge(std::size_t edge) { return blocks_[slots_[edge].at]; }
   bool is_turned(std::size_t edge) const { return slots_[edge].turned; }
   /// @pre positive definite

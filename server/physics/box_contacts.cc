@@ -20,9 +20,7 @@ struct PlacedBox {
     for (int i = 0; i < 3; ++i) axes_W.col(i) = X_WB.axis(i);
   }
   /// From the middle to the furthest point along a direction.
-  double Reach(const Vector3& n_W) const {
-    return (axes_W.transpose() * n_W).cwiseAbs().dot(half_m);
-  }
+  double Reach(const Vector3& n_W) const { return (axes_W.transpose() * n_W).cwiseAbs().dot(half_m); }
 
   Vector3 half_m, p_W;
   Matrix3 axes_W;
@@ -67,9 +65,10 @@ Outline FaceAgainst(const PlacedBox& box, const Vector3& n_W) {
   return outline;
 }
 
-/// Points of `other` above the face `axis` of `box` that looks along `n_W`; `sign` times `n_W` is their normal.
-std::vector<ContactPoint> AcrossFace(const PlacedBox& box, int axis, const Vector3& n_W, const PlacedBox& other,
-                                     double sign, double margin_m) {
+/// Points of `other` above the face `axis` of `box` that looks along `n_W`; `sign` times `n_W` is their
+/// normal.
+std::vector<ContactPoint> AcrossFace(const PlacedBox& box, int axis, const Vector3& n_W,
+                                     const PlacedBox& other, double sign, double margin_m) {
   Outline outline = FaceAgainst(other, n_W);
   for (const int side : {(axis + 1) % 3, (axis + 2) % 3}) {
     const Vector3 u = box.axes_W.col(side);
@@ -144,9 +143,8 @@ std::vector<ContactPoint> BoxContacts(const Box& box_a, const PlacedRotation& X_
   const auto from_b = [&](const Vector3& n_W) { return n_W.dot(between) < 0 ? Vector3(-n_W) : n_W; };
   if (edges.gap_m <= face.gap_m + kFaceFirst_m) {
     const Vector3 n_W = from_b(face.n_W);
-    const std::vector<ContactPoint> points = face.of_a >= 0
-                                                 ? AcrossFace(a, face.of_a, -n_W, b, -1, margin_m)
-                                                 : AcrossFace(b, face.of_b, n_W, a, 1, margin_m);
+    const std::vector<ContactPoint> points = face.of_a >= 0 ? AcrossFace(a, face.of_a, -n_W, b, -1, margin_m)
+                                                            : AcrossFace(b, face.of_b, n_W, a, 1, margin_m);
     if (!points.empty() || edges.of_a < 0) return points;
   }
   return {AcrossEdges(a, edges.of_a, b, edges.of_b, from_b(edges.n_W), -edges.gap_m)};

@@ -274,7 +274,7 @@ ContactList Collide(Collider& collider, const PlacedPart& a, const PlacedPart& b
   const Shape &of_a = a.part->shape, &of_b = b.part->shape;
   const Box *box_a = std::get_if<Box>(&of_a), *box_b = std::get_if<Box>(&of_b);
   if (box_a != nullptr && box_b != nullptr) {
-    return Spread(BoxContacts(*box_a, a.place(), *box_b, b.place(), std::min(margin_m, kAhead_m)));
+    return Spread(BoxContacts(*box_a, a.place(), *box_b, b.place(), kAhead_m));
   }
   const bool convex = collider.IsConvex(a) && collider.IsConvex(b);
   if (convex && OdeErrs(of_a, of_b)) return ConvexContacts(a, b);
@@ -294,7 +294,8 @@ ContactList CollideFloor(Collider& collider, const PlacedPart& a, double margin_
     const ClosedForm form = WheelOnFloor(cylinder->radius_m, place, margin_m);
     if (form.applies) return WheelList(form, 0);
   }
-  if (const Box* box = std::get_if<Box>(&a.part->shape)) return BoxOnFloor(*box, place, std::min(margin_m, kAhead_m));
+  if (const Box* box = std::get_if<Box>(&a.part->shape))
+    return BoxOnFloor(*box, place, std::min(margin_m, kAhead_m));
   if (place.p[2] >= a.half_m.z()) return {};
   if (const Mesh* mesh = std::get_if<Mesh>(&a.part->shape)) return MeshOnFloor(*mesh->data, place);
   return collider.CollideFloor(a, 4);
@@ -308,7 +309,7 @@ void FindContacts(Collider& collider, const Actor& a, const Actor& b, double mar
     for (std::size_t j = range_b.first; j < range_b.end; ++j) {
       const PlacedPart part_b = b.Place(j);
       if (!Near(part_a, part_b, margin_m + kAhead_m)) continue;
-      const ContactList list = Collide(collider, part_a, part_b, margin_m + kAhead_m);
+      const ContactList list = Collide(collider, part_a, part_b, margin_m);
       for (const ContactPoint& point : list.all()) {
         found.push_back({point, part_a.part, part_b.part, list.wheel});
       }

@@ -4,7 +4,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "server/base/portable_math.h"
 
@@ -12,11 +11,8 @@ namespace coopdyn {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-// What shares a load among redundant contacts: m/s per N s, for a mass of 1 kg. Robots come in crowds, and sink in by
-// some µm: that spares iterations.
-constexpr double kSoftness = 5e-4, kSoftnessOfRobots = 1e-2;
+// What shares a load among redundant contacts: m/s per N s, for a mass of 1 kg.
+constexpr double kSoftness = 5e-4;
 
 /// [r]× K.
 Matrix3 Cross(const Vector3& r, const Matrix3& K) {
@@ -42,22 +38,14 @@ Vector3 Spin(const Vector3& w_W, const Matrix3& R_WB, const Matrix3& I, double d
 
 }  // namespace
 
-void PileSolver::Law::Bound(double load) {
-  for (int i = 0; i < 3; ++i) {
-    if (friction[i] == kInfinity) continue;  // the normal
-    upper[i] = is_fixed[static_cast<std::size_t>(i)] ? friction[i] : friction[i] * load;
-    lower[i] = -upper[i];
-  }
-}
-
 void PileSolver::Law::Push(double share) {
   const Vector3 free = hardness * (target - rate - share * change);
   if (!is_cone) {
-    impulse = free.cwiseMax(lower).cwiseMin(upper);
+    impulse = free.cwiseMax(-bound).cwiseMin(bound);
     return;
   }
   // The nearest point of the friction cone.
-  const double mu = friction[1], along2 = free[1] * free[1] + free[2] * free[2];
+  const double mu = friction, along2 = free[1] * free[1] + free[2] * free[2];
   const double normal = free[0] - hardness * mu * slip;
   if (normal >= 0 && along2 <= mu * mu * normal * normal) {
     state = State::kSticks;
@@ -73,17 +61,25 @@ void PileSolver::Law::Push(double share) {
   }
 }
 
+double PileSolver::Law::Slip() const {
+  if (state == State::kSticks) return 0;
+  const double x = target[1] - rate[1], y = target[2] - rate[2];
+  // Without what the softness yields.
+  return std::sqrt(x * x + y * y) - std::sqrt(impulse[1] * impulse[1] + impulse[2] * impulse[2]) / hardness;
+}
+
 Matrix3 PileSolver::Law::Stiffness() const {
   Matrix3 stiffness = Matrix3::Zero();
   const Vector3 free = hardness * (target - rate);
   if (!is_cone) {
     for (int i = 0; i < 3; ++i) {
-      if (free[i] > lower[i] && free[i] < upper[i]) stiffness(i, i) = hardness;
+      if (std::abs(free[i]) < bound[i]) stiffness(i, i) = hardness;
     }
     return stiffness;
   }
-  // Of what slides. Across the slip the impulse turns with it.
-  const double mu = friction[1], along = std::sqrt(free[1] * free[1] + free[2] * free[2]);
+  if (state == State::kSticks) return hardness * Matrix3::Identity();
+  // Across the slip the impulse turns with it.
+  const double mu = friction, along = std::sqrt(free[1] * free[1] + free[2] * free[2]);
   const double normal = free[0] - hardness * mu * slip, load = (normal + mu * along) / (1 + mu * mu);
   const double x = free[1] / along, y = free[2] / along;
   const Vector3 edge(1, mu * x, mu * y), across(0, -y, x);
@@ -96,19 +92,16 @@ PileSolver::PileSolver(const Things& things, const WorldSettings& settings)
   Fit();
 }
 
-void PileSolver::Load(std::uint32_t thing, const Actor& actor, std::span<const ChannelState> channels,
-                      double dt_s) {
+void PileSolver::Load(std::uint32_t thing, const Actor& actor, double dt_s) {
   const RigidBody& rigid = actor.thing.mechanism->bodies.front();
   body_of_[thing] = static_cast<int>(bodies_.size());
   loaded_.push_back(thing);
   Body& body = bodies_.emplace_back();
   body.state = actor.bodies[0];
-  body.channels = channels;
   body.mass_kg = rigid.mass_kg;
   const Matrix3 R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(body.state.R_WB.data());
   body.I_W = R * rigid.inertia_kg_m2 * R.transpose();
   body.inverse_I_W = body.I_W.inverse();
-  body.is_robot = actor.thing.robot >= 0;
   body.v = body.free_v = body.state.v_WB;
   body.w = body.state.w_WB;
   body.free_v.z() -= settings_.gravity_m_s2 * dt_s;
@@ -135,33 +128,19 @@ void PileSolver::Join(std::span<const FoundContact> found, const Actor& a, std::
                       const Actor* b, std::uint32_t index_b, double dt_s, bool measured) {
   const int body_a = BodyOf(index_a), body_b = b == nullptr ? kNone : BodyOf(index_b);
   if (body_a == kNone && body_b == kNone) return;
-  const auto channels = [this](int body) {
-    return body == kNone ? std::span<const ChannelState>() : bodies_[static_cast<std::size_t>(body)].channels;
-  };
   Joint joint{body_a, body_b, points_.size()};
   for (const FoundContact& contact : found) {
-    const Toucher of_b = b == nullptr ? Toucher() : Toucher{b, body_b != kNone, channels(body_b)};
-    const auto surface =
-        SurfaceOf(contact, {&a, body_a != kNone, channels(body_a)}, of_b, settings_, dt_s);
+    const Toucher of_b = b == nullptr ? Toucher() : Toucher{b, body_b != kNone, {}};
+    const auto surface = SurfaceOf(contact, {&a, body_a != kNone, {}}, of_b, settings_, dt_s);
     if (!surface) continue;
-    if (measured) {
-      measured_.push_back({index_a, b == nullptr ? MeasuredContact::kFloor : index_b, contact.a, contact.b,
-                           contact.point.p_W, contact.point.n_W});
-      measured_points_.push_back(points_.size());
-    }
     AddPoint(*surface, body_a, body_b, dt_s);
+    if (!measured) continue;
+    measured_.push_back({index_a, b == nullptr ? MeasuredContact::kFloor : index_b, contact.a, contact.b,
+                         contact.point.p_W, contact.point.n_W});
+    measured_points_.push_back(points_.size() - 1);
   }
   joint.count = points_.size() - joint.first;
   if (joint.count == 0) return;
-  double mass_kg = 0;
-  bool is_of_robot = false;
-  for (const int body : {body_a, body_b}) {
-    if (body == kNone) continue;
-    mass_kg += bodies_[static_cast<std::size_t>(body)].mass_kg;
-    is_of_robot |= bodies_[static_cast<std::size_t>(body)].is_robot;
-  }
-  const double hardness = mass_kg / (is_of_robot ? kSoftnessOfRobots : kSoftness);
-  for (Point& point : PointsOf(joint)) point.slide.hardness = point.roll.hardness = hardness;
   joints_.push_back(joint);
 }
 
@@ -169,7 +148,6 @@ void PileSolver::AddPoint(const Surface& surface, int a, int b, double dt_s) {
   const dContact& contact = surface.contact;
   const dSurfaceParameters& of = contact.surface;
   const auto has = [&of](int flags) { return (of.mode & flags) == flags; };
-  const double sign = surface.swapped ? -1 : 1;  // the surface's first one is B
   Point& point = points_.emplace_back();
   const Vector3 normal(contact.geom.normal);
   Vector3 along;
@@ -179,12 +157,10 @@ void PileSolver::AddPoint(const Surface& surface, int a, int b, double dt_s) {
     const int least = std::abs(normal.x()) < 0.6 ? 0 : 1;
     along = normal.cross(Vector3::Unit(least)).normalized();
   }
-  // All along the axes turns round with them, but for the rates, which are of A against B.
-  point.axes_W.col(0) = sign * normal;
-  point.axes_W.col(1) = sign * along;
-  point.axes_W.col(2) = sign * normal.cross(along);
+  point.axes_W.col(0) = normal;
+  point.axes_W.col(1) = along;
+  point.axes_W.col(2) = normal.cross(along);
   const Vector3 p_W(contact.geom.pos);
-  point.r_a = point.r_b = Vector3::Zero();
   Law& slide = point.slide;
   Vector3 approach = Vector3::Zero();
   if (a != kNone) {
@@ -204,20 +180,22 @@ void PileSolver::AddPoint(const Surface& surface, int a, int b, double dt_s) {
     const double speed = -approach.dot(point.axes_W.col(0));
     if (speed > of.bounce_vel) target = std::max(target, of.bounce * speed);
   }
-  slide.target = {target, has(dContactMotion1) ? of.motion1 : 0, 0};
-  const bool is_force_1 = !has(dContactApprox1_1), is_force_2 = !has(dContactApprox1_2);
+  double mass_kg = 0;
+  for (const int body : {a, b}) {
+    if (body != kNone) mass_kg += bodies_[static_cast<std::size_t>(body)].mass_kg;
+  }
+  slide.hardness = mass_kg / kSoftness;
+  slide.is_cone = true;
+  slide.target[0] = target;
+  // What the load bounds is a cone: a round one, by the length of the last axis.
   const double second = has(dContactMu2) ? of.mu2 : of.mu;
-  slide.friction = {kInfinity, is_force_1 ? of.mu * dt_s : of.mu, is_force_2 ? second * dt_s : second};
-  slide.is_fixed = {false, is_force_1, is_force_2};
-  slide.is_cone = !has(dContactMu2) && !is_force_1;
-  slide.lower = Vector3::Zero();
-  slide.upper = {kInfinity, 0, 0};
+  slide.friction = of.mu;
+  point.is_round = second == of.mu;
+  if (!point.is_round) point.axes_W.col(2) *= of.mu > 0 ? second / of.mu : 0;
   if (has(dContactRolling)) {
     point.rolls = true;
-    Law& roll = point.roll;
-    const double other = has(dContactMu2) ? of.rho2 : of.rho;
-    roll.friction = {of.rhoN, of.rho, other};
-    roll.lower = roll.upper = Vector3::Zero();
+    point.roll.hardness = slide.hardness * (a != kNone ? point.r_a : point.r_b).squaredNorm();
+    point.resistance = {of.rhoN, of.rho, has(dContactMu2) ? of.rho2 : of.rho};
   }
 }
 
@@ -241,16 +219,13 @@ double PileSolver::TakeLoads() {
   double most = 0;
   for (Point& point : points_) {
     if (point.slide.is_cone) {
-      const double slip = std::sqrt(point.slide.rate[1] * point.slide.rate[1] + point.slide.rate[2] * point.slide.rate[2]);
-      most = std::max(most, point.slide.friction[1] * std::abs(slip - point.slide.slip));
+      const double slip = point.slide.Slip();
+      most = std::max(most, point.slide.friction * std::abs(slip - point.slide.slip));
       point.slide.slip = slip;
     }
-    const double load = point.slide.impulse[0];
-    point.slide.Bound(load);
+    if (point.rolls) point.roll.bound = point.slide.impulse[0] * point.resistance;
     point.slide.Push(0);
-    if (!point.rolls) continue;
-    point.roll.Bound(load);
-    point.roll.Push(0);
+    if (point.rolls) point.roll.Push(0);
   }
   return most;
 }
@@ -282,8 +257,8 @@ double PileSolver::FindGradient() {
   }
   double most = 0;
   for (const Body& body : bodies_) {
-    const double energy =
-        body.gradient_v.squaredNorm() / body.mass_kg + body.gradient_w.dot(body.inverse_I_W * body.gradient_w);
+    const double energy = body.gradient_v.squaredNorm() / body.mass_kg +
+                          body.gradient_w.dot(body.inverse_I_W * body.gradient_w);
     most = std::max(most, energy / body.mass_kg);
   }
   return std::sqrt(most);
@@ -301,7 +276,7 @@ void PileSolver::FindStep() {
     Matrix3 K_sum = Matrix3::Zero(), rK_a = K_sum, rK_b = K_sum, aa = K_sum, bb = K_sum, ab = K_sum;
     for (const Point& point : PointsOf(joint)) {
       if (point.slide.state == State::kOpen) continue;
-      if (point.slide.state == State::kSticks) {
+      if (point.slide.state == State::kSticks && point.is_round) {
         const double k = point.slide.hardness;
         const Vector3 ka = k * point.r_a, kb = k * point.r_b;
         K_sum.diagonal().array() += k;
@@ -329,7 +304,8 @@ void PileSolver::FindStep() {
       bb += twist;
       ab += twist;
     }
-    const auto add = [](Matrix6& block, const Matrix3& vv, const Matrix3& vw, const Matrix3& wv, const Matrix3& ww) {
+    const auto add = [](Matrix6& block, const Matrix3& vv, const Matrix3& vw, const Matrix3& wv,
+                        const Matrix3& ww) {
       block.topLeftCorner<3, 3>() += vv;
       block.topRightCorner<3, 3>() += vw;
       block.bottomLeftCorner<3, 3>() += wv;
@@ -431,9 +407,10 @@ bool PileSolver::Step(double dt_s) {
            [](const Body& body) -> const Vector3& { return body.w; },
            [](Law& law, const Vector3& rates) { law.rate = rates; });
   for (Point& point : points_) point.slide.Push(0);
+  // Slips and loads are taken as they come; from some iteration on as they are, so that it is one convex
+  // problem.
+  constexpr int kMostIterations = 30, kWithLoads = 6;
   bool is_solved = false;
-  // From some iteration on it is one convex problem.
-  constexpr int kMostIterations = 50, kWithLoads = 6;
   for (int i = 0; i < kMostIterations && !is_solved; ++i) {
     const double change_m_s = i < kWithLoads ? TakeLoads() : 0;
     is_solved = FindGradient() < enough_m_s;

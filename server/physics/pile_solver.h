@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Solves an island of single bodies that touch: objects, and robots of fidelity rolling and planar. However
-// large it is, the solution is exact: Newton's method finds the rates of all bodies at once, in the convex
-// problem whose optimality conditions are momentum, contact and friction with the loads of before
-// (E. Todorov (2014), "Convex and analytically-invertible dynamics with contacts and constraints"; A. M.
-// Castro et al. (2023), "An unconstrained convex formulation of compliant contact", IEEE T-RO). The loads of
-// friction are put right at each iteration, so that sliding lifts nothing. Remembers nothing from one
-// substep to the next: the rates before it are the first guess, and what rests needs no more. One thread at a
-// time. Only server/physics includes this file.
+// Solves an island of objects that touch, however large: Newton's method finds the rates of all of them at
+// once, in the convex problem whose optimality conditions are momentum, contact and friction (E. Todorov
+// (2014), "Convex and analytically-invertible dynamics with contacts and constraints", ICRA; A. M. Castro et
+// al. (2023), "An unconstrained convex formulation of compliant contact", IEEE T-RO). By itself that problem
+// lifts what slides; what is known of the slip takes that away (G. De Saxcé, Z.-Q. Feng (1998), "The
+// bipotential method", Mathl. Comput. Modelling 28). Remembers nothing from one substep to the next: the
+// rates before it are the first guess, and what rests needs no more. One thread at a time. Only
+// server/physics includes this file.
 #pragma once
 
 #include <array>
@@ -26,16 +26,15 @@ class PileSolver {
   /// @pre `things` outlives it.
   PileSolver(const Things& things, const WorldSettings& settings);
 
-  /// Adds `thing`, of one body, in the state of `actor`, for a step of `dt_s`; `channels`: of it, with what
-  /// its motors are to do. They outlive the step.
-  void Load(std::uint32_t thing, const Actor& actor, std::span<const ChannelState> channels, double dt_s);
+  /// Adds the object `thing` in the state of `actor`, for a step of `dt_s`.
+  void Load(std::uint32_t thing, const Actor& actor, double dt_s);
   /// Adds contacts between A and B (null: the floor), after all are loaded; once for the two. A thing that is
   /// not loaded counts as static. `measured`: their forces are wanted.
   void Join(std::span<const FoundContact> found, const Actor& a, std::uint32_t index_a, const Actor* b,
             std::uint32_t index_b, double dt_s, bool measured);
   /// The contacts that were to be measured, after Step().
   std::span<const MeasuredContact> measured() const { return measured_; }
-  /// Advances what is loaded; false: what friction allows, or what touches, is not exact.
+  /// Advances what is loaded; whether the rates are exact.
   bool Step(double dt_s);
   /// The state of a loaded thing; its sleep counter is 0.
   const BodyState& Read(std::uint32_t thing, std::size_t body) const;
@@ -50,14 +49,12 @@ class PileSolver {
 
   struct Body {
     BodyState state;
-    std::span<const ChannelState> channels;
     double mass_kg = 0;
     Matrix3 I_W, inverse_I_W;  // about the centre of mass
-    bool is_robot = false;
-    Vector3 free_v, free_w;  // rates in W without contacts
+    Vector3 free_v, free_w;    // rates in W without contacts
     Vector3 v = Vector3::Zero(), w = Vector3::Zero();
     Vector3 step_v = Vector3::Zero(), step_w = Vector3::Zero();
-    Vector3 gradient_v, gradient_w;
+    Vector3 gradient_v = Vector3::Zero(), gradient_w = Vector3::Zero();
   };
   /// Two bodies that touch, or one and what stands still.
   struct Joint {
@@ -68,22 +65,21 @@ class PileSolver {
   enum class State { kOther, kOpen, kSticks, kSlides };
   /// What resists motion along three axes, or about them. Impulses in N s or N m s, rates in m/s or rad/s.
   struct Law {
-    Vector3 target = Vector3::Zero();
-    Vector3 friction = Vector3::Zero();  // impulses that it allows, for each of load if not `is_fixed`
-    std::array<bool, 3> is_fixed{};
-    // One-sided along the first axis, which bounds the others by friction[1] alike; `slip` is their rate, as far
-    // as it is known. Else each axis has bounds of its own.
+    // One-sided along the first axis; the impulses along the others are at most `friction` times that, `slip`
+    // is their rate as far as it is known. Else each axis has bounds of its own.
     bool is_cone = false;
-    double slip = 0;
-    double hardness = 0;  // impulse per rate
-    Vector3 lower = Vector3::Zero(), upper = Vector3::Zero();  // of impulses
+    double friction = 0, slip = 0;
+    Vector3 bound = Vector3::Zero();
+    Vector3 target = Vector3::Zero();
+    double hardness = 0;                                       // impulse per rate
     Vector3 rate = Vector3::Zero(), change = Vector3::Zero();  // now, and by the step
     Vector3 impulse = Vector3::Zero();
     State state = State::kOther;  // of a cone
 
-    void Bound(double load);
     /// The impulse after this share of the step.
     void Push(double share);
+    /// Of a cone at the rates of now.
+    double Slip() const;
     /// −∂impulse/∂rate.
     Matrix3 Stiffness() const;
   };
@@ -92,15 +88,20 @@ class PileSolver {
     Matrix3 axes_W;
     Vector3 r_a = Vector3::Zero(), r_b = Vector3::Zero();  // from the centres of mass, in W
     Law slide, roll;
-    bool rolls = false;  // it resists rolling or spinning
+    bool is_round = true;                  // friction is the same in all directions: the axes have length 1
+    bool rolls = false;                    // it resists rolling or spinning,
+    Vector3 resistance = Vector3::Zero();  // m, times the load
   };
 
   int BodyOf(std::uint32_t thing) const { return thing < body_of_.size() ? body_of_[thing] : kNone; }
-  std::span<Point> PointsOf(const Joint& joint) { return std::span(points_).subspan(joint.first, joint.count); }
+  std::span<Point> PointsOf(const Joint& joint) {
+    return std::span(points_).subspan(joint.first, joint.count);
+  }
   void AddPoint(const Surface& surface, int a, int b, double dt_s);
   /// kNone: what stands still.
   Body& BodyAt(int body) { return body == kNone ? still_ : bodies_[static_cast<std::size_t>(body)]; }
-  /// Calls take(law, rates along its axes of A against B) for all laws; `linear`, `angular`: which rates of a body.
+  /// Calls take(law, rates along its axes of A against B) for all laws; `linear`, `angular`: which rates of a
+  /// body.
   template <typename Linear, typename Angular, typename Take>
   void AtPoints(const Linear& linear, const Angular& angular, const Take& take);
   /// Friction as it is with the loads and slips of now; by how much slips have changed, m/s.

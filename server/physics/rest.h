@@ -13,7 +13,8 @@
 namespace coopdyn {
 
 /// BodyState::sleep_counter counts the nanoseconds that a body has been slow and its set-points zero, up to
-/// this. When all bodies of an island have got there, the island sleeps.
+/// this. Down again while it is nearly slow: in a pile things settle by small jolts. When all bodies of an
+/// island have got there, the island sleeps.
 inline constexpr std::uint64_t kSleepAfter = 500'000'000;
 /// The counter of a body that sleeps: exactly at rest, until something awake touches it or its set-points
 /// change. Below it bodies are awake.
@@ -22,9 +23,14 @@ inline constexpr std::uint64_t kAsleep = BodyState::kFrozen - 1;
 inline constexpr double kRestSpeed_m_s = 2e-3;
 inline constexpr double kRestTurnRate_rad_s = 1e-2;
 
-inline bool IsSlow(const BodyState& body) {
-  return body.v_WB.squaredNorm() <= kRestSpeed_m_s * kRestSpeed_m_s &&
-         body.w_WB.squaredNorm() <= kRestTurnRate_rad_s * kRestTurnRate_rad_s;
+/// Nearly slow: not beyond this many times these rates.
+inline constexpr double kNearly = 5;
+
+/// Not beyond `times` these rates.
+inline bool IsSlow(const BodyState& body, double times = 1) {
+  const double speed_m_s = times * kRestSpeed_m_s, turn_rad_s = times * kRestTurnRate_rad_s;
+  return body.v_WB.squaredNorm() <= speed_m_s * speed_m_s &&
+         body.w_WB.squaredNorm() <= turn_rad_s * turn_rad_s;
 }
 
 /// Whether a motor is to move one of these channels.

@@ -207,8 +207,14 @@ void PhysicsWorld::CountRest(Nanoseconds dt) {
   for (const std::uint32_t i : active_) rested_[islands_.RootOf(i)] = 1;
   for (const std::uint32_t i : active_) {
     if (!moves_[i]) continue;  // frozen in this very substep
+    const auto step = static_cast<std::uint64_t>(dt);
     std::uint64_t counter = FirstBody(i).sleep_counter;
-    counter = AtRest(i) ? std::min(counter + static_cast<std::uint64_t>(dt), kSleepAfter) : 0;
+    if (AtRest(i)) {
+      counter = std::min(counter + step, kSleepAfter);
+    } else {
+      counter =
+          i < things_.first_robot && IsSlow(FirstBody(i), kNearly) && counter > step ? counter - step : 0;
+    }
     for (BodyState& body : BodiesOf(i)) body.sleep_counter = counter;
     if (counter < kSleepAfter) rested_[islands_.RootOf(i)] = 0;
   }

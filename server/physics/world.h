@@ -84,8 +84,8 @@ class PhysicsWorld {
     PileSolver pile;
   };
   enum class Method { kDirect, kIterative, kLimbs, kPile };
-  /// Islands that are solved together; by kLimbs one, of bodies with limbs or an object in flight; by kPile one,
-  /// of single bodies.
+  /// Islands that are solved together; by kLimbs one, of bodies with limbs or an object in flight; by kPile
+  /// one, of objects.
   struct Batch {
     Method method = Method::kDirect;
     std::vector<std::uint32_t> members;                         // things, island by island
@@ -117,7 +117,8 @@ class PhysicsWorld {
   void MakeBatches();
   Batch& NextBatch(Method method);
   bool HasLimbs(std::uint32_t root) const;
-  bool HasSingleBodies(std::uint32_t root) const;
+  /// It has no robot.
+  bool IsPile(std::uint32_t root) const;
   /// It is an object that touches nothing.
   bool Flies(std::uint32_t root) { return root < things_.first_robot && islands_.RowsOf(root) == 0; }
   void SolveAll(double dt_s);

@@ -132,7 +132,7 @@ void PhysicsWorld::MakeBatches() {
     if (HasLimbs(root) || Flies(root)) {
       at = batch_count_;
       NextBatch(Method::kLimbs);
-    } else if (HasSingleBodies(root)) {
+    } else if (IsPile(root)) {
       at = batch_count_;
       NextBatch(Method::kPile);
     } else if (islands_.RowsOf(root) <= kMaxDirectRows) {
@@ -163,10 +163,9 @@ bool PhysicsWorld::HasLimbs(std::uint32_t root) const {
   return false;
 }
 
-bool PhysicsWorld::HasSingleBodies(std::uint32_t root) const {
-  if (std::getenv("NOPILE")) return false;
+bool PhysicsWorld::IsPile(std::uint32_t root) const {
   for (std::uint32_t i = islands_.FirstOf(root); i != Islands::kNone; i = islands_.NextOf(i)) {
-    if (things_.all[i].body_count() > 1) return false;
+    if (i >= things_.first_robot) return false;
   }
   return true;
 }
@@ -278,7 +277,7 @@ void PhysicsWorld::LoadBatch(const Batch& batch, Lane& lane, Solver& solver, dou
     if constexpr (std::is_same_v<Solver, Lane>) {
       solver.Load(thing, ActorOf(thing), ChannelsOf(info));
     } else if constexpr (std::is_same_v<Solver, PileSolver>) {
-      solver.Load(thing, ActorOf(thing), ChannelsOf(info), dt_s);
+      solver.Load(thing, ActorOf(thing), dt_s);
     } else {
       solver.Load(thing, ActorOf(thing), ChannelsOf(info), JointRowsOf(info), dt_s);
     }
@@ -321,7 +320,9 @@ void PhysicsWorld::ReadBatch(Batch& batch, const Solver& solver, double dt_s) {
       bodies[k].sleep_counter = counter;
     }
     if (info.mechanism->one_body() && info.mechanism->planar()) Flatten(bodies.front(), info.rest_z_m);
-    if (info.channel_count > 0) ReadChannels(thing, solver, dt_s);
+    if constexpr (!std::is_same_v<Solver, PileSolver>) {
+      if (info.channel_count > 0) ReadChannels(thing, solver, dt_s);
+    }
     // Effort × mean rate: exact where the motor alone moves a body.
     const std::vector<double> rates = RatesOf(thing);
     for (std::size_t i = 0; i < rates.size(); ++i) {
@@ -338,15 +339,7 @@ template <typename Solver>
 void PhysicsWorld::ReadChannels(std::uint32_t thing, const Solver& solver, double dt_s) {
   const Thing& info = things_.all[thing];
   const std::span<ChannelState> channels = ChannelsOf(info);
-  if (info.mechanism->one_body()) {
-    if (!info.mechanism->drive) return;
-    const OneBodyDrive& drive = *info.mechanism->drive;
-    const WheelSpeeds rates_rad_s = TurnedWheels(drive, FirstBody(thing), drive.SpeedsOf(channels));
-    const std::span<ChannelState> wheels = drive.ChannelsOf(channels);
-    for (std::size_t wheel = 0; wheel < wheels.size(); ++wheel) Turn(wheels[wheel], rates_rad_s[wheel], dt_s);
-    return;
-  }
-  if constexpr (!std::is_same_v<Solver, PileSolver>) {
+  if (!info.mechanism->one_body()) {
     for (std::size_t i = 0; i < info.mechanism->joints.size(); ++i) {
       const Joint& joint = info.mechanism->joints[i];
       if (joint.channel < 0) continue;
@@ -361,6 +354,11 @@ void PhysicsWorld::ReadChannels(std::uint32_t thing, const Solver& solver, doubl
       if (joint.control < 0 || board_trains_.empty()) continue;
       FinishTrain(info.first_control + static_cast<std::size_t>(joint.control), channel.effort, dt_s);
     }
+  } else if (info.mechanism->drive) {
+    const OneBodyDrive& drive = *info.mechanism->drive;
+    const WheelSpeeds rates_rad_s = TurnedWheels(drive, FirstBody(thing), drive.SpeedsOf(channels));
+    const std::span<ChannelState> wheels = drive.ChannelsOf(channels);
+    for (std::size_t wheel = 0; wheel < wheels.size(); ++wheel) Turn(wheels[wheel], rates_rad_s[wheel], dt_s);
   }
 }
 
