@@ -56,6 +56,7 @@ void LimbSolver::Unload() {
   touches_ = holds_ = flies_ = false;
   measured_.clear();
   rubbing_.clear();
+  turning_.clear();
   jacobian_.clear();
   pushes_.clear();
   efforts_.clear();
@@ -85,10 +86,12 @@ void LimbSolver::Join(std::span<const FoundContact> found, const Actor& a, std::
     if (surface->swapped) std::swap(node_a, node_b);
     touches_ = true;
     const std::size_t first_row = rows_.size();
-    const std::span<const Vector3> directions = AddContact(surface->contact, node_a, node_b, dt_s);
+    const std::span<const Vector3> directions = AddContact(*surface, node_a, node_b, dt_s);
     if (!measured) continue;
     measured_.push_back({index_a, b == nullptr ? MeasuredContact::kFloor : index_b, contact.a, contact.b,
                          contact.point.p_W, contact.point.n_W});
+    if (surface->may_turn && !turning_.empty() && turning_.back().row == first_row + 1)
+      turning_.back().rubbing = static_cast<int>(rubbing_.size());
     Rubbing& rubbing = rubbing_.emplace_back();
     rubbing.first_row = first_row;
     rubbing.count = directions.size();
@@ -118,8 +121,8 @@ double LimbSolver::RateOf(const Row& row, std::span<const double> rates) const {
 }
 
 // As ODE's contact joint does it.
-std::span<const Vector3> LimbSolver::AddContact(const dContact& contact, int node_a, int node_b,
-                                                double dt_s) {
+std::span<const Vector3> LimbSolver::AddContact(const Surface& touch, int node_a, int node_b, double dt_s) {
+  const dContact& contact = touch.contact;
   const Vector3 p(contact.geom.pos), n(contact.geom.normal), none = Vector3::Zero();
   const dSurfaceParameters& surface = contact.surface;
   std::size_t count = 0;
@@ -162,9 +165,26 @@ std::span<const Vector3> LimbSolver::AddContact(const dContact& contact, int nod
     }
   };
   const bool two = (surface.mode & dContactMu2) != 0;
+  const double mu2 = two ? surface.mu2 : surface.mu;
+  const bool turns = touch.may_turn && surface.mu > 0 && mu2 == surface.mu && std::isfinite(mu2);
+  if (turns) turning_.push_back({rows_.size(), kNone});
   rub(along, surface.mu, (surface.mode & dContactApprox1_1) != 0,
       (surface.mode & dContactMotion1) != 0 ? surface.motion1 : 0);
-  rub(n.cross(along), two ? surface.mu2 : surface.mu, (surface.mode & dContactApprox1_2) != 0, 0);
+  rub(n.cross(along), mu2, (surface.mode & dContactApprox1_2) != 0, 0);
+  if ((surface.mode & dContactRolling) != 0) {
+    const auto hold = [&](const Vector3& axis, double arm_m) {
+      if (arm_m <= 0) return;
+      Row& row = rows_.emplace_back();
+      row.softness = kCfm / dt_s;
+      AddWrench(node_a, p, axis, none, row);
+      AddWrench(node_b, p, -axis, none, row);
+      row.normal = normal;
+      row.friction = arm_m;
+    };
+    hold(along, surface.rho);
+    hold(n.cross(along), surface.rho2);
+    hold(n, surface.rhoN);
+  }
   return std::span(directions_).first(count);
 }
 
@@ -374,7 +394,10 @@ bool LimbSolver::SolveDirectly(bool is_again, bool same_motors) {
   }
   // First without friction, then with what these loads allow, then with those that result.
   bool is_solved = true;
-  if (!is_again) is_solved = lcp_.Solve(A_, b_, lower_, upper_, impulses_);
+  if (!is_again) {
+    is_solved = lcp_.Solve(A_, b_, lower_, upper_, impulses_);
+    TurnFriction();
+  }
   for (int pass = 0; (rubs || is_again) && pass < 2; ++pass) {
     for (Eigen::Index i = 0; i < n; ++i) {
       const Row& row = rows_[static_cast<std::size_t>(i)];
@@ -386,6 +409,36 @@ bool LimbSolver::SolveDirectly(bool is_again, bool same_motors) {
   }
   for (Eigen::Index i = 0; i < n; ++i) Apply(rows_[static_cast<std::size_t>(i)], impulses_[i]);
   return is_solved;
+}
+
+void LimbSolver::TurnFriction() {
+  constexpr double kStill_m_s = 1e-6;
+  for (const Turning& turning : turning_) {
+    const auto i = static_cast<Eigen::Index>(turning.row), k = i + 1;
+    const double u = A_.row(i).dot(impulses_) - b_[i], w = A_.row(k).dot(impulses_) - b_[k];
+    const double speed = std::sqrt(u * u + w * w);
+    if (!(speed > kStill_m_s)) continue;
+    const double c = u / speed, s = w / speed;
+    const auto turn = [c, s](auto& first, auto& second) {
+      const auto along = first;
+      first = c * along + s * second;
+      second = c * second - s * along;
+    };
+    const Row &one = rows_[turning.row], &other = rows_[turning.row + 1];
+    for (std::size_t part = 0; part < one.part_count; ++part) {
+      const std::size_t from = one.parts[part].from, of = other.parts[part].from;
+      const auto length = static_cast<std::size_t>(forest_.ChainLength(one.parts[part].end));
+      for (std::vector<double>* values : {&jacobian_, &transformed_, &divided_}) {
+        for (std::size_t d = 0; d < length; ++d) turn((*values)[from + d], (*values)[of + d]);
+      }
+    }
+    for (Eigen::Index j = 0; j < A_.cols(); ++j) turn(A_(i, j), A_(k, j));
+    for (Eigen::Index j = 0; j < A_.rows(); ++j) turn(A_(j, i), A_(j, k));
+    turn(b_[i], b_[k]);
+    if (turning.rubbing == kNone) continue;
+    std::array<Vector3, 3>& directions = rubbing_[static_cast<std::size_t>(turning.rubbing)].directions;
+    turn(directions[1], directions[2]);
+  }
 }
 
 // Projected Gauss-Seidel; each row sees the friction that the present loads allow.
