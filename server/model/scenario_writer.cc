@@ -81,9 +81,9 @@ std::string WriteObject(const WorldObject& object) {
   lines.Add("color", object.color);
   if (object.friction != WorldObject().friction) lines.Add("friction", {object.friction});
   if (object.restitution > 0) lines.Add("bounce", {object.restitution});
-  // Of what is round, no value is one, too.
-  const bool is_round = !std::holds_alternative<Box>(object.shape);
-  if (is_round || object.rolling_friction_m > 0) lines.Add("rolling_friction", {object.rolling_friction_m});
+  // Of what may roll, none is a value, too.
+  const bool rolls = !object.is_static() && !std::holds_alternative<Box>(object.shape);
+  if (rolls || object.rolling_friction_m > 0) lines.Add("rolling_friction", {object.rolling_friction_m});
   const auto add = [&lines](const char* key, const Vector3& v) {
     if (!v.isZero()) lines.Add(key, {v.x(), v.y(), v.z()});
   };

@@ -52,7 +52,7 @@ std::optional<Shape> ReadShape(SectionReader& reader, std::size_t type) {
   return Sphere{(*size)[0] / 2};
 }
 
-/// Of a thing that says none: 0.5 % of its radius, so that a ball of any size rolls as far.
+/// Of a thing that moves and says none: 0.5 % of its radius, so that a ball of any size rolls as far.
 double UsualRollingFriction_m(const Shape& shape) {
   constexpr double kShare = 0.005;
   if (const auto* sphere = std::get_if<Sphere>(&shape)) return kShare * sphere->radius_m;
@@ -77,7 +77,7 @@ void ReadTouchAndMotion(SectionReader& reader, WorldObject& object) {
   constexpr double kMaxSpeed_m_s = 100, kMaxTurnRate_rad_s = 1000;  // beyond these physics holds a body
   Take(reader.Number("friction", Quantity::kPlain, 0, kMaxFriction), object.friction);
   Take(reader.Number("bounce", Quantity::kPlain, 0, 1), object.restitution);
-  object.rolling_friction_m = UsualRollingFriction_m(object.shape);
+  if (!object.is_static()) object.rolling_friction_m = UsualRollingFriction_m(object.shape);
   Take(reader.Number("rolling_friction", Quantity::kLength, 0, kMaxFriction), object.rolling_friction_m);
   Take(ReadMotion(reader, "velocity", Quantity::kPlain, "x y z in m/s", kMaxSpeed_m_s), object.v_WO);
   Take(ReadMotion(reader, "turn_rate", Quantity::kAngle, "x y z in rad/s", kMaxTurnRate_rad_s), object.w_WO);

@@ -147,12 +147,18 @@ TEST(WorldTest, ThingsBounceAndBeginWithASpeed) {
 }
 
 TEST(WorldTest, WhatIsRoundHasRollingFrictionByItsRadius) {
-  EXPECT_EQ(ReadWorldText(kBox).world.objects.at(0).rolling_friction_m, 0);
-  const std::string ball = "[S]\ntype sphere\nsize 0.4\nposition 0 0\n";
+  EXPECT_EQ(ReadWorldText(kBox + "mass 1\n").world.objects.at(0).rolling_friction_m, 0);
+  const std::string ball = "[S]\ntype sphere\nsize 0.4\nposition 0 0\nmass 1\n";
   EXPECT_DOUBLE_EQ(ReadWorldText(ball).world.objects.at(0).rolling_friction_m, 0.001);
   EXPECT_EQ(ReadWorldText(ball + "rolling_friction 0\n").world.objects.at(0).rolling_friction_m, 0);
-  const std::string log = "[C]\ntype cylinder\nsize 0.2 0.2 1\nposition 0 0\n";
+  const std::string log = "[C]\ntype cylinder\nsize 0.2 0.2 1\nposition 0 0\nmass 1\n";
   EXPECT_DOUBLE_EQ(ReadWorldText(log).world.objects.at(0).rolling_friction_m, 0.0005);
+}
+
+TEST(WorldTest, WhatNeverMovesHasNoRollingFrictionByItself) {
+  const std::string pillar = "[C]\ntype cylinder\nsize 0.2 0.2 1\nposition 0 0\n";
+  EXPECT_EQ(ReadWorldText(pillar).world.objects.at(0).rolling_friction_m, 0);
+  EXPECT_EQ(ReadWorldText(pillar + "rolling_friction 0.1\n").world.objects.at(0).rolling_friction_m, 0.1);
 }
 
 TEST(WorldTest, AMotionThatCannotBeIsAnError) {
