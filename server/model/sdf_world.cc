@@ -227,8 +227,9 @@ class WorldConverter {
     if (model.links.size() != 1 || !model.joints.empty() || senses) return false;
     const LinkModel& link = model.links.front();
     const bool simple = std::ranges::all_of(link.collisions, [](const LinkShape& one) {
+      const bool is_ball = std::holds_alternative<Sphere>(one.shape);
       return one.shape.index() <= 2 && one.friction_along_G.isZero() &&
-             one.spinning_friction_m == one.rolling_friction_m;
+             one.spinning_friction_m == (is_ball ? one.rolling_friction_m : 0);
     });
     if (!simple || link.collisions.empty() || (!model.fixed_base && link.collisions.size() != 1))
       return false;

@@ -69,7 +69,7 @@ struct WorldObject {
   SourceLine where = {};
   Texture texture = {};           // of a box: on each of its sides
   double restitution = 0;         // of the speed of an impact that stays: 0…1
-  double rolling_friction_m = 0;  // torque against rolling and spinning, N m per N of load
+  double rolling_friction_m = 0;  // torque against rolling, and a ball's spinning, N m per N of load
   // At the start, in the world; of its centre.
   Vector3 v_WO = Vector3::Zero();  // m/s
   Vector3 w_WO = Vector3::Zero();  // rad/s

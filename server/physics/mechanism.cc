@@ -222,7 +222,9 @@ Mechanism MakeObject(const WorldObject& object) {
   Part part{object.shape};
   part.friction = object.friction;
   part.restitution = object.restitution;
-  part.rolling_friction_m = part.spinning_friction_m = object.rolling_friction_m;
+  part.rolling_friction_m = object.rolling_friction_m;
+  // What touches at more than one point does not spin easily anyway.
+  if (std::holds_alternative<Sphere>(object.shape)) part.spinning_friction_m = object.rolling_friction_m;
   mechanism.parts = {part};
   if (!object.is_static()) {
     mechanism.bodies = {{object.mass_kg, SolidInertia(object.shape, object.mass_kg).asDiagonal(), {}}};

@@ -121,8 +121,10 @@ void Rub(const FoundContact& found, const Toucher& a, const Toucher& b, const Wo
     const Vector3 pull = Pull(a, b, point.n_W, settings, dt_s);
     constexpr double kFlat = 1e-3;  // of gravity
     if (pull.norm() <= kFlat * std::abs(settings.gravity_m_s2) * dt_s) return;
+    const Vector3 to_come = along + pull;
+    if (to_come.squaredNorm() == 0) return;
     contact.surface.mode |= dContactFDir1;
-    Copy(contact.fdir1, (along + pull).normalized());
+    Copy(contact.fdir1, to_come.normalized());
   }
 }
 

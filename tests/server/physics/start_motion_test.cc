@@ -56,6 +56,27 @@ TEST_P(StartMotionTest, AThingBouncesByItsRestitution) {
   EXPECT_NEAR(highest_m, 0.8 * 0.8, 0.01 + 1.5 * late_m);
 }
 
+TEST_P(StartMotionTest, ABallRollsToRest) {
+  WorldObject ball = Ball(0.1);
+  ball.rolling_friction_m = 0.002;
+  ball.v_WO = {0.6, 0.8, 0};
+  ball.w_WO = {-8, 6, 0};
+  scene_.Add(ball);
+  scene_.RunFor(9);
+  const double slower_m_s2 = 5.0 / 7 * 0.002 * kG / 0.1;
+  EXPECT_NEAR(scene_.object(0).p.head<2>().norm() * 2 * slower_m_s2, 1, 0.02);
+  EXPECT_EQ(scene_.object_body(0).v_WB.norm(), 0);
+}
+
+TEST_P(StartMotionTest, ABallStopsSpinning) {
+  WorldObject ball = Ball(0.1);
+  ball.rolling_friction_m = 0.002;
+  ball.w_WO = {0, 0, 20};
+  scene_.Add(ball);
+  scene_.RunFor(2);
+  EXPECT_NEAR(scene_.object_body(0).w_WB.z(), 20 - 2 * 0.002 * kG / (0.4 * 0.01), 0.2);
+}
+
 TEST_P(StartMotionTest, WithoutGravityAThingKeepsItsWay) {
   WorldObject ball = Ball(1);
   ball.v_WO = {1, 0.5, 0.2};
