@@ -4065,8 +4065,8 @@ class Simulation:
 
     @_usage('sim.change("BOX_1", color="red", mass=2)')
     def change(self, name: str, **keys: Any) -> None:
-        """Changes keys of a thing's section in the scenario: color, size, mass, friction, controller, … Lists of numbers are
-        written (1, 2, 3)."""
+        """Changes keys of a thing's section in the scenario: color, size, mass, friction, bounce, velocity,
+        controller, … Lists of numbers are written (1, 2, 3)."""
         if not keys:
             raise Error(3, 'nothing to change: write sim.change("BOX_1", color="red", mass=2)')
         values = {key: " ".join(str(x) for x in value) if isinstance(value, (list, tuple)) else str(value)

@@ -41,7 +41,8 @@ struct Keys {
 };
 
 ResolvedEdit SetObject(const Frame& frame, const SceneObject& thing, const Keys& keys, RobotLibrary& robots) {
-  const WorldObject now = ObjectNow(frame, thing);
+  WorldObject now = ObjectNow(frame, thing);
+  now.v_WO = now.w_WO = Vector3::Zero();  // what is put somewhere rests, unless the keys say otherwise
   Scenario nothing;
   Diagnostics diagnostics;
   const auto read = ReadInsertion(keys.Replace(WriteObject(now)), robots, nothing, diagnostics);
@@ -55,7 +56,8 @@ ResolvedEdit SetObject(const Frame& frame, const SceneObject& thing, const Keys&
   if (put.object.texture.image == nullptr && !keys.Has("texture")) put.object.texture = now.texture;
   const bool resized = !(put.object.shape == now.shape);
   if (resized && !keys.Has("position")) KeepBottom(now, put.object);
-  if (resized || keys.Places()) put.placing = Placing::kStart;
+  const bool is_thrown = keys.Has("velocity") || keys.Has("turn_rate");
+  if (resized || keys.Places() || is_thrown) put.placing = Placing::kStart;
   ResolvedEdit edit;
   edit.change.objects.push_back(std::move(put));
   edit.text = Lined(diagnostics);

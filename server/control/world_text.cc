@@ -40,11 +40,14 @@ json::object ThingJson(const Frame& frame, const SceneObject& thing) {
     size = {2 * sphere->radius_m};
   }
   const Pose X = ObjectPose(frame, thing);
-  return {{"id", thing.id.value},        {"name", object.name},
-          {"type", std::move(type)},     {"size", std::move(size)},
-          {"position", Numbers(X.p)},    {"quaternion", Numbers(X.q)},
-          {"mass", object.mass_kg},      {"color", Numbers(object.color)},
-          {"friction", object.friction}, {"texture", object.texture.name}};
+  const WorldObject now = ObjectNow(frame, thing);
+  return {{"id", thing.id.value},          {"name", object.name},
+          {"type", std::move(type)},       {"size", std::move(size)},
+          {"position", Numbers(X.p)},      {"quaternion", Numbers(X.q)},
+          {"mass", object.mass_kg},        {"color", Numbers(object.color)},
+          {"friction", object.friction},   {"texture", object.texture.name},
+          {"bounce", object.restitution},  {"rolling_friction", object.rolling_friction_m},
+          {"velocity", Numbers(now.v_WO)}, {"turn_rate", Numbers(now.w_WO)}};
 }
 
 json::object RobotJson(const Frame& frame, int place) {

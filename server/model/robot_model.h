@@ -30,6 +30,11 @@ struct LinkShape {
   double friction = 1;             // Coulomb; 0 for casters
   bool takes_robot_color = false;  // visuals: drawn in the robot's own colour
   double restitution = 0;          // of the speed of an impact that stays: 0…1
+  /// If not zero: the direction, in G, in which `friction` counts; across it the other one does.
+  Vector3 friction_along_G = Vector3::Zero();
+  double friction_across = 1;
+  /// Torque against rolling (where it is round) and against spinning about the normal, N m per N of load.
+  double rolling_friction_m = 0, spinning_friction_m = 0;
 };
 
 struct LinkModel {

@@ -203,8 +203,10 @@ class ScenarioReader {
     constexpr double kMaxGravity = 1000;
     if (const auto gravity = reader.Number("gravity", Quantity::kPlain, -kMaxGravity, kMaxGravity)) {
       options.gravity_m_s2 = *gravity;
-      if (*gravity <= 0) {
-        reader.ErrorAt("gravity", "'gravity' is one positive number in m/s², downwards: write 9.81");
+      if (*gravity < 0) {
+        reader.WarningAt("gravity", "'gravity' counts downwards, so things fall up with " +
+                                        FormatNumber(*gravity) + " m/s²: write " + FormatNumber(-*gravity) +
+                                        " if they should fall down");
       }
     }
     ambient_light_ = ReadAmbientLight(reader);

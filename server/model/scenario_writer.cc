@@ -80,6 +80,15 @@ std::string WriteObject(const WorldObject& object) {
   if (!object.is_static()) lines.Add("mass", {object.mass_kg});
   lines.Add("color", object.color);
   if (object.friction != WorldObject().friction) lines.Add("friction", {object.friction});
+  if (object.restitution > 0) lines.Add("bounce", {object.restitution});
+  // Of what may roll, none is a value, too.
+  const bool rolls = !object.is_static() && !std::holds_alternative<Box>(object.shape);
+  if (rolls || object.rolling_friction_m > 0) lines.Add("rolling_friction", {object.rolling_friction_m});
+  const auto add = [&lines](const char* key, const Vector3& v) {
+    if (!v.isZero()) lines.Add(key, {v.x(), v.y(), v.z()});
+  };
+  if (!object.is_static()) add("velocity", object.v_WO);
+  if (!object.is_static()) add("turn_rate", object.w_WO);
   lines.AddTexture(object.texture);
   return lines.Take();
 }

@@ -6,9 +6,11 @@
 #include <cmath>
 #include <ignition/math/Inertial.hh>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <sdf/sdf.hh>
 #include <set>
+#include <utility>
 
 #include "server/model/sdf_body.h"
 #include "server/model/values.h"
@@ -89,11 +91,12 @@ class LinkReader {
       const std::string what = "collision '" + collision.Name() + "'";
       const auto placed = ToShape(*collision.Geom(), LineOf(collision.Element()), what);
       const Pose X_LG = reading_.Resolve(collision.SemanticPose(), link.Name(), collision.Element(), what);
-      const double friction = FrictionOf(collision);
-      const double restitution = RestitutionOf(collision);
+      LinkShape shape;
+      if (placed) shape = {placed->shape, X_LG * placed->X_PG, Color(), 1, false};
+      ReadFriction(collision, placed ? placed->X_PG.q : Quaternion::Identity(), shape);
+      shape.restitution = RestitutionOf(collision);
       if (placed) {
-        out.collisions.push_back({placed->shape, X_LG * placed->X_PG, Color(), friction, false});
-        out.collisions.back().restitution = restitution;
+        out.collisions.push_back(std::move(shape));
         names.push_back(collision.Name());
       }
     }
@@ -178,22 +181,59 @@ class LinkReader {
     return placed;
   }
 
-  double FrictionOf(const sdf::Collision& collision) {
-    sdf::ElementPtr element = collision.Element();
-    for (const char* name : {"surface", "friction", "ode"}) {
-      if (!element->HasElement(name)) return 1;
-      element = element->GetElement(name);
+  /// Friction of a collision whose shape is turned by `q_CG` in its frame.
+  void ReadFriction(const sdf::Collision& collision, const Quaternion& q_CG, LinkShape& out) {
+    sdf::ElementPtr friction = collision.Element();
+    for (const char* name : {"surface", "friction"}) {
+      if (!friction->HasElement(name)) return;
+      friction = friction->GetElement(name);
     }
-    const double mu = element->HasElement("mu") ? element->Get<double>("mu") : 1;
-    const double mu2 = element->HasElement("mu2") ? element->Get<double>("mu2") : mu;
-    constexpr double kMost = 1e3;  // nothing slips before; many models write more
-    if (!std::isfinite(mu) || mu < 0) {
-      reading_.Error(LineOf(element), "<mu> must be a number from 0 to 1000");
-    } else if (mu2 != mu) {
+    if (friction->HasElement("ode")) ReadSliding(friction->GetElement("ode"), q_CG, out);
+    if (friction->HasElement("torsional")) ReadTorsional(friction->GetElement("torsional"), out);
+    if (!friction->HasElement("bullet")) return;
+    const sdf::ElementPtr bullet = friction->GetElement("bullet");
+    if (bullet->HasElement("rolling_friction"))
+      out.rolling_friction_m = NotNegative(bullet, "rolling_friction");
+  }
+
+  void ReadSliding(const sdf::ElementPtr& element, const Quaternion& q_CG, LinkShape& out) {
+    if (element->HasElement("mu")) out.friction = NotNegative(element, "mu");
+    const double across = element->HasElement("mu2") ? NotNegative(element, "mu2") : out.friction;
+    if (across == out.friction) return;
+    const Vector3 along = element->HasElement("fdir1")
+                              ? ToVector(element->Get<ignition::math::Vector3d>("fdir1"))
+                              : Vector3::Zero();
+    constexpr double kShortest = 1e-6;
+    if (!along.allFinite() || along.norm() < kShortest) {
       reading_.Warn(LineOf(element),
-                    "<mu2> is not used: friction is " + FormatNumber(mu) + " in all directions");
+                    "<mu2> needs <fdir1>, the direction in which <mu> counts, for example 1 0 0: " +
+                        ("friction is " + FormatNumber(out.friction)) + " in all directions");
+      return;
     }
-    return std::min(mu, kMost);
+    out.friction_along_G = q_CG.conjugate() * along.normalized();
+    out.friction_across = across;
+  }
+
+  /// Of a round patch that is pressed as Hertz says: 3π/16 of its radius (K. L. Johnson (1985), Contact
+  /// Mechanics).
+  void ReadTorsional(const sdf::ElementPtr& element, LinkShape& out) {
+    const double coefficient = element->HasElement("coefficient") ? NotNegative(element, "coefficient") : 1;
+    const double radius_m = element->HasElement("patch_radius") ? NotNegative(element, "patch_radius") : 0;
+    if (element->HasElement("use_patch_radius") && !element->Get<bool>("use_patch_radius")) {
+      reading_.Warn(LineOf(element),
+                    "<torsional> counts by its <patch_radius> only: write it, in m, and "
+                    "<use_patch_radius>true</use_patch_radius>");
+      return;
+    }
+    out.spinning_friction_m = 3 * std::numbers::pi / 16 * coefficient * radius_m;
+  }
+
+  double NotNegative(const sdf::ElementPtr& element, const char* name) {
+    const double value = element->Get<double>(name);
+    constexpr double kMost = 1e3;  // nothing slips before; many models write more
+    if (std::isfinite(value) && value >= 0) return std::min(value, kMost);
+    reading_.Error(LineOf(element), "<" + std::string(name) + "> must be a number from 0 to 1000");
+    return 0;
   }
 
   double RestitutionOf(const sdf::Collision& collision) {

@@ -82,9 +82,9 @@ class WorldConverter {
     const auto gravity = SplitWords(world.TextOf("gravity"));
     if (gravity.size() == 3) {
       const auto x = ParsePlain(gravity[0]), y = ParsePlain(gravity[1]), z = ParsePlain(gravity[2]);
-      if (!x || !y || !z || *x != 0 || *y != 0 || *z >= 0) {
+      if (!x || !y || !z || *x != 0 || *y != 0) {
         diagnostics_.Warning(world.Child("gravity")->where,
-                             "<gravity> must point down, 0 0 -9.8: 9.81 m/s² down is taken");
+                             "<gravity> must point down or up, 0 0 -9.8: 9.81 m/s² down is taken");
       } else {
         simulation_ += "gravity " + Exact(-*z) + "\n";
       }
@@ -226,8 +226,11 @@ class WorldConverter {
         model.sensors, [](const SensorModel& one) { return !std::holds_alternative<PoseModel>(one.kind); });
     if (model.links.size() != 1 || !model.joints.empty() || senses) return false;
     const LinkModel& link = model.links.front();
-    const bool simple = std::ranges::all_of(
-        link.collisions, [](const LinkShape& one) { return one.shape.index() <= 2 && one.restitution == 0; });
+    const bool simple = std::ranges::all_of(link.collisions, [](const LinkShape& one) {
+      const bool is_ball = std::holds_alternative<Sphere>(one.shape);
+      return one.shape.index() <= 2 && one.friction_along_G.isZero() &&
+             one.spinning_friction_m == (is_ball ? one.rolling_friction_m : 0);
+    });
     if (!simple || link.collisions.empty() || (!model.fixed_base && link.collisions.size() != 1))
       return false;
     // A mesh that is drawn needs the model.
@@ -248,6 +251,9 @@ class WorldConverter {
       }
       things_ += "position " + Exact(X_WG.p) + "\norientation " + Angles(X_WG.q) + "\ncolor " +
                  Exact(Vector3(color.r, color.g, color.b)) + "\nfriction " + Exact(shape.friction) + "\n";
+      if (shape.restitution > 0) things_ += "bounce " + Exact(shape.restitution) + "\n";
+      if (shape.rolling_friction_m > 0)
+        things_ += "rolling_friction " + Exact(shape.rolling_friction_m) + "\n";
       if (!model.fixed_base) things_ += "mass " + Exact(link.mass_kg) + "\n";
     }
     return true;

@@ -176,7 +176,8 @@ class UrdfConverter {
   static bool IsUsedExtra(const XmlNode& inner) {
     if (inner.name == "material") return GazeboColor(inner.text).has_value();
     if (inner.name == "visual") return DiffuseOf(inner) != nullptr;
-    return inner.name == "sensor" || inner.name == "mu" || inner.name == "mu1" || inner.name == "mu2";
+    return inner.name == "sensor" || inner.name == "mu" || inner.name == "mu1" || inner.name == "mu2" ||
+           inner.name == "fdir1";
   }
   static const XmlNode* DiffuseOf(const XmlNode& visual) {
     const XmlNode* material = visual.Child("material");
@@ -239,7 +240,9 @@ class UrdfConverter {
       if (mu.empty()) continue;
       XmlNode& ode = collision.Add("surface").Add("friction").Add("ode");
       ode.Add("mu", mu);
-      if (!extra->TextOf("mu2").empty()) ode.Add("mu2", extra->TextOf("mu2"));
+      for (const char* word : {"mu2", "fdir1"}) {
+        if (!extra->TextOf(word).empty()) ode.Add(word, extra->TextOf(word));
+      }
       return;
     }
   }

@@ -67,9 +67,19 @@ struct WorldObject {
   Color color;
   double friction = 1;
   SourceLine where = {};
-  Texture texture = {};  // of a box: on each of its sides
+  Texture texture = {};           // of a box: on each of its sides
+  double restitution = 0;         // of the speed of an impact that stays: 0…1
+  double rolling_friction_m = 0;  // torque against rolling, and a ball's spinning, N m per N of load
+  // At the start, in the world; of its centre.
+  Vector3 v_WO = Vector3::Zero();  // m/s
+  Vector3 w_WO = Vector3::Zero();  // rad/s
 
   bool is_static() const { return mass_kg <= 0; }
+  /// Whether physics sees no difference, but where it is and how it moves.
+  bool IsAlike(const WorldObject& other) const {
+    return shape == other.shape && mass_kg == other.mass_kg && friction == other.friction &&
+           restitution == other.restitution && rolling_friction_m == other.rolling_friction_m;
+  }
 };
 
 /// A lamp that light sensors and cameras see. Its light falls off by the square of the distance.

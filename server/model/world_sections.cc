@@ -52,6 +52,42 @@ std::optional<Shape> ReadShape(SectionReader& reader, std::size_t type) {
   return Sphere{(*size)[0] / 2};
 }
 
+/// Of a thing that moves and says none: 0.5 % of its radius, so that a ball of any size rolls as far.
+double UsualRollingFriction_m(const Shape& shape) {
+  constexpr double kShare = 0.005;
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) return kShare * sphere->radius_m;
+  if (const auto* cylinder = std::get_if<Cylinder>(&shape)) return kShare * cylinder->radius_m;
+  return 0;
+}
+
+/// x y z of `key`, no longer than `most`.
+std::optional<Vector3> ReadMotion(SectionReader& reader, const std::string& key, Quantity quantity,
+                                  const std::string& form, double most) {
+  const auto numbers = reader.Numbers(key, quantity, {3}, form, -most, most);
+  if (!numbers) return std::nullopt;
+  const Vector3 motion((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+  if (motion.norm() <= most) return motion;
+  reader.ErrorAt(
+      key, "'" + key + "' is at most " + FormatNumber(most) + " in all, not " + FormatNumber(motion.norm()));
+  return std::nullopt;
+}
+
+/// How a thing touches others, and how it moves at the start. `object` has its shape and mass.
+void ReadTouchAndMotion(SectionReader& reader, WorldObject& object) {
+  constexpr double kMaxSpeed_m_s = 100, kMaxTurnRate_rad_s = 1000;  // beyond these physics holds a body
+  Take(reader.Number("friction", Quantity::kPlain, 0, kMaxFriction), object.friction);
+  Take(reader.Number("bounce", Quantity::kPlain, 0, 1), object.restitution);
+  if (!object.is_static()) object.rolling_friction_m = UsualRollingFriction_m(object.shape);
+  Take(reader.Number("rolling_friction", Quantity::kLength, 0, kMaxFriction), object.rolling_friction_m);
+  Take(ReadMotion(reader, "velocity", Quantity::kPlain, "x y z in m/s", kMaxSpeed_m_s), object.v_WO);
+  Take(ReadMotion(reader, "turn_rate", Quantity::kAngle, "x y z in rad/s", kMaxTurnRate_rad_s), object.w_WO);
+  for (const char* key : {"velocity", "turn_rate"}) {
+    if (!object.is_static() || !reader.Has(key)) continue;
+    reader.ErrorAt(key, "'" + std::string(key) + "' needs a 'mass', for example 'mass 1': without it " +
+                            reader.title() + " never moves");
+  }
+}
+
 }  // namespace
 
 Floor ReadFloor(SectionReader& reader, Textures& textures, std::optional<double>& ambient_light) {
@@ -152,7 +188,8 @@ ObjectSection ReadObject(SectionReader& reader, std::span<const std::string> oth
     }
   }
   Take(reader.ColorValue("color"), object.color);
-  Take(reader.Number("friction", Quantity::kPlain, 0, kMaxFriction), object.friction);
+  if (shape) object.shape = *shape;
+  ReadTouchAndMotion(reader, object);
   object.texture = textures.Read(reader, object.color);
   ScatteredObjects scattered;
   const auto count = reader.WholeNumber("count", 1, kMaxSwarm);
@@ -170,7 +207,6 @@ ObjectSection ReadObject(SectionReader& reader, std::span<const std::string> oth
   // In the section of another kind that was misspelt, every key would be unknown: one diagnostic is enough.
   if (has_type || near.empty()) reader.Finish();
   if (!shape) return {};
-  object.shape = *shape;
   if (many) {
     if (!count) return {};
     scattered.object = std::move(object);

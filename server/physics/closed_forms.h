@@ -45,6 +45,9 @@ struct Part {
   int body = 0;         // of the mechanism
   double friction = 1;  // Coulomb
   double restitution = 0;
+  Vector3 friction_along_G = Vector3::Zero();  // as in LinkShape, and what follows
+  double friction_across = 1;
+  double rolling_friction_m = 0, spinning_friction_m = 0;
   int wheel = -1;  // of the drive: a cylinder about a driven axle rolls on one contact at its tread
   int link = 0, collision = 0;     // of a robot's model: index into links, and into the link's collisions
   Vector3 p_BG = Vector3::Zero();  // in its body

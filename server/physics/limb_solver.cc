@@ -56,6 +56,7 @@ void LimbSolver::Unload() {
   touches_ = holds_ = flies_ = false;
   measured_.clear();
   rubbing_.clear();
+  turning_.clear();
   jacobian_.clear();
   pushes_.clear();
   efforts_.clear();
@@ -66,106 +67,6 @@ int LimbSolver::NodeOf(std::uint32_t thing, const Part& part) const {
   const Member& member = members_[static_cast<std::size_t>(member_of_[thing])];
   const int node = member.first_node + member.mechanism->tree.node_of[static_cast<std::size_t>(part.body)];
   return forest_.EndOf(node) == kNone ? kNone : node;
-}
-
-void LimbSolver::Join(std::span<const FoundContact> found, const Actor& a, std::uint32_t index_a,
-                      const Actor* b, std::uint32_t index_b, double dt_s, bool measured) {
-  const auto channels = [this](std::uint32_t thing) {
-    const int member = thing < member_of_.size() ? member_of_[thing] : kNone;
-    return member == kNone ? std::span<const ChannelState>()
-                           : members_[static_cast<std::size_t>(member)].channels;
-  };
-  for (const FoundContact& contact : found) {
-    int node_a = NodeOf(index_a, *contact.a);
-    int node_b = b == nullptr ? kNone : NodeOf(index_b, *contact.b);
-    if (node_a == kNone && node_b == kNone) continue;
-    const Toucher of_b = b == nullptr ? Toucher() : Toucher{b, node_b != kNone, channels(index_b)};
-    const auto surface = SurfaceOf(contact, {&a, node_a != kNone, channels(index_a)}, of_b, settings_, dt_s);
-    if (!surface) continue;
-    if (surface->swapped) std::swap(node_a, node_b);
-    touches_ = true;
-    const std::size_t first_row = rows_.size();
-    const std::span<const Vector3> directions = AddContact(surface->contact, node_a, node_b, dt_s);
-    if (!measured) continue;
-    measured_.push_back({index_a, b == nullptr ? MeasuredContact::kFloor : index_b, contact.a, contact.b,
-                         contact.point.p_W, contact.point.n_W});
-    Rubbing& rubbing = rubbing_.emplace_back();
-    rubbing.first_row = first_row;
-    rubbing.count = directions.size();
-    for (std::size_t i = 0; i < directions.size(); ++i)
-      rubbing.directions[i] = surface->swapped ? -directions[i] : directions[i];
-  }
-}
-
-void LimbSolver::AddWrench(int node, const Vector3& p_W, const Vector3& torque, const Vector3& force,
-                           Row& row) {
-  if (node == kNone || forest_.EndOf(node) == kNone) return;
-  const int end = forest_.EndOf(node);
-  Row::Part& part = row.parts[row.part_count++];
-  part = {end, jacobian_.size()};
-  const auto length = static_cast<std::size_t>(forest_.ChainLength(end));
-  jacobian_.resize(part.from + length);
-  forest_.AddWrench(node, p_W, torque, force, std::span(jacobian_).subspan(part.from, length));
-}
-
-double LimbSolver::RateOf(const Row& row, std::span<const double> rates) const {
-  double rate = 0;
-  for (const Row::Part& part : row.all()) {
-    const double* J = jacobian_.data() + part.from;
-    for (const int dof : forest_.Chain(part.end)) rate += *J++ * rates[static_cast<std::size_t>(dof)];
-  }
-  return rate;
-}
-
-// As ODE's contact joint does it.
-std::span<const Vector3> LimbSolver::AddContact(const dContact& contact, int node_a, int node_b,
-                                                double dt_s) {
-  const Vector3 p(contact.geom.pos), n(contact.geom.normal), none = Vector3::Zero();
-  const dSurfaceParameters& surface = contact.surface;
-  std::size_t count = 0;
-  const auto add = [&](const Vector3& direction) -> Row& {
-    directions_[count++] = direction;
-    Row& row = rows_.emplace_back();
-    row.softness = kCfm / dt_s;
-    AddWrench(node_a, p, none, direction, row);
-    AddWrench(node_b, p, none, -direction, row);
-    return row;
-  };
-  const int normal = static_cast<int>(rows_.size());
-  Row& push = add(n);
-  const double approach = (surface.mode & dContactMotionN) != 0 ? surface.motionN : 0;
-  push.target = std::min(kErp / dt_s * contact.geom.depth + approach, kMaxPushOut_m_s);
-  push.lower = 0;
-  if ((surface.mode & dContactBounce) != 0) {
-    const double outgoing = RateOf(push, forest_.rates()) - approach;
-    if (-outgoing > surface.bounce_vel) {
-      push.target = std::max(push.target, approach - surface.bounce * outgoing);
-    }
-  }
-  dVector3 first, second;
-  if ((surface.mode & dContactFDir1) != 0) {
-    std::copy_n(contact.fdir1, 3, first);
-  } else {
-    dPlaneSpace(contact.geom.normal, first, second);
-  }
-  const Vector3 along(first);
-  const auto rub = [&](const Vector3& direction, double friction, bool by_load, double motion) {
-    if (friction <= 0) return;
-    Row& row = add(direction);
-    row.target = motion;
-    if (by_load && std::isfinite(friction)) {
-      row.normal = normal;
-      row.friction = friction;
-    } else {
-      row.lower = -friction * dt_s;
-      row.upper = friction * dt_s;
-    }
-  };
-  const bool two = (surface.mode & dContactMu2) != 0;
-  rub(along, surface.mu, (surface.mode & dContactApprox1_1) != 0,
-      (surface.mode & dContactMotion1) != 0 ? surface.motion1 : 0);
-  rub(n.cross(along), two ? surface.mu2 : surface.mu, (surface.mode & dContactApprox1_2) != 0, 0);
-  return std::span(directions_).first(count);
 }
 
 LimbSolver::Outcome LimbSolver::Step(double dt_s) {
@@ -374,7 +275,10 @@ bool LimbSolver::SolveDirectly(bool is_again, bool same_motors) {
   }
   // First without friction, then with what these loads allow, then with those that result.
   bool is_solved = true;
-  if (!is_again) is_solved = lcp_.Solve(A_, b_, lower_, upper_, impulses_);
+  if (!is_again) {
+    is_solved = lcp_.Solve(A_, b_, lower_, upper_, impulses_);
+    TurnFriction();
+  }
   for (int pass = 0; (rubs || is_again) && pass < 2; ++pass) {
     for (Eigen::Index i = 0; i < n; ++i) {
       const Row& row = rows_[static_cast<std::size_t>(i)];

@@ -138,7 +138,7 @@ class LimbSolver {
   /// Adds the velocity that `torque` and `force` at p_W, on the node's body, work against.
   void AddWrench(int node, const Vector3& p_W, const Vector3& torque, const Vector3& force, Row& row);
   /// The directions of its rows, the last ones of rows_: where the first is pushed.
-  std::span<const Vector3> AddContact(const dContact& contact, int node_a, int node_b, double dt_s);
+  std::span<const Vector3> AddContact(const Surface& touch, int node_a, int node_b, double dt_s);
   double RateOf(const Row& row, std::span<const double> rates) const;
   /// The springs among the motors keep their energy. After Forest::Begin().
   void FitSprings(double dt_s);
@@ -170,6 +170,9 @@ class LimbSolver {
   /// Whether they are exact, as far as the method goes.
   bool Solve(bool is_again, bool same_motors);
   bool SolveDirectly(bool is_again, bool same_motors);
+  /// Turns friction rows along the slip that the solution without friction has: where nothing slips yet, a
+  /// pyramid of friction holds up to √2 of what it should, but along its axes.
+  void TurnFriction();
   /// The mass matrix with what the motors add, and the rows by it.
   void Factor();
   void SolveByIteration();
@@ -196,6 +199,12 @@ class LimbSolver {
     std::array<Vector3, 3> directions;
   };
   std::vector<Rubbing> rubbing_;
+  /// Two friction rows, this one and the next, that may turn; and the place in rubbing_, if measured.
+  struct Turning {
+    std::size_t row = 0;
+    int rubbing = kNone;
+  };
+  std::vector<Turning> turning_;
   std::array<Vector3, 3> directions_;                     // of the contact added last
   std::vector<double> jacobian_, transformed_, divided_;  // of the rows' parts; the last: by the pivots
   std::vector<double> pushes_;                            // impulses by degree of freedom

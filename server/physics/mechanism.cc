@@ -26,6 +26,10 @@ Part MakePart(const RobotModel& model, std::size_t link, const LinkShape& collis
   part.collision = static_cast<int>(&collision - model.links[link].collisions.data());
   part.friction = collision.friction;
   part.restitution = collision.restitution;
+  part.friction_along_G = collision.friction_along_G;
+  part.friction_across = collision.friction_across;
+  part.rolling_friction_m = collision.rolling_friction_m;
+  part.spinning_friction_m = collision.spinning_friction_m;
   part.wheel = WheelOf(model, static_cast<int>(link), collision);
   return part;
 }
@@ -217,6 +221,10 @@ Mechanism MakeObject(const WorldObject& object) {
   Mechanism mechanism;
   Part part{object.shape};
   part.friction = object.friction;
+  part.restitution = object.restitution;
+  part.rolling_friction_m = object.rolling_friction_m;
+  // What touches at more than one point does not spin easily anyway.
+  if (std::holds_alternative<Sphere>(object.shape)) part.spinning_friction_m = object.rolling_friction_m;
   mechanism.parts = {part};
   if (!object.is_static()) {
     mechanism.bodies = {{object.mass_kg, SolidInertia(object.shape, object.mass_kg).asDiagonal(), {}}};

@@ -25,11 +25,6 @@ std::int32_t WorldIdOf(const Scene& scene, const Thing& thing) {
   return WorldIdOf(scene.objects[static_cast<std::size_t>(thing.object)]);
 }
 
-/// Whether physics notices that the one takes the place of the other where it is.
-bool IsOtherBody(const WorldObject& a, const WorldObject& b) {
-  return a.shape != b.shape || a.mass_kg != b.mass_kg || a.friction != b.friction;
-}
-
 /// Where things that go, come or change stand: by thing of `things`, which are those of `scene`. `old`: the
 /// scene before the change, not after it.
 std::vector<std::uint8_t> Chosen(const WorldChange& change, const Scene& scene, const Scene& before,
@@ -37,7 +32,7 @@ std::vector<std::uint8_t> Chosen(const WorldChange& change, const Scene& scene, 
   std::vector<std::int32_t> ids;
   for (const PutObject& put : change.objects) {
     const SceneObject* was = FindObject(before, put.id);
-    if (put.placing == Placing::kKeep && was != nullptr && !IsOtherBody(was->object, put.object)) continue;
+    if (put.placing == Placing::kKeep && was != nullptr && was->object.IsAlike(put.object)) continue;
     ids.push_back(static_cast<std::int32_t>(put.id.value));
   }
   for (const PutRobot& put : change.robots) {
@@ -153,7 +148,7 @@ std::string Simulation::PlaceAll(const WorldChange& change, const Frame& before,
       const bool keeps = put->placing == Placing::kKeep && was != nullptr && was->body >= 0;
       if (keeps) continue;
       const bool exact = put->placing == Placing::kExact && put->body;
-      put_bodies(thing, exact ? std::vector{*put->body} : StartBodies(*thing.mechanism, object.object.X_WO));
+      put_bodies(thing, exact ? std::vector{*put->body} : StartBodies(*thing.mechanism, object.object));
       continue;
     }
     const SceneRobot& robot = scene.robots[static_cast<std::size_t>(thing.robot)];
@@ -242,7 +237,7 @@ std::string Simulation::Change(WorldChange& change, WorldChange& inverse) {
     const SceneObject* thing = FindObject(*scene, put.id);
     if (put.placing != Placing::kKeep || thing->body < 0) continue;
     const SceneObject* was = FindObject(*scene_, put.id);
-    if (was == nullptr || !IsOtherBody(was->object, put.object) || was->body < 0) continue;
+    if (was == nullptr || was->object.IsAlike(put.object) || was->body < 0) continue;
     std::uint64_t& counter = next->bodies[static_cast<std::size_t>(thing->body)].sleep_counter;
     const bool told = std::ranges::find(change.rests, static_cast<std::int32_t>(put.id.value),
                                         &RestCounter::id) != change.rests.end();

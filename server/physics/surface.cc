@@ -23,8 +23,27 @@ Vector3 PointVelocity(const Toucher& of, const Part* part, const Vector3& p) {
   return body.v_WB + body.w_WB.cross(p - body.p_WB);
 }
 
+Vector3 TurnRate(const Toucher& of, const Part* part) {
+  if (!of.moves) return Vector3::Zero();
+  return of.actor->bodies[static_cast<std::size_t>(part->body)].w_WB;
+}
+
+bool HasGrain(const Part* part) {
+  return part != nullptr && !part->friction_along_G.isZero();
+}
+
 double FrictionOf(const Part* part, const WorldSettings& settings) {
-  return part == nullptr ? settings.floor_friction : part->friction;
+  if (part == nullptr) return settings.floor_friction;
+  return HasGrain(part) ? std::min(part->friction, part->friction_across) : part->friction;
+}
+
+double RestitutionOf(const Part* part) {
+  return part == nullptr ? 0 : part->restitution;
+}
+
+/// A direction of a part's shape in the world.
+Vector3 InWorld(const Toucher& of, const Part& part, const Vector3& direction_G) {
+  return of.actor->bodies[static_cast<std::size_t>(part.body)].orientation() * (part.R_BG * direction_G);
 }
 
 bool IsOne(const Toucher& of) {
@@ -36,6 +55,114 @@ bool IsOne(const Toucher& of) {
 bool IsFlat(const Toucher& a, const Toucher& b) {
   return b.actor != nullptr && a.actor->thing.robot >= 0 &&
          (b.actor->thing.robot >= 0 || b.actor->thing.body_count() == 0);
+}
+
+/// What gravity adds to the slip of A on B in the step: of what moves; if both do, of the upper one.
+Vector3 Pull(const Toucher& a, const Toucher& b, const Vector3& n_W, const WorldSettings& settings,
+             double dt_s) {
+  const double g = settings.gravity_m_s2;
+  const Vector3 down = -g * dt_s * (Vector3::UnitZ() - n_W.z() * n_W);
+  return a.moves && (!b.moves || n_W.z() * g >= 0) ? down : Vector3(-down);
+}
+
+// Slower than this nothing slips yet.
+constexpr double kSliding_m_s = 0.01;
+// Likewise what rolls.
+constexpr double kRolling_rad_s = 0.01;
+
+/// Friction along the grain of a part, and across it. `along`: the slip, in the plane of contact.
+void RubGrain(const Vector3& grain_W, double friction, double across, const Vector3& n_W,
+              const Vector3& along, dContact& contact) {
+  const Vector3 in_plane = grain_W - grain_W.dot(n_W) * n_W;
+  constexpr double kStraightUp = 1e-3;
+  if (in_plane.norm() < kStraightUp) {
+    contact.surface.mu = std::min(friction, across);
+    return;
+  }
+  const Vector3 first = in_plane.normalized();
+  contact.surface.mode |= dContactFDir1 | dContactMu2;
+  Copy(contact.fdir1, first);
+  contact.surface.mu = friction;
+  contact.surface.mu2 = across;
+  if (along.squaredNorm() <= kSliding_m_s * kSliding_m_s) return;
+  const double u = friction * along.dot(first), w = across * along.dot(n_W.cross(first));
+  const double length = std::sqrt(u * u + w * w);
+  if (length == 0) return;
+  contact.surface.mu *= std::abs(u) / length;
+  contact.surface.mu2 *= std::abs(w) / length;
+}
+
+/// Friction against sliding.
+void Rub(const FoundContact& found, const Toucher& a, const Toucher& b, const WorldSettings& settings,
+         double dt_s, Surface& surface) {
+  const ContactPoint& point = found.point;
+  dContact& contact = surface.contact;
+  contact.surface.mu = std::min(FrictionOf(found.a, settings), FrictionOf(found.b, settings));
+  const Part* grained = HasGrain(found.a) ? found.a : HasGrain(found.b) ? found.b : nullptr;
+  if (contact.surface.mu <= 0 && grained == nullptr) return;
+  contact.surface.mode |= dContactApprox1;
+  const Vector3 slip = PointVelocity(a, found.a, point.p_W) - PointVelocity(b, found.b, point.p_W);
+  const Vector3 along = slip - slip.dot(point.n_W) * point.n_W;
+  constexpr double kHorizontal = 0.1;
+  if (IsFlat(a, b) && std::abs(point.n_W.z()) < kHorizontal) {
+    contact.surface.mode |= dContactFDir1 | dContactMu2;
+    contact.surface.mu2 = 0;
+    Copy(contact.fdir1, Vector3::UnitZ().cross(point.n_W).normalized());
+  } else if (grained != nullptr) {
+    const bool is_a = grained == found.a;
+    const double other = FrictionOf(is_a ? found.b : found.a, settings);
+    RubGrain(InWorld(is_a ? a : b, *grained, grained->friction_along_G), std::min(grained->friction, other),
+             std::min(grained->friction_across, other), point.n_W, along, contact);
+  } else if (along.squaredNorm() > kSliding_m_s * kSliding_m_s) {
+    contact.surface.mode |= dContactFDir1;
+    Copy(contact.fdir1, along.normalized());
+  } else {
+    surface.may_turn = true;
+    const Vector3 pull = Pull(a, b, point.n_W, settings, dt_s);
+    constexpr double kFlat = 1e-3;  // of gravity
+    if (pull.norm() <= kFlat * std::abs(settings.gravity_m_s2) * dt_s) return;
+    const Vector3 to_come = along + pull;
+    if (to_come.squaredNorm() == 0) return;
+    contact.surface.mode |= dContactFDir1;
+    Copy(contact.fdir1, to_come.normalized());
+  }
+}
+
+/// A part rolls where it is round: not on the end of a cylinder, nor on a face.
+bool IsRound(const Toucher& of, const Part& part, const Vector3& n_W) {
+  constexpr double kOnEnd = 0.99;
+  if (std::holds_alternative<Cylinder>(part.shape))
+    return std::abs(InWorld(of, part, Vector3::UnitZ()).dot(n_W)) < kOnEnd;
+  return std::holds_alternative<Sphere>(part.shape) || std::holds_alternative<Capsule>(part.shape);
+}
+
+double RollingOf(const Toucher& of, const Part* part, const Vector3& n_W) {
+  const bool rolls = part != nullptr && part->rolling_friction_m > 0 && IsRound(of, *part, n_W);
+  return rolls ? part->rolling_friction_m : 0;
+}
+
+double SpinningOf(const Part* part) {
+  return part == nullptr ? 0 : part->spinning_friction_m;
+}
+
+/// Torques against rolling and spinning.
+void HoldTurns(const FoundContact& found, const Toucher& a, const Toucher& b, Surface& surface) {
+  const Vector3& n_W = found.point.n_W;
+  dContact& contact = surface.contact;
+  const double rolling = std::max(RollingOf(a, found.a, n_W), RollingOf(b, found.b, n_W));
+  const double spinning = std::max(SpinningOf(found.a), SpinningOf(found.b));
+  if (rolling <= 0 && spinning <= 0) return;
+  if ((contact.surface.mode & dContactMu2) == 0) contact.surface.mu2 = contact.surface.mu;
+  contact.surface.mode |= dContactRolling | dContactMu2 | dContactApprox1;
+  contact.surface.rho = contact.surface.rho2 = rolling;
+  contact.surface.rhoN = spinning;
+  if (!surface.may_turn) return;
+  // Along the way that it rolls, as along a slip.
+  const Vector3 turns = TurnRate(a, found.a) - TurnRate(b, found.b);
+  const Vector3 way = turns.cross(n_W);
+  if (way.squaredNorm() <= kRolling_rad_s * kRolling_rad_s) return;
+  contact.surface.mode |= dContactFDir1;
+  Copy(contact.fdir1, way.normalized());
 }
 
 void Place(const ContactPoint& point, double dt_s, dContact& contact) {
@@ -90,6 +217,17 @@ Surface Rolling(const FoundContact& found, const Toucher& robot, int sign, const
 
 }  // namespace
 
+int RowsOf(const FoundContact& found) {
+  const auto slips = [](const Part* part) {
+    return part != nullptr && part->friction <= 0 && !(HasGrain(part) && part->friction_across > 0);
+  };
+  const auto rolls = [](const Part* part) { return part != nullptr && part->rolling_friction_m > 0; };
+  int rows = slips(found.a) || slips(found.b) ? 1 : 3;
+  if (rolls(found.a) || rolls(found.b)) rows += 2;
+  if (SpinningOf(found.a) > 0 || SpinningOf(found.b) > 0) rows += 1;
+  return rows;
+}
+
 std::optional<Surface> SurfaceOf(const FoundContact& found, const Toucher& a, const Toucher& b,
                                  const WorldSettings& settings, double dt_s) {
   const bool a_rolls = found.wheel == 0 && a.moves && IsOne(a);
@@ -97,32 +235,17 @@ std::optional<Surface> SurfaceOf(const FoundContact& found, const Toucher& a, co
   if (a_rolls && a.actor->thing.mechanism->drive) return Rolling(found, a, 1, settings, dt_s);
   if (b_rolls && b.actor->thing.mechanism->drive) return Rolling(found, b, -1, settings, dt_s);
   const ContactPoint& point = found.point;
-  const double restitution = std::max(found.a->restitution, found.b == nullptr ? 0 : found.b->restitution);
+  const double restitution = std::max(RestitutionOf(found.a), RestitutionOf(found.b));
   if (restitution > 0 && point.depth_m < 0) return std::nullopt;  // it turns round where it touches
   Surface surface;
   dContact& contact = surface.contact;
-  contact.surface.mu = std::min(found.a->friction, FrictionOf(found.b, settings));
-  if (contact.surface.mu > 0) {
-    contact.surface.mode = dContactApprox1;
-    // The friction pyramid lies along the slip, so that sliding bodies brake alike in every direction.
-    const Vector3 slip = PointVelocity(a, found.a, point.p_W) - PointVelocity(b, found.b, point.p_W);
-    const Vector3 along = slip - slip.dot(point.n_W) * point.n_W;
-    constexpr double kSliding_m_s = 0.01;
-    constexpr double kHorizontal = 0.1;
-    if (IsFlat(a, b) && std::abs(point.n_W.z()) < kHorizontal) {
-      contact.surface.mode |= dContactFDir1 | dContactMu2;
-      contact.surface.mu2 = 0;
-      Copy(contact.fdir1, Vector3::UnitZ().cross(point.n_W).normalized());
-    } else if (along.squaredNorm() > kSliding_m_s * kSliding_m_s) {
-      contact.surface.mode |= dContactFDir1;
-      Copy(contact.fdir1, along.normalized());
-    }
-  }
+  Rub(found, a, b, settings, dt_s, surface);
+  HoldTurns(found, a, b, surface);
   if (restitution > 0) {
     // Slower than gravity makes it in two steps, it stays.
     contact.surface.mode |= dContactBounce;
     contact.surface.bounce = restitution;
-    contact.surface.bounce_vel = 2 * settings.gravity_m_s2 * dt_s;
+    contact.surface.bounce_vel = 2 * std::abs(settings.gravity_m_s2) * dt_s;
   }
   Place(point, dt_s, contact);
   return surface;

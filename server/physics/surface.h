@@ -32,11 +32,19 @@ struct Toucher {
 };
 
 /// The contact of A and B; the normal is towards the first. Friction: the slippier of the two decides (the
-/// smaller coefficient).
+/// smaller coefficient); of bouncing, rolling and spinning friction the larger value.
+///
+/// ODE's friction is a pyramid, μ N along its two axes and √2 times that between them. So its first axis lies
+/// along the slip, where there is none yet along what gravity will make it, and the bounds of a surface with
+/// a grain are those of the ellipse at this slip (S. Goyal, A. Ruina, J. Papadopoulos (1991), Planar sliding
+/// with dry friction, Wear 143).
 struct Surface {
   dContact contact{};
-  bool swapped = false;  // the first is B
+  bool swapped = false;   // the first is B
+  bool may_turn = false;  // nothing slips yet: a solver that knows whither it will may turn the axes
 };
+/// Rows of a contact in a solver, at most.
+int RowsOf(const FoundContact& found);
 /// Nothing: they do not act on each other.
 std::optional<Surface> SurfaceOf(const FoundContact& found, const Toucher& a, const Toucher& b,
                                  const WorldSettings& settings, double dt_s);

@@ -34,6 +34,15 @@ std::vector<BodyState> StartBodies(const Mechanism& mechanism, const Pose& X_WR)
   return bodies;
 }
 
+std::vector<BodyState> StartBodies(const Mechanism& mechanism, const WorldObject& object) {
+  std::vector<BodyState> bodies = StartBodies(mechanism, object.X_WO);
+  for (BodyState& body : bodies) {
+    body.v_WB = object.v_WO;
+    body.w_WB = object.w_WO;
+  }
+  return bodies;
+}
+
 namespace {
 
 class Builder {
@@ -54,8 +63,7 @@ class Builder {
  private:
   /// Objects that are alike share their mechanism; most stand one after another.
   const Mechanism* ObjectOf(const WorldObject& object) {
-    const bool alike = last_object_ != nullptr && last_object_->shape == object.shape &&
-                       last_object_->friction == object.friction && last_object_->mass_kg == object.mass_kg;
+    const bool alike = last_object_ != nullptr && last_object_->IsAlike(object);
     if (!alike) things_.mechanisms.push_back(std::make_shared<const Mechanism>(MakeObject(object)));
     last_object_ = &object;
     return things_.mechanisms.back().get();
@@ -72,15 +80,15 @@ class Builder {
       if (is_static) {
         thing.fixed = StateAt(object.X_WO);
       } else {
-        AddBody(object.X_WO, {});
+        AddBodies(StartBodies(*thing.mechanism, object));
       }
       things_.all.push_back(thing);
     }
   }
 
-  void AddBody(const Pose& X_WR, const Pose& X_RB) {
-    ++bodies_;
-    if (before_ == nullptr) things_.bodies.push_back(StateAt(X_WR * X_RB));
+  void AddBodies(const std::vector<BodyState>& bodies) {
+    bodies_ += static_cast<int>(bodies.size());
+    if (before_ == nullptr) things_.bodies.insert(things_.bodies.end(), bodies.begin(), bodies.end());
   }
 
   void AddRobot(int index) {
@@ -102,7 +110,7 @@ class Builder {
       const bool planar = entry.fidelity == Fidelity::kPlanar;
       thing.rest_z_m = thing.mechanism->bodies.front().X_RB.p.z() + (planar ? entry.X_WR.p.z() : 0);
     }
-    for (const RigidBody& body : thing.mechanism->bodies) AddBody(entry.X_WR, body.X_RB);
+    AddBodies(StartBodies(*thing.mechanism, entry.X_WR));
     things_.all.push_back(thing);
   }
 

@@ -132,6 +132,8 @@ void Orient(BodyState& body, const Quaternion& q);
 
 /// Where the bodies of a thing begin, at rest, if its model's frame is at `X_WR`.
 std::vector<BodyState> StartBodies(const Mechanism& mechanism, const Pose& X_WR);
+/// The same of an object, in the motion with which it begins.
+std::vector<BodyState> StartBodies(const Mechanism& mechanism, const WorldObject& object);
 
 /// What a thing is called: `robot robot1`, `box BOX_1`; its name alone; and where the files say so.
 std::string TitleOf(const Scene& scene, const Thing& thing);

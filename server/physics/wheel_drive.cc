@@ -155,10 +155,11 @@ OneBodyDrive MakeDrive(const Mechanism& robot, const WheelPair& wheels, double f
     const double lowest_m = p_RB.z() + part.p_BG.z() - HalfExtents(part.shape, part.R_BG).z();
     if (std::abs(lowest_m) <= kSupportGap_m) supports.push_back({part.p_BG.x(), part.p_BG.y(), part.wheel});
   }
-  const double weight_n = body.mass_kg * gravity_m_s2;
+  const double weight_n = std::max(0.0, body.mass_kg * gravity_m_s2);
   constexpr std::array<std::array<double, 2>, 4> kWays{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
-  drive.stands = std::all_of(kWays.begin(), kWays.end(),
-                             [&](const auto& way) { return Reach(supports, way[0], way[1]) > 1e-3; });
+  drive.stands = weight_n > 0 && std::all_of(kWays.begin(), kWays.end(), [&](const auto& way) {
+                   return Reach(supports, way[0], way[1]) > 1e-3;
+                 });
   std::array<double, 2> load_n = {weight_n / 2, weight_n / 2};  // that each wheel carries at rest
   if (drive.stands) {
     const std::vector<double> loads = Loads(supports, weight_n);

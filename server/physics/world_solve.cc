@@ -33,12 +33,6 @@ void Flatten(BodyState& body, double rest_z_m) {
   body.w_WB = {0, 0, body.w_WB.z()};
 }
 
-int RowsOf(const FoundContact& contact) {
-  const double friction =
-      contact.b == nullptr ? contact.a->friction : std::min(contact.a->friction, contact.b->friction);
-  return friction > 0 ? 3 : 1;
-}
-
 double FloorGap(const Thing& thing, const BodyState& body, double dt_s) {
   return thing.robot >= 0 ? kFloorGap_m + dt_s * std::abs(body.v_WB.z()) : kAhead_m;
 }

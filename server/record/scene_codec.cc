@@ -16,8 +16,8 @@ namespace coopdyn {
 
 namespace {
 
-// A scene without watchdogs is written as it always was.
-constexpr std::uint8_t kSceneVersion = 4, kWithoutWatchdogs = 3, kWithoutTextures = 2;
+// A scene whose things only stand is written as it always was; likewise one without watchdogs.
+constexpr std::uint8_t kSceneVersion = 5, kWithoutMotions = 4, kWithoutWatchdogs = 3, kWithoutTextures = 2;
 // Least bytes of each, so that a count cannot ask for more memory than there are bytes.
 constexpr std::size_t kObjectBytes = 100, kRobotBytes = 146, kTargetBytes = 60, kLightBytes = 65;
 
@@ -104,10 +104,13 @@ bool Fits(const Scene& scene) {
 std::vector<std::byte> EncodeScene(const Scene& scene) {
   std::vector<std::byte> bytes;
   ByteWriter writer(bytes);
-  const bool has_watchdogs = std::ranges::any_of(
-      scene.robots, [](const SceneRobot& robot) { return robot.entry.watchdog_s.has_value(); });
-  writer.Number(has_watchdogs ? kSceneVersion : kWithoutWatchdogs);
-  CodeScene(writer, scene, {.watchdogs = has_watchdogs});
+  const bool has_motions =
+      std::ranges::any_of(scene.objects, [](const SceneObject& thing) { return SaysMotion(thing.object); });
+  const bool has_watchdogs = has_motions || std::ranges::any_of(scene.robots, [](const SceneRobot& robot) {
+                               return robot.entry.watchdog_s.has_value();
+                             });
+  writer.Number(has_motions ? kSceneVersion : has_watchdogs ? kWithoutMotions : kWithoutWatchdogs);
+  CodeScene(writer, scene, {.watchdogs = has_watchdogs, .motions = has_motions});
   return bytes;
 }
 
@@ -120,7 +123,8 @@ std::shared_ptr<const Scene> DecodeScene(std::span<const std::byte> bytes,
   if (version < kWithoutTextures || version > kSceneVersion) return nullptr;
   const bool has_textures = version != kWithoutTextures;
   CodeScene(reader, *scene,
-            {scenario.get(), &model, texture ? &texture : nullptr, has_textures, version == kSceneVersion});
+            {scenario.get(), &model, texture ? &texture : nullptr, has_textures, version >= kWithoutMotions,
+             version == kSceneVersion});
   if (!reader.finished() || !Fits(*scene)) return nullptr;
   for (SceneRobot& robot : std::exchange(scene->robots, {})) AddRobot(*scene, std::move(robot));
   scene->scenario = scenario;

@@ -120,7 +120,7 @@ constexpr Rule kPaper[] = {
      ""},
     {"simulator",
      "frequency:n10..2000 controllerFrequency:+ seed:i0..1e9 duration:+ mode:realtime|lockstep|free speed:n "
-     "gravity:+..1000",
+     "gravity:n-1000..1000",
      "~window? ~camera? ~keys?"},
     {"environment", "",
      "ground? ambient? light box=thing_box sphere=thing_sphere cylinder=thing_round "

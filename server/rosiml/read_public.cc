@@ -106,9 +106,8 @@ class PublicReader : Reader {
 
   void ReadGravity(const Element& gravity) {
     const double z = Number(gravity, "z", 0);
-    if (Number(gravity, "x", 0) != 0 || Number(gravity, "y", 0) != 0 || z >= 0) {
-      Error(gravity,
-            "gravity acts downwards here: write x=\"0\" y=\"0\" and a z below 0, for example z=\"-9.81\"");
+    if (Number(gravity, "x", 0) != 0 || Number(gravity, "y", 0) != 0) {
+      Error(gravity, "gravity acts along z here: write x=\"0\" y=\"0\", for example with z=\"-9.81\"");
       return;
     }
     experiment_.simulation.push_back({"gravity " + Exact(-z), gravity.GetLineNum()});

@@ -13,8 +13,9 @@ namespace coopdyn {
 
 namespace {
 
-// A change without watchdogs, or without drive trains as well, is written as it always was.
-constexpr std::uint8_t kVersion = 3, kWithoutWatchdogs = 2, kWithoutTrains = 1;
+// A change whose things only stand is written as it always was; likewise one without watchdogs, or without
+// drive trains as well.
+constexpr std::uint8_t kVersion = 4, kWithoutMotions = 3, kWithoutWatchdogs = 2, kWithoutTrains = 1;
 // Least bytes of each.
 constexpr std::size_t kObjectBytes = 100, kRobotBytes = 130, kTargetBytes = 60, kLightBytes = 65;
 
@@ -78,12 +79,19 @@ void CodeChange(Codec& codec, auto& change, const SceneContext& context, bool ha
 std::string EncodeChange(const WorldChange& change) {
   std::vector<std::byte> bytes;
   ByteWriter writer(bytes);
-  const bool has_trains =
-      std::ranges::any_of(change.robots, [](const PutRobot& put) { return !put.drive_trains.empty(); });
-  const bool has_watchdogs = std::ranges::any_of(
-      change.robots, [](const PutRobot& put) { return put.entry.watchdog_s.has_value(); });
-  writer.Number(has_watchdogs ? kVersion : has_trains ? kWithoutWatchdogs : kWithoutTrains);
-  CodeChange(writer, change, {.watchdogs = has_watchdogs}, has_watchdogs || has_trains);
+  const bool has_motions =
+      std::ranges::any_of(change.objects, [](const PutObject& put) { return SaysMotion(put.object); });
+  const bool has_watchdogs = has_motions || std::ranges::any_of(change.robots, [](const PutRobot& put) {
+                               return put.entry.watchdog_s.has_value();
+                             });
+  const bool has_trains = has_watchdogs || std::ranges::any_of(change.robots, [](const PutRobot& put) {
+                            return !put.drive_trains.empty();
+                          });
+  writer.Number(has_motions     ? kVersion
+                : has_watchdogs ? kWithoutMotions
+                : has_trains    ? kWithoutWatchdogs
+                                : kWithoutTrains);
+  CodeChange(writer, change, {.watchdogs = has_watchdogs, .motions = has_motions}, has_trains);
   return ToBase64(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }
 
@@ -95,7 +103,8 @@ std::optional<WorldChange> DecodeChange(std::string_view text, const SceneContex
   if (version < kWithoutTrains || version > kVersion) return std::nullopt;
   WorldChange change;
   SceneContext said = context;
-  said.watchdogs = version == kVersion;
+  said.watchdogs = version >= kWithoutMotions;
+  said.motions = version == kVersion;
   CodeChange(reader, change, said, version != kWithoutTrains);
   constexpr std::size_t kPadding = 2;  // of base64
   if (!reader.ok() || reader.left() > kPadding) return std::nullopt;

@@ -34,6 +34,7 @@ struct SceneContext {
   const FindTexture* texture = nullptr;  // null: pictures of files are left out
   bool textures = true;                  // the bytes have them
   bool watchdogs = false;                // likewise
+  bool motions = false;                  // of things, and how they bounce and roll; likewise
 };
 
 void CodePose(auto& codec, auto& X) {
@@ -135,6 +136,18 @@ void CodeThing(auto& codec, auto& object, const SceneContext& context) {
   codec.AtLeast(0, object.friction);
   CodeWhere(codec, object.where);
   if (context.textures) CodeTexture(codec, object.texture, object.color, context);
+  if (!context.motions) return;
+  codec.AtLeast(0, object.restitution);
+  codec.Require(object.restitution <= 1);
+  codec.AtLeast(0, object.rolling_friction_m);
+  codec.Finite(object.v_WO);
+  codec.Finite(object.w_WO);
+}
+
+/// Whether a thing says what CodeThing() leaves out without `motions`.
+inline bool SaysMotion(const WorldObject& object) {
+  return object.restitution > 0 || object.rolling_friction_m > 0 || !object.v_WO.isZero() ||
+         !object.w_WO.isZero();
 }
 
 void CodeObject(auto& codec, auto& thing, const SceneContext& context) {

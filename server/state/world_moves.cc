@@ -20,6 +20,13 @@ bool IsThere(const Pose& a, const Pose& b) {
   return (a.p - b.p).cwiseAbs().maxCoeff() < kTiny && (a.q.conjugate() * b.q).vec().norm() < kTiny_rad / 2;
 }
 
+// What rests moves by no more.
+constexpr double kRest_m_s = 2e-3, kRest_rad_s = 1e-2;
+
+Vector3 WithoutTrembling(const Vector3& motion, double rest) {
+  return motion.norm() > rest ? motion : Vector3(Vector3::Zero());
+}
+
 }  // namespace
 
 Found FindId(const Scene& scene, std::int32_t id) {
@@ -49,6 +56,10 @@ WorldObject ObjectNow(const Frame& frame, const SceneObject& thing) {
   WorldObject object = thing.object;
   const Pose now = ObjectPose(frame, thing);
   if (!IsThere(now, object.X_WO)) object.X_WO = {now.p, now.q.normalized()};
+  if (thing.body < 0) return object;
+  const BodyState& body = frame.bodies[static_cast<std::size_t>(thing.body)];
+  object.v_WO = WithoutTrembling(body.v_WB, kRest_m_s);
+  object.w_WO = WithoutTrembling(body.w_WB, kRest_rad_s);
   return object;
 }
 
@@ -68,6 +79,8 @@ std::string AddMove(const Frame& frame, const Found& found, const Pose& X_W, Wor
     const SceneObject& thing = ObjectAt(scene, found.object);
     change.objects.push_back({thing.id, thing.object, Placing::kStart});
     change.objects.back().object.X_WO = X_W;
+    change.objects.back().object.v_WO.setZero();
+    change.objects.back().object.w_WO.setZero();
     return thing.object.name;
   }
   if (found.robot >= 0) {

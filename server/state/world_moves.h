@@ -24,7 +24,8 @@ inline const SceneRobot& RobotAt(const Scene& scene, int place) {
   return scene.robots[static_cast<std::size_t>(place)];
 }
 
-/// The description of a thing with its present place; one that was not moved has the very numbers it had.
+/// The description of a thing with its present place and motion; one that was not moved has the very numbers
+/// of its place that it had.
 WorldObject ObjectNow(const Frame& frame, const SceneObject& thing);
 RobotEntry RobotNow(const Frame& frame, int place);
 

@@ -124,6 +124,14 @@ class EditTest(unittest.TestCase):
             box = listed(world)["things"][0]
             self.assertEqual((box["size"], box["mass"], box["color"], box["friction"]), ([0.3, 0.3, 0.6], 4, [0, 1, 0], 0.5))
             self.assertAlmostEqual(box["position"][2], 0.3)
+            world.must("set BOX_1 bounce 0.5 | rolling_friction 0.01 | velocity 0 1 0")
+            box = listed(world)["things"][0]
+            self.assertEqual((box["bounce"], box["rolling_friction"], box["velocity"], box["turn_rate"]), (0.5, 0.01, [0, 1, 0], [0, 0, 0]))
+            self.assertIn("velocity 0 1 0\n", world.must("save").text)
+            world.must("set BOX_1 color 1 0 0")  # it flies on
+            self.assertEqual(listed(world)["things"][0]["velocity"], [0, 1, 0])
+            world.must("set BOX_1 position 1 1 0.3")  # it is put there at rest
+            self.assertEqual(listed(world)["things"][0]["velocity"], [0, 0, 0])
             world.must("set robot1 color red")
             world.must("set red color blue | position 1 2 0.5")
             self.assertEqual(listed(world)["targets"][0]["name"], "blue_target_1")

@@ -173,7 +173,8 @@ export class World {
       const mass = thing.mass > 0 ? `\nmass ${thing.mass}` : '';
       const stem = thing.name.replace(/_?\d+$/, '') || 'THING';
       const reply = await this.#edit('insert', `[${stem}_*]\ntype ${thing.type}\nsize ${size}\nposition ${short(x)} ${short(y)} ${short(thing.position[2])}\n`
-        + `quaternion ${thing.quaternion.join(' ')}${mass}\ncolor ${thing.color.join(' ')}\nfriction ${thing.friction}`);
+        + `quaternion ${thing.quaternion.join(' ')}${mass}\ncolor ${thing.color.join(' ')}\nfriction ${thing.friction}\n`
+        + `bounce ${thing.bounce}\nrolling_friction ${thing.rolling_friction}`);
       if (reply.error === 0) this.select(reply.text.split(/\s/)[0]);
     } else if (thing.type) {
       this.#insert('robot', x, y + 0.3, thing.type);

@@ -139,8 +139,13 @@ TEST(SimulationTest, SubstepsAreAtMostTenMilliseconds) {
   EXPECT_THAT(Read("[SIMULATION]\nsubsteps 1.5\n").messages, HasSubstr("whole number from 1"));
 }
 
-TEST(SimulationTest, GravityIsOnePositiveNumber) {
-  EXPECT_THAT(Read("[SIMULATION]\ngravity -9.81\n").messages, HasSubstr("downwards: write 9.81"));
+TEST(SimulationTest, GravityIsOneNumberDownwards) {
+  EXPECT_EQ(Good("[SIMULATION]\ngravity 0\n")->simulation.gravity_m_s2, 0);
+  EXPECT_EQ(Read("[SIMULATION]\ngravity -9.81\n").messages,
+            "test.scenario:2: warning: 'gravity' counts downwards, so things fall up with -9.81 m/s²: write "
+            "9.81 if "
+            "they should fall down\n");
+  EXPECT_THAT(Read("[SIMULATION]\ngravity -1001\n").messages, HasSubstr("must be at least -1000"));
   EXPECT_THAT(Read("[SIMULATION]\ngravity 0 0 -9.81\n").messages, HasSubstr("needs 1 number"));
 }
 

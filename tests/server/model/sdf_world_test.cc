@@ -153,6 +153,27 @@ TEST_F(SdfWorldTest, TheGroundPlaneIsTheFloorAndPhysicsHasItsStepAndGravity) {
   EXPECT_EQ(scenario->simulation.step, Nanoseconds{2'000'000});
 }
 
+TEST_F(SdfWorldTest, GravityMayBeNoneOrPointUp) {
+  const auto none = Load("<gravity>0 0 0</gravity>" + Model("arm", kArm));
+  ASSERT_NE(none, nullptr) << messages();
+  EXPECT_EQ(none->simulation.gravity_m_s2, 0);
+  const auto up = Load("<gravity>0 0 2</gravity>" + Model("arm", kArm));
+  ASSERT_NE(up, nullptr) << messages();
+  EXPECT_EQ(up->simulation.gravity_m_s2, -2);
+}
+
+TEST_F(SdfWorldTest, ABallThatBouncesIsAThing) {
+  const std::string ball =
+      "<link name=\"l\"><inertial><mass>1</mass></inertial><collision "
+      "name=\"c\"><geometry><sphere><radius>0.1"
+      "</radius></sphere></geometry><surface><bounce><restitution_coefficient>0.7</restitution_coefficient>"
+      "</bounce></surface></collision></link>";
+  const auto scenario = Load(Model("ball", ball, "0 0 1 0 0 0"));
+  ASSERT_NE(scenario, nullptr) << messages();
+  ASSERT_EQ(scenario->objects.size(), 1u);
+  EXPECT_EQ(scenario->objects[0].restitution, 0.7);
+}
+
 TEST_F(SdfWorldTest, GazebosSunAndGroundPlaneNeedNoFiles) {
   const auto scenario =
       Load("<include><uri>model://sun</uri></include><include><uri>model://ground_plane</uri></include>\n" +

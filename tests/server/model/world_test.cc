@@ -135,5 +135,42 @@ TEST(WorldTest, FrictionIsAPlainNumber) {
   EXPECT_THAT(ReadWorldText(kBox + "friction -1\n").messages, HasSubstr(":5: error:"));
 }
 
+TEST(WorldTest, ThingsBounceAndBeginWithASpeed) {
+  const auto [world, messages] = ReadWorldText(
+      kBox + "mass 1\nbounce 0.8\nvelocity 1 -2 3\nturn_rate 0 90deg 0\nrolling_friction 2mm\n");
+  EXPECT_EQ(messages, "");
+  const WorldObject& box = world.objects.at(0);
+  EXPECT_EQ(box.restitution, 0.8);
+  EXPECT_EQ(box.v_WO, Vector3(1, -2, 3));
+  EXPECT_NEAR(box.w_WO.y(), std::numbers::pi / 2, 1e-12);
+  EXPECT_EQ(box.rolling_friction_m, 0.002);
+}
+
+TEST(WorldTest, WhatIsRoundHasRollingFrictionByItsRadius) {
+  EXPECT_EQ(ReadWorldText(kBox + "mass 1\n").world.objects.at(0).rolling_friction_m, 0);
+  const std::string ball = "[S]\ntype sphere\nsize 0.4\nposition 0 0\nmass 1\n";
+  EXPECT_DOUBLE_EQ(ReadWorldText(ball).world.objects.at(0).rolling_friction_m, 0.001);
+  EXPECT_EQ(ReadWorldText(ball + "rolling_friction 0\n").world.objects.at(0).rolling_friction_m, 0);
+  const std::string log = "[C]\ntype cylinder\nsize 0.2 0.2 1\nposition 0 0\nmass 1\n";
+  EXPECT_DOUBLE_EQ(ReadWorldText(log).world.objects.at(0).rolling_friction_m, 0.0005);
+}
+
+TEST(WorldTest, WhatNeverMovesHasNoRollingFrictionByItself) {
+  const std::string pillar = "[C]\ntype cylinder\nsize 0.2 0.2 1\nposition 0 0\n";
+  EXPECT_EQ(ReadWorldText(pillar).world.objects.at(0).rolling_friction_m, 0);
+  EXPECT_EQ(ReadWorldText(pillar + "rolling_friction 0.1\n").world.objects.at(0).rolling_friction_m, 0.1);
+}
+
+TEST(WorldTest, AMotionThatCannotBeIsAnError) {
+  EXPECT_EQ(ReadWorldText(kBox + "velocity 1 0 0\n").messages,
+            "test.world:5: error: 'velocity' needs a 'mass', for example 'mass 1': without it [BOX_1] never "
+            "moves\n");
+  EXPECT_THAT(ReadWorldText(kBox + "mass 1\nvelocity 80 80 0\n").messages,
+              HasSubstr("test.world:6: error: 'velocity' is at most 100 in all, not 113"));
+  EXPECT_THAT(ReadWorldText(kBox + "mass 1\nturn_rate 5\n").messages, HasSubstr("x y z in rad/s"));
+  EXPECT_THAT(ReadWorldText(kBox + "bounce 1.5\n").messages, HasSubstr("must be at most 1"));
+  EXPECT_THAT(ReadWorldText(kBox + "rolling_friction -1\n").messages, HasSubstr("must be at least 0"));
+}
+
 }  // namespace
 }  // namespace coopdyn

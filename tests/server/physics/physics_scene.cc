@@ -144,6 +144,12 @@ PhysicsScene& PhysicsScene::Add(const Shape& shape, const Pose& X_WO, double mas
   return *this;
 }
 
+PhysicsScene& PhysicsScene::Add(WorldObject object) {
+  object.name = "THING_" + std::to_string(1 + scenario_.objects.size());
+  scenario_.objects.push_back(std::move(object));
+  return *this;
+}
+
 PhysicsScene& PhysicsScene::SetFloorFriction(double friction) {
   scenario_.floor.friction = friction;
   return *this;

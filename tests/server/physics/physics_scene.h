@@ -39,6 +39,7 @@ class PhysicsScene {
   PhysicsScene& AddRobot(const Pose& X_WR);
   /// A box, cylinder or sphere; mass 0: static. Named like THING_1.
   PhysicsScene& Add(const Shape& shape, const Pose& X_WO, double mass_kg = 0, double friction = 1);
+  PhysicsScene& Add(WorldObject object);
   PhysicsScene& SetFloorFriction(double friction);
   PhysicsScene& SetGravity(double gravity_m_s2);
 

@@ -348,6 +348,28 @@ TEST(SceneCodecTest, ASceneKeepsEveryBit) {
   EXPECT_TRUE(SameBits(read->targets[1].p_WT, scene->targets[1].p_WT));
 }
 
+TEST(SceneCodecTest, ASceneKeepsHowThingsMoveAndTouch) {
+  const auto scene = FullScene();
+  WorldObject& object = scene->objects[0].object;
+  object.restitution = 0.75;
+  object.rolling_friction_m = 1.0 / 3;
+  object.v_WO = {1, -2, 1.0 / 3};
+  object.w_WO = {0, -0.0, 7};
+  const std::vector<std::byte> bytes = EncodeScene(*scene);
+  EXPECT_EQ(bytes.front(), std::byte{5});
+  const auto read = DecodeScene(bytes, scene->scenario, ModelsOf(*scene->scenario));
+  ASSERT_NE(read, nullptr);
+  const WorldObject& again = read->objects[0].object;
+  EXPECT_EQ(again.restitution, 0.75);
+  EXPECT_EQ(again.rolling_friction_m, 1.0 / 3);
+  EXPECT_TRUE(SameBits(again.v_WO, object.v_WO));
+  EXPECT_TRUE(SameBits(again.w_WO, object.w_WO));
+  EXPECT_EQ(read->robots[1].entry.watchdog_s, 0.0);
+  EXPECT_EQ(EncodeScene(*read), bytes);
+  object.restitution = 1.5;
+  EXPECT_EQ(DecodeScene(EncodeScene(*scene), scene->scenario, ModelsOf(*scene->scenario)), nullptr);
+}
+
 TEST(SceneCodecTest, ASceneWithoutWatchdogsIsWrittenAsItAlwaysWas) {
   const auto scene = FullScene();
   EXPECT_EQ(EncodeScene(*scene).front(), std::byte{4});

@@ -65,8 +65,9 @@ TEST(GrammarTest, AFrequencyBeyondOurStepsIsAnError) {
 }
 
 TEST(GrammarTest, GravityPointsDown) {
-  EXPECT_HAS(Said(Public("<gravitation x=\"1\" y=\"0\" z=\"-9\"/>")), "gravity acts downwards here");
+  EXPECT_HAS(Said(Public("<gravitation x=\"1\" y=\"0\" z=\"-9\"/>")), "gravity acts along z here");
   EXPECT_EQ(Said(Public("<gravitation x=\"0\" y=\"0\" z=\"-9\"/>")), "");
+  EXPECT_EQ(Said(Public("<gravitation x=\"0\" y=\"0\" z=\"0\"/>")), "");
 }
 
 TEST(GrammarTest, ANameThatIsNotThereIsAnErrorWithTheNearestOne) {

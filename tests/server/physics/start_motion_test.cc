@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+// Things that begin with a speed, bounce, and fall by gravity of any size, at 1, 5 and 10 ms.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tests/server/physics/physics_scene.h"
+
+namespace coopdyn::start_motion {
+namespace {
+
+WorldObject Ball(double z_m) {
+  WorldObject ball;
+  ball.shape = Sphere{0.1};
+  ball.X_WO = At(0, 0, z_m);
+  ball.mass_kg = 0.5;
+  return ball;
+}
+
+class StartMotionTest : public testing::TestWithParam<int> {
+ protected:
+  void SetUp() override { scene_.step_length = GetParam() * 1'000'000; }
+  double step_s() const { return GetParam() * 1e-3; }
+
+  PhysicsScene scene_;
+};
+
+TEST_P(StartMotionTest, AThrownThingFliesAParabola) {
+  WorldObject ball = Ball(1);
+  ball.v_WO = {2, -1, 3};
+  ball.w_WO = {0, 0, 4};
+  scene_.Add(ball);
+  scene_.RunFor(0.5);
+  EXPECT_LT((scene_.object(0).p - Vector3(1, -0.5, 1 + 1.5 - kG / 8)).norm(), 1e-9);
+  EXPECT_LT((scene_.object_body(0).w_WB - Vector3(0, 0, 4)).norm(), 1e-9);
+  EXPECT_NEAR(Heading(scene_.object(0).q), 2, 1e-3);
+}
+
+TEST_P(StartMotionTest, AThingBouncesByItsRestitution) {
+  WorldObject ball = Ball(1.1);
+  ball.restitution = 0.8;
+  scene_.Add(ball);
+  double highest_m = 0, before_m = 1.1;
+  bool rises = false;
+  for (int i = 0; i * step_s() < 1.1; ++i) {
+    scene_.Run(1);
+    const double z_m = scene_.object(0).p.z();
+    rises |= z_m > before_m;
+    before_m = z_m;
+    if (rises) highest_m = std::max(highest_m, z_m - 0.1);
+  }
+  // It meets the floor up to a step late and gains what it falls meanwhile.
+  const double late_m = step_s() * std::sqrt(2 * kG);
+  EXPECT_NEAR(highest_m, 0.8 * 0.8, 0.01 + 1.5 * late_m);
+}
+
+TEST_P(StartMotionTest, ABallRollsToRest) {
+  WorldObject ball = Ball(0.1);
+  ball.rolling_friction_m = 0.002;
+  ball.v_WO = {0.6, 0.8, 0};
+  ball.w_WO = {-8, 6, 0};
+  scene_.Add(ball);
+  scene_.RunFor(9);
+  const double slower_m_s2 = 5.0 / 7 * 0.002 * kG / 0.1;
+  EXPECT_NEAR(scene_.object(0).p.head<2>().norm() * 2 * slower_m_s2, 1, 0.02);
+  EXPECT_EQ(scene_.object_body(0).v_WB.norm(), 0);
+}
+
+TEST_P(StartMotionTest, ABallStopsSpinning) {
+  WorldObject ball = Ball(0.1);
+  ball.rolling_friction_m = 0.002;
+  ball.w_WO = {0, 0, 20};
+  scene_.Add(ball);
+  scene_.RunFor(2);
+  EXPECT_NEAR(scene_.object_body(0).w_WB.z(), 20 - 2 * 0.002 * kG / (0.4 * 0.01), 0.2);
+}
+
+TEST_P(StartMotionTest, WithoutGravityAThingKeepsItsWay) {
+  WorldObject ball = Ball(1);
+  ball.v_WO = {1, 0.5, 0.2};
+  scene_.SetGravity(0).Add(ball);
+  scene_.RunFor(10);
+  EXPECT_LT((scene_.object(0).p - Vector3(10, 5, 3)).norm(), 1e-9);
+}
+
+TEST_P(StartMotionTest, WithoutGravityABallBouncesBetweenWalls) {
+  WorldObject ball = Ball(1);
+  ball.v_WO = {1, 0, 0};
+  ball.restitution = 1;
+  scene_.SetGravity(0).Add(ball);
+  scene_.Add(Box{Vector3(0.2, 2, 3)}, At(0.7, 0, 1.5)).Add(Box{Vector3(0.2, 2, 3)}, At(-0.7, 0, 1.5));
+  scene_.RunFor(20);
+  // Contacts are a little soft: of 20 bounces each takes a millionth of the speed per step's length.
+  EXPECT_NEAR(scene_.object_body(0).v_WB.norm(), 1 - 20 * 1e-6 / step_s(), 1e-3);
+  EXPECT_LT(std::abs(scene_.object(0).p.x()), 0.52);
+}
+
+TEST_P(StartMotionTest, GravityMayPointUp) {
+  scene_.SetGravity(-2).Add(Ball(0.1));
+  scene_.RunFor(1);
+  EXPECT_NEAR(scene_.object(0).p.z(), 0.1 + 1, 2 * step_s());
+}
+
+TEST_P(StartMotionTest, WithoutGravityAllThatStandsStaysWhereItIs) {
+  scene_.SetGravity(0).Add(Ball(0.1)).AddRobot(2, 0);
+  scene_.Add(Box{Vector3(0.2, 0.2, 0.2)}, At(0, 2, 0.1), 1)
+      .Add(Box{Vector3(0.2, 0.2, 0.2)}, At(0, 2, 0.3), 1);
+  for (const Fidelity fidelity : {Fidelity::kRolling, Fidelity::kPlanar}) {
+    scene_.fidelity = fidelity;
+    scene_.AddRobot(2, scene_.robot_count());
+  }
+  scene_.Build();
+  ASSERT_EQ(scene_.diagnostics().ToString(), "");
+  scene_.RunFor(2);
+  EXPECT_TRUE(scene_.world().TakeFrozen().empty());
+  EXPECT_LT((scene_.object(2).p - Vector3(0, 2, 0.3)).norm(), 1e-3);
+  for (int i = 0; i < 3; ++i) EXPECT_LT((scene_.robot(i).p - Vector3(2, i, 0)).norm(), 1e-3);
+}
+
+TEST_P(StartMotionTest, WithoutGravityABoxThatIsHitFliesOnWithTheMomentum) {
+  WorldObject ball = Ball(1);
+  ball.v_WO = {2, 0, 0};
+  scene_.SetGravity(0).Add(ball).Add(Box{Vector3(0.2, 0.2, 0.2)}, At(1, 0, 1), 0.5);
+  scene_.RunFor(2);
+  const Vector3 sum = scene_.object_body(0).v_WB + scene_.object_body(1).v_WB;
+  EXPECT_LT((sum - Vector3(2, 0, 0)).norm(), 1e-6);
+  EXPECT_GT(scene_.object_body(1).v_WB.x(), 0.9);
+  EXPECT_TRUE(scene_.world().TakeFrozen().empty());
+}
+
+TEST_P(StartMotionTest, WheelsWithoutWeightDoNotDrive) {
+  for (const Fidelity fidelity : {Fidelity::kFull, Fidelity::kRolling, Fidelity::kPlanar}) {
+    scene_.fidelity = fidelity;
+    scene_.AddRobot(0, 2.0 * scene_.robot_count());
+  }
+  scene_.SetGravity(0).Build();
+  for (int i = 0; i < 3; ++i) scene_.SetVelocity(i, 0.5, 0);
+  scene_.RunFor(1);
+  EXPECT_TRUE(scene_.world().TakeFrozen().empty());
+  for (int i = 0; i < 3; ++i) EXPECT_LT(std::abs(scene_.robot(i).p.x()), 0.02) << i;
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, StartMotionTest, testing::Values(1, 5, 10));
+
+}  // namespace
+}  // namespace coopdyn::start_motion
