@@ -137,21 +137,21 @@ class Forest {
     int sign = 1;
     int dofs = 0, first_dof = 0, end = kNone;
     BodyState state;
-    Quaternion R_WR;       // of the model's axes as this body sees them
-    Quaternion q_rel;      // of a ball joint: against the parent, in the parent's axes
-    double position = 0;   // of its joint
-    double position2 = 0;  // of a universal joint's second axis
-    Vector3 arm_W;         // from its joint, as it carries it, to its centre of mass
-    Vector3 origin;        // the tree's point
-    Inertia inertia;       // of this body
-    Inertia subtree;       // and of all that hangs on it, rigidly
-    Matrix6 articulated;   // and as its joints let it hang there
-    Spatial passed;        // while rates are found: what the joints beyond pass on; its velocity
-    Twist velocity, bias;  // acceleration without that of the degrees of freedom, gravity included
-    Twist momentum;        // at the beginning of the step
-    Spatial force;         // then of all that hangs on it: momentum to come
-    Vector3 load;          // the force that its acceleration without degrees of freedom takes
-    double square_m2 = 0;  // of the longest way from its joint to those that hang on it
+    Quaternion R_WR;                  // of the model's axes as this body sees them
+    Quaternion q_rel;                 // of a ball joint: against the parent, in the parent's axes
+    double position = 0;              // of its joint
+    double position2 = 0;             // of a universal joint's second axis
+    Vector3 arm_W = Vector3::Zero();  // from its joint, as it carries it, to its centre of mass
+    Vector3 origin;                   // the tree's point
+    Inertia inertia;                  // of this body
+    Inertia subtree;                  // and of all that hangs on it, rigidly
+    Matrix6 articulated;              // and as its joints let it hang there
+    Spatial passed;                   // while rates are found: what the joints beyond pass on; its velocity
+    Twist velocity, bias;             // acceleration without that of the degrees of freedom, gravity included
+    Twist momentum;                   // at the beginning of the step
+    Spatial force;                    // then of all that hangs on it: momentum to come
+    Vector3 load;                     // the force that its acceleration without degrees of freedom takes
+    double square_m2 = 0;             // of the longest way from its joint to those that hang on it
   };
 
   /// A point of the model as a node's body carries it.
