@@ -49,11 +49,10 @@ void Forest::AddDofs(Node& node, int index) {
     const int dof = dof_count();
     const std::size_t offset = paths_.size();
     const int depth = node.end == kNone ? 0 : at(depths_, node.end) + 1;
-    if (node.end != kNone) {
-      const std::size_t from = at(offsets_, node.end);
-      for (int d = 0; d < depth; ++d) paths_.push_back(paths_[from + static_cast<std::size_t>(d)]);
-    }
-    paths_.push_back(dof);
+    paths_.resize(offset + static_cast<std::size_t>(depth) + 1);
+    if (node.end != kNone)
+      std::copy_n(&at(paths_, static_cast<int>(at(offsets_, node.end))), depth, &paths_[offset]);
+    paths_.back() = dof;
     depths_.push_back(depth);
     offsets_.push_back(offset);
     axes_.emplace_back();
