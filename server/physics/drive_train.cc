@@ -95,12 +95,27 @@ void RotorLine(const DriveTrainModel& train, const MotorLaw& law, double rate, d
   line = std::move(lossy);
 }
 
+/// How much of the force of a step's end works, by the square of the angle, or the share of the rate, that a
+/// step takes from what swings or slows.
+double EndShare(double from, double to, double value) {
+  return std::clamp((value - from) / (to - from), 0.0, 1.0);
+}
+
 /// The coupling: the rate of the joint at which it passes on `effort` while the rotor turns at `rate`, on the
 /// side of `side`.
 class Coupling {
  public:
-  Coupling(const DriveTrainModel& train, double twist, double dt_s)
-      : train_(train), twist_(twist), dt_s_(dt_s) {}
+  /// `twist_rate`: at the beginning; `give`: of both masses, 1 / (kg m²).
+  Coupling(const DriveTrainModel& train, double twist, double twist_rate, double give, double dt_s)
+      : train_(train), twist_(twist), dt_s_(dt_s) {
+    if (train.is_rigid()) return;
+    const double end = EndShare(1, 4, dt_s * dt_s * train.stiffness_nm_rad * give),
+                 damping_end = EndShare(1, 2, dt_s * train.damping_nms_rad * give);
+    per_step_ = (1 + 3 * end) / 4 * dt_s * train.stiffness_nm_rad;
+    damping_ = (1 + damping_end) / 2 * train.damping_nms_rad;
+    spring_before_ = -(1 - end) / 4 * dt_s * train.stiffness_nm_rad * twist_rate;
+    damping_before_ = (1 - damping_end) / 2 * train.damping_nms_rad * twist_rate;
+  }
 
   bool has_gap() const { return train_.backlash_rad > 0; }
   double preload() const { return train_.is_rigid() ? 0 : train_.preload_nm; }
@@ -110,13 +125,16 @@ class Coupling {
     if (train_.is_rigid() || (preload() > 0 && !beyond_preload)) return rate + bent / dt_s_;
     // A damper works while the faces touch; without gap and preload, always.
     const bool damps = (!has_gap() && preload() == 0) || side * bent > 0;
-    const double resistance = dt_s_ * train_.stiffness_nm_rad + (damps ? train_.damping_nms_rad : 0);
-    return rate - (effort - side * preload() - train_.stiffness_nm_rad * bent) / resistance;
+    const double resistance = per_step_ + (damps ? damping_ : 0);
+    const double before = train_.stiffness_nm_rad * bent + spring_before_ + (damps ? damping_before_ : 0);
+    return rate - (effort - side * preload() - before) / resistance;
   }
 
  private:
   const DriveTrainModel& train_;
   const double twist_, dt_s_;
+  // The effort falls by these with the rate of the joint, and is what the rate before adds.
+  double per_step_ = 0, damping_ = 0, spring_before_ = 0, damping_before_ = 0;
 };
 
 }  // namespace
@@ -147,11 +165,13 @@ MotorLaw LawOf(const DriveTrainModel& train, const Setpoint& setpoint, const Joi
   return law;
 }
 
-void PlanTrain(const DriveTrainModel& train, const DriveTrainState& state, double position, double dt_s,
-               TrainStep& step) {
+void PlanTrain(const DriveTrainModel& train, const DriveTrainState& state, const JointPlace& place,
+               double inertia_kg_m2, double dt_s, TrainStep& step) {
   std::vector<RotorPoint>& line = step.rotor;
   RotorLine(train, step.law, state.rotor_rad_s, dt_s, line);
-  const Coupling coupling(train, state.rotor_rad - position, dt_s);
+  const double rotor_kg_m2 = train.ratio * train.ratio * train.rotor_inertia_kg_m2;
+  const Coupling coupling(train, state.rotor_rad - place.position, state.rotor_rad_s - place.velocity,
+                          1 / rotor_kg_m2 + 1 / inertia_kg_m2, dt_s);
   const double preload = coupling.preload();
   if (coupling.has_gap() || preload > 0) Insert(line, &RotorPoint::effort, 0);
   if (preload > 0) {

@@ -6,7 +6,10 @@
 // of the rotor, v that of the joint, T the torque of the coupling on the joint:
 //
 //   J (w' − w) / dt = m(w') − load(T, w')                      rotor; m: motor, load: T through the gear
-//   twist' = twist + dt (w' − v'),  T = coupling(twist', w' − v')
+//   twist' = twist + dt (w' − v'),  T = coupling(twist + dt/4 (u' − u), (u' + u) / 2),  u = w − v
+//
+// so that a coupling keeps its energy; one that swings in a few steps goes over to the end's twist and rate,
+// which damps, and so does what holds below a preload.
 //
 // Both lines fall: the more torque the coupling passes on, the slower the rotor; the faster the joint, the
 // less torque. So T is a falling function of v' made of straight lines, however motor, gear, gap and preload
@@ -47,9 +50,9 @@ struct TrainStep {
 /// row of its servo on the rotor, asks for.
 MotorLaw LawOf(const DriveTrainModel& train, const Setpoint& setpoint, const JointRow& servo);
 
-/// Fills `step` for a substep of `dt_s` of a joint that stands at `position`.
-void PlanTrain(const DriveTrainModel& train, const DriveTrainState& state, double position, double dt_s,
-               TrainStep& step);
+/// Fills `step` for a substep of `dt_s` of a joint at `place`, which moves `inertia_kg_m2`.
+void PlanTrain(const DriveTrainModel& train, const DriveTrainState& state, const JointPlace& place,
+               double inertia_kg_m2, double dt_s, TrainStep& step);
 
 /// Moves rotor, current and energy on by a substep in which the coupling gave the joint `effort`.
 void AdvanceTrain(const DriveTrainModel& train, const TrainStep& step, double effort, double dt_s,

@@ -15,18 +15,6 @@ namespace {
 
 using Kind = JointModel::Kind;
 
-/// Change of a motion that moves with `v`.
-Spatial CrossMotion(const Spatial& v, const Spatial& motion) {
-  const Vector3 w = v.head<3>(), m = motion.head<3>();
-  return Join(w.cross(m), v.tail<3>().cross(m) + w.cross(motion.tail<3>()));
-}
-
-/// Change of a force, or a momentum, that moves with `v`.
-Spatial CrossForce(const Spatial& v, const Spatial& force) {
-  const Vector3 w = v.head<3>(), f = force.tail<3>();
-  return Join(w.cross(force.head<3>()) + v.tail<3>().cross(f), w.cross(f));
-}
-
 }  // namespace
 
 void Forest::Inertia::operator+=(const Inertia& other) {
@@ -35,14 +23,17 @@ void Forest::Inertia::operator+=(const Inertia& other) {
   I += other.I;
 }
 
-Spatial Forest::Inertia::operator*(const Spatial& v) const {
-  const Vector3 w = v.head<3>(), u = v.tail<3>();
-  return Join(I * w + moment.cross(u), mass * u - moment.cross(w));
+Forest::Matrix6 Forest::Inertia::matrix() const {
+  const Vector3& h = moment;
+  Matrix3 cross;
+  cross << 0, -h.z(), h.y(), h.z(), 0, -h.x(), -h.y(), h.x(), 0;
+  Matrix6 full;
+  full << I, cross, cross.transpose(), mass * Matrix3::Identity();
+  return full;
 }
 
 void Forest::Clear() {
   nodes_.clear();
-  parents_.clear();
   depths_.clear();
   offsets_.clear();
   axes_.clear();
@@ -58,12 +49,10 @@ void Forest::AddDofs(Node& node, int index) {
     const int dof = dof_count();
     const std::size_t offset = paths_.size();
     const int depth = node.end == kNone ? 0 : at(depths_, node.end) + 1;
-    if (node.end != kNone) {
-      const std::size_t from = at(offsets_, node.end);
-      for (int d = 0; d < depth; ++d) paths_.push_back(paths_[from + static_cast<std::size_t>(d)]);
-    }
-    paths_.push_back(dof);
-    parents_.push_back(node.end);
+    paths_.resize(offset + static_cast<std::size_t>(depth) + 1);
+    if (node.end != kNone)
+      std::copy_n(&at(paths_, static_cast<int>(at(offsets_, node.end))), depth, &paths_[offset]);
+    paths_.back() = dof;
     depths_.push_back(depth);
     offsets_.push_back(offset);
     axes_.emplace_back();
@@ -87,9 +76,14 @@ int Forest::Add(const Mechanism& mechanism, std::span<const BodyState> bodies) {
       node.model = mechanism.joints[static_cast<std::size_t>(limb.joint)].model;
       node.parent = first + limb.parent;
     }
+    if (node.model != nullptr) node.arm_W = node.R_WR * (node.rigid->X_RB.p - node.model->p_RJ);
     node.origin = limb.parent < 0 ? node.state.p_WB : at(nodes_, node.parent).origin;
     AddDofs(node, index);
-    if (node.model != nullptr) Measure(node);
+    if (node.model != nullptr) {
+      Measure(node);
+    } else if (node.dofs > 0) {
+      Eigen::Map<Spatial>(&at(rates_, node.first_dof)) = Join(node.state.w_WB, node.state.v_WB);
+    }
     AddAxes(node);
   }
   return first;
@@ -97,30 +91,34 @@ int Forest::Add(const Mechanism& mechanism, std::span<const BodyState> bodies) {
 
 Forest::Inertia Forest::InertiaOf(const Node& node, const Vector3& p_W) {
   const Vector3 c = node.state.p_WB - p_W;
-  const Matrix3 R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(node.state.R_WB.data());
+  const Matrix3 R = RotationOf(node.state);
   const double mass = node.rigid->mass_kg;
-  return {mass, mass * c,
-          R * node.rigid->inertia_kg_m2 * R.transpose() +
-              mass * (c.squaredNorm() * Matrix3::Identity() - c * c.transpose())};
+  const Vector3 moment = mass * c;
+  Matrix3 I = R * node.rigid->inertia_kg_m2 * R.transpose();
+  I.diagonal().array() += moment.dot(c);
+  I -= moment * c.transpose();
+  return {mass, moment, I};
 }
 
 void Forest::Begin(double gravity_m_s2, double dt_s) {
   gravity_m_s2_ = gravity_m_s2;
   dt_s_ = dt_s;
-  for (Node& node : nodes_) node.subtree = node.inertia = InertiaOf(node, node.origin);
-  mass_.resize(paths_.size());
+  for (Node& node : nodes_) node.inertia = InertiaOf(node, node.origin);
+  momentum_.resize(rates_.size());
+  AddUp(rates_, true);
+}
+
+void Forest::Weigh() {
+  masses_.resize(rates_.size());
+  for (Node& node : nodes_) node.subtree = node.inertia;
   for (std::size_t n = nodes_.size(); n-- > 0;) {
     const Node& node = nodes_[n];
     for (int dof = node.first_dof; dof < node.first_dof + node.dofs; ++dof) {
-      const Spatial force = node.subtree * at(axes_, dof);
-      double* const row = mass_.data() + at(offsets_, dof);
-      const std::span<const int> chain = Chain(dof);
-      for (std::size_t d = 0; d < chain.size(); ++d) row[d] = at(axes_, chain[d]).dot(force);
+      const Vector3 w = at(axes_, dof).head<3>(), v = at(axes_, dof).tail<3>();
+      at(masses_, dof) = w.dot(node.subtree.Angular(w, v)) + v.dot(node.subtree.Linear(w, v));
     }
     if (node.parent != kNone) at(nodes_, node.parent).subtree += node.subtree;
   }
-  momentum_.resize(rates_.size());
-  AddUp(rates_, true);
 }
 
 void Forest::TakeForcesAt(std::span<const double> rates) {
@@ -128,38 +126,45 @@ void Forest::TakeForcesAt(std::span<const double> rates) {
 }
 
 void Forest::AddUp(std::span<const double> rates, bool at_start) {
-  const Spatial up = Join(Vector3::Zero(), gravity_m_s2_ * Vector3::UnitZ());
   for (Node& node : nodes_) {
     const double* const own = rates.data() + node.first_dof;
+    Vector3 w = Vector3::Zero(), v = w, dw = w, dv(0, 0, gravity_m_s2_);
     if (node.model == nullptr) {
-      node.velocity.setZero();
-      node.bias = up;
       if (node.dofs > 0) {
-        const Vector3 w(own), v(own + 3);
-        node.velocity = Join(w, v);
-        node.bias.tail<3>() -= w.cross(v);
+        w = Vector3(own);
+        v = Vector3(own + 3);
+        dv -= w.cross(v);
       }
     } else {
       const Node& parent = at(nodes_, node.parent);
-      node.velocity = parent.velocity;
-      node.bias = parent.bias;
+      w = parent.velocity.angular;
+      v = parent.velocity.linear;
+      dw = parent.bias.angular;
+      dv = parent.bias.linear;
       if (node.model->kind == Kind::kBall) {
-        const Vector3 p = Carried(node, node.model->p_RJ) - node.origin;
-        const Vector3 v = parent.velocity.tail<3>() + parent.velocity.head<3>().cross(p);
-        const Vector3 w(own);
-        node.bias.tail<3>() -= w.cross(v);
-        for (int k = 0; k < 3; ++k) node.velocity += w[k] * at(axes_, node.first_dof + k);
+        const Vector3 turns(own);
+        dv -= turns.cross(v + w.cross(node.state.p_WB - node.arm_W - node.origin));
+        for (int k = 0; k < 3; ++k) v += own[k] * at(axes_, node.first_dof + k).tail<3>();
+        w += turns;
       } else {
         for (int k = 0; k < node.dofs; ++k) {
-          const Spatial moves = own[k] * at(axes_, node.first_dof + k);
-          node.bias += CrossMotion(node.velocity, moves);
-          node.velocity += moves;
+          const Spatial& axis = at(axes_, node.first_dof + k);
+          const Vector3 turns = own[k] * axis.head<3>(), slides = own[k] * axis.tail<3>();
+          dw += w.cross(turns);
+          dv += v.cross(turns) + w.cross(slides);
+          w += turns;
+          v += slides;
         }
       }
     }
-    const Spatial momentum = node.inertia * node.velocity;
-    if (at_start) node.momentum = momentum;
-    node.force = node.momentum - dt_s_ * (node.inertia * node.bias + CrossForce(node.velocity, momentum));
+    node.velocity = {w, v};
+    node.bias = {dw, dv};
+    const Vector3 L = node.inertia.Angular(w, v), P = node.inertia.Linear(w, v);
+    if (at_start) node.momentum = {L, P};
+    const Vector3 torque = node.inertia.Angular(dw, dv) + w.cross(L) + v.cross(P);
+    node.load = node.inertia.Linear(dw, dv) + w.cross(P);
+    node.force.head<3>() = node.momentum.angular - dt_s_ * torque;
+    node.force.tail<3>() = node.momentum.linear - dt_s_ * node.load;
   }
   for (std::size_t n = nodes_.size(); n-- > 0;) {
     const Node& node = nodes_[n];
@@ -170,21 +175,21 @@ void Forest::AddUp(std::span<const double> rates, bool at_start) {
 }
 
 void Forest::Factor(std::span<const double> added) {
-  matrix_ = mass_;
+  gains_.resize(rates_.size());
   pivots_.resize(rates_.size());
-  for (int k = 0; k < dof_count(); ++k) RowOf(k)[at(depths_, k)] += at(added, k);
-  for (int k = dof_count() - 1; k >= 0; --k) {
-    double* const row = RowOf(k);
-    const int depth = at(depths_, k);
-    const double pivot = row[depth];
-    at(pivots_, k) = pivot;
-    const std::span<const int> chain = Chain(k);
-    for (int d = depth - 1; d >= 0; --d) {
-      const double share = row[d] / pivot;
-      double* const above = RowOf(chain[static_cast<std::size_t>(d)]);
-      for (int e = 0; e <= d; ++e) above[e] -= share * row[e];
-      row[d] = share;
+  for (Node& node : nodes_) node.articulated = node.inertia.matrix();
+  for (std::size_t n = nodes_.size(); n-- > 0;) {
+    Node& node = nodes_[n];
+    for (int dof = node.first_dof + node.dofs; dof-- > node.first_dof;) {
+      const Spatial& axis = at(axes_, dof);
+      const Spatial moved = node.articulated * axis;
+      const double pivot = axis.dot(moved) + at(added, dof);
+      const Spatial gain = moved / pivot;
+      node.articulated -= gain * moved.transpose();
+      at(pivots_, dof) = pivot;
+      at(gains_, dof) = gain;
     }
+    if (node.parent != kNone) at(nodes_, node.parent).articulated += node.articulated;
   }
 }
 
@@ -199,55 +204,55 @@ void Forest::AddWrench(int node, const Vector3& p_W, const Vector3& torque, cons
 
 void Forest::Transform(int end, std::span<double> row) const {
   const std::span<const int> chain = Chain(end);
-  for (std::size_t d = chain.size(); d-- > 1;) {
-    const double* const of = RowOf(chain[d]);
-    const double value = row[d];
-    for (std::size_t e = 0; e < d; ++e) row[e] -= value * of[e];
+  Spatial passed = Spatial::Zero();
+  for (std::size_t d = chain.size(); d-- > 0;) {
+    row[d] -= at(axes_, chain[d]).dot(passed);
+    passed += row[d] * at(gains_, chain[d]);
   }
 }
 
-void Forest::Transform(std::span<double> momentum) const {
-  for (int k = dof_count() - 1; k >= 0; --k) {
-    const std::span<const int> chain = Chain(k);
-    const double* const of = RowOf(k);
-    const double value = at(momentum, k);
-    for (std::size_t e = 0; e + 1 < chain.size(); ++e) at(momentum, chain[e]) -= value * of[e];
-    at(momentum, k) = value / at(pivots_, k);
+void Forest::Transform(std::span<double> momentum) {
+  for (Node& node : nodes_) node.passed.setZero();
+  for (std::size_t n = nodes_.size(); n-- > 0;) {
+    Node& node = nodes_[n];
+    for (int dof = node.first_dof + node.dofs; dof-- > node.first_dof;) {
+      const double own = at(momentum, dof) - at(axes_, dof).dot(node.passed);
+      node.passed += own * at(gains_, dof);
+      at(momentum, dof) = own / at(pivots_, dof);
+    }
+    if (node.parent != kNone) at(nodes_, node.parent).passed += node.passed;
   }
 }
 
-void Forest::Finish(std::span<double> transformed) const {
-  for (int k = 0; k < dof_count(); ++k) {
-    const std::span<const int> chain = Chain(k);
-    const double* const of = RowOf(k);
-    double value = at(transformed, k);
-    for (std::size_t e = 0; e + 1 < chain.size(); ++e) value -= of[e] * at(transformed, chain[e]);
-    at(transformed, k) = value;
+void Forest::Finish(std::span<double> transformed) {
+  for (Node& node : nodes_) {
+    if (node.parent == kNone) {
+      node.passed.setZero();
+    } else {
+      node.passed = at(nodes_, node.parent).passed;
+    }
+    for (int dof = node.first_dof; dof < node.first_dof + node.dofs; ++dof) {
+      at(transformed, dof) -= at(gains_, dof).dot(node.passed);
+      node.passed += at(transformed, dof) * at(axes_, dof);
+    }
   }
 }
 
-double Forest::SwingRate_rad_s() const {
-  // By node: the force that carries it and all that hangs on it, and how far from its joint that works.
-  std::vector<Vector3> forces(nodes_.size(), Vector3::Zero());
-  std::vector<double> levers(nodes_.size(), 0.0);
+double Forest::SwingRate_rad_s() {
+  for (Node& node : nodes_) node.square_m2 = node.arm_W.squaredNorm();
   double most = 0;
   for (std::size_t n = nodes_.size(); n-- > 0;) {
     const Node& node = nodes_[n];
-    forces[n] += (node.inertia * node.bias + CrossForce(node.velocity, node.momentum)).tail<3>();
     if (node.parent == kNone) continue;
-    const auto parent = static_cast<std::size_t>(node.parent);
-    forces[parent] += forces[n];
-    const Vector3 joint = Carried(node, node.model->p_RJ);
-    if (nodes_[parent].model != nullptr) {
-      const Node& above = nodes_[parent];
-      levers[parent] = std::max(levers[parent], (joint - Carried(above, above.model->p_RJ)).norm());
-    }
-    const Vector3 c = node.state.p_WB - joint;
-    const double lever = std::max(levers[n], c.norm());
-    const double inertia = node.rigid->mass_kg * c.squaredNorm() + node.rigid->inertia_kg_m2.trace() / 3;
-    most = std::max(most, 4.0 / 3 * forces[n].norm() * lever / inertia);
+    Node& parent = at(nodes_, node.parent);
+    parent.load += node.load;
+    if (parent.model != nullptr)
+      parent.square_m2 = std::max(parent.square_m2, (node.model->p_RJ - parent.model->p_RJ).squaredNorm());
+    const double inertia =
+        node.rigid->mass_kg * node.arm_W.squaredNorm() + node.rigid->inertia_kg_m2.trace() / 3;
+    most = std::max(most, node.load.squaredNorm() * node.square_m2 / (inertia * inertia));
   }
-  return std::sqrt(most);
+  return std::sqrt(4.0 / 3 * std::sqrt(most));
 }
 
 }  // namespace coopdyn

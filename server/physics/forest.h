@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Bodies that hang on each other by joints, as trees in joint coordinates: their mass matrix, what moves
-// them, and what an impulse on a body does. Joints cannot drift, and the work grows with the number of bodies
-// times their depth. One thread at a time.
+// Bodies that hang on each other by joints, as trees in joint coordinates: what moves them, and what an
+// impulse on a body does. Joints cannot drift, and the work grows with the number of bodies. One thread at a
+// time.
 //
-// R. Featherstone (2008), Rigid Body Dynamics Algorithms: the recursive Newton-Euler and composite rigid body
-// algorithms (tables 5.1 and 6.2) with spatial vectors in world axes about one point of each tree, and the
-// factorisation H = Lᵀ D L that keeps the branches' zeros (table 6.3). Only server/physics includes this
-// file.
+// R. Featherstone (2008), Rigid Body Dynamics Algorithms: the recursive Newton-Euler and articulated-body
+// algorithms (tables 5.1 and 7.1) with spatial vectors in world axes about one point of each tree, so that
+// nothing is transformed on the way. The second is a factorisation of the mass matrix, H = Lᵀ D L (A. Jain
+// (2011), Robot and Multibody Dynamics, chapter 7): L and its inverse are applied without the matrix. Only
+// server/physics includes this file.
 #pragma once
 
 #include <Eigen/Core>
@@ -59,15 +60,15 @@ class Forest {
   /// Rates of the degrees of freedom at the beginning of the step.
   const std::vector<double>& rates() const { return rates_; }
 
-  /// Computes the mass matrix, and the momentum that the rates of the step's end would give without rows:
+  /// Computes inertias, and the momentum that the rates of the step's end would give without rows:
   /// with the Coriolis, centrifugal and gyroscopic forces of the rates at the step's beginning.
   void Begin(double gravity_m_s2, double dt_s);
+  /// Computes MassOf(). After Begin().
+  void Weigh();
   /// momentum() again, with those forces at `rates`, such as the mean of the step's beginning and end.
   void TakeForcesAt(std::span<const double> rates);
-  /// What a degree of freedom moves: kg or kg m², as if all that carries it stood still. After Begin().
-  double MassOf(int dof) const {
-    return mass_[at(offsets_, dof) + static_cast<std::size_t>(at(depths_, dof))];
-  }
+  /// What a degree of freedom moves: kg or kg m², as if all that carries it stood still. After Weigh().
+  double MassOf(int dof) const { return at(masses_, dof); }
   /// Factors the mass matrix with `added` (by degree of freedom) on its diagonal.
   void Factor(std::span<const double> added);
   double pivot(int dof) const { return at(pivots_, dof); }
@@ -79,27 +80,32 @@ class Forest {
   /// Turns a chain's row J into L⁻ᵀ J. After Factor().
   void Transform(int end, std::span<double> row) const;
   /// `momentum` (by degree of freedom, size dof_count()) becomes D⁻¹ L⁻ᵀ of it, then, by Finish(), rates.
-  void Transform(std::span<double> momentum) const;
-  void Finish(std::span<double> transformed) const;
+  void Transform(std::span<double> momentum);
+  void Finish(std::span<double> transformed);
   const std::vector<double>& momentum() const { return momentum_; }
 
-  /// Moves everything on by `dt_s` at `rates`.
+  /// Moves everything on by `dt_s` at `rates`; the bodies' twists are those of SetRates().
   void Move(std::span<const double> rates, double dt_s);
+  void SetRates(std::span<const double> rates);
   bool IsViolent() const;
   /// After Begin(): roughly the frequency, rad/s, at which the fastest of the joints swings that carry what
   /// hangs on them.
-  double SwingRate_rad_s() const;
+  double SwingRate_rad_s();
   /// How fast the fastest of what turns about any axis turns: what floats, and ball joints.
   double FreeTurnRate_rad_s() const;
   /// And of all bodies.
   double TurnRate_rad_s() const;
   /// The next step begins where Move() at `rates` has come to.
   void Continue(std::span<const double> rates);
+  struct Energy {
+    double kinetic_j = 0, potential_j = 0;
+    double total_j() const { return kinetic_j + potential_j; }
+  };
+  /// After Add() or SetRates().
+  Energy EnergyAt(double gravity_m_s2) const;
   /// Takes `energy_j` out of the motion of bodies against each other: neither momentum nor angular momentum
-  /// of what floats changes. `rates`: of the last Move(), made slower (or faster).
-  void Slow(double energy_j, std::span<double> rates);
-  /// Kinetic and potential energy, J, after Add() or Move().
-  double Energy_j(double gravity_m_s2) const;
+  /// of what floats changes. `rates`: of the last SetRates(), made slower (or faster); `kinetic_j`: at them.
+  void Slow(double energy_j, double kinetic_j, std::span<double> rates);
   /// A node's body, after Move() at its end; its sleep counter is 0.
   const BodyState& body(int node) const { return at(nodes_, node).state; }
   /// A direction, and a point, of the model as a node's body carries it; and how the child's model is turned
@@ -111,12 +117,18 @@ class Forest {
   }
 
  private:
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
   struct Inertia {
     double mass = 0;
     Vector3 moment = Vector3::Zero();  // mass times the centre of mass about the point
     Matrix3 I = Matrix3::Zero();       // about the point
     void operator+=(const Inertia& other);
-    Spatial operator*(const Spatial& v) const;
+    Vector3 Angular(const Vector3& w, const Vector3& v) const { return I * w + moment.cross(v); }
+    Vector3 Linear(const Vector3& w, const Vector3& v) const { return mass * v - moment.cross(w); }
+    Matrix6 matrix() const;
+  };
+  struct Twist {
+    Vector3 angular = Vector3::Zero(), linear = Vector3::Zero();
   };
   struct Node {
     const RigidBody* rigid = nullptr;
@@ -125,21 +137,29 @@ class Forest {
     int sign = 1;
     int dofs = 0, first_dof = 0, end = kNone;
     BodyState state;
-    Quaternion R_WR;         // of the model's axes as this body sees them
-    Quaternion q_rel;        // of a ball joint: against the parent, in the parent's axes
-    double position = 0;     // of its joint
-    double position2 = 0;    // of a universal joint's second axis
-    Vector3 origin;          // the tree's point
-    Inertia inertia;         // of this body
-    Inertia subtree;         // and of all that hangs on it
-    Spatial momentum;        // at the beginning of the step
-    Spatial velocity, bias;  // acceleration without that of the degrees of freedom, gravity included
-    Spatial force;           // then of all that hangs on it: momentum to come
+    Quaternion R_WR;                  // of the model's axes as this body sees them
+    Quaternion q_rel;                 // of a ball joint: against the parent, in the parent's axes
+    double position = 0;              // of its joint
+    double position2 = 0;             // of a universal joint's second axis
+    Vector3 arm_W = Vector3::Zero();  // from its joint, as it carries it, to its centre of mass
+    Vector3 origin;                   // the tree's point
+    Inertia inertia;                  // of this body
+    Inertia subtree;                  // and of all that hangs on it, rigidly
+    Matrix6 articulated;              // and as its joints let it hang there
+    Spatial passed;                   // while rates are found: what the joints beyond pass on; its velocity
+    Twist velocity, bias;             // acceleration without that of the degrees of freedom, gravity included
+    Twist momentum;                   // at the beginning of the step
+    Spatial force;                    // then of all that hangs on it: momentum to come
+    Vector3 load;                     // the force that its acceleration without degrees of freedom takes
+    double square_m2 = 0;             // of the longest way from its joint to those that hang on it
   };
 
   /// A point of the model as a node's body carries it.
   static Vector3 Carried(const Node& node, const Vector3& p_R) {
     return node.state.p_WB + node.R_WR * (p_R - node.rigid->X_RB.p);
+  }
+  static auto RotationOf(const BodyState& body) {
+    return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(body.R_WB.data());
   }
   /// About p_W.
   static Inertia InertiaOf(const Node& node, const Vector3& p_W);
@@ -148,20 +168,17 @@ class Forest {
   /// Where a joint stands, from its two bodies.
   void Measure(Node& node);
   void AddAxes(const Node& node);
-  void Place(Node& node, std::span<const double> rates, double dt_s);
-  double* RowOf(int dof) { return matrix_.data() + at(offsets_, dof); }
-  const double* RowOf(int dof) const { return matrix_.data() + at(offsets_, dof); }
+  void Place(Node& node, const double* rates, double dt_s);
 
   std::vector<Node> nodes_;
   double gravity_m_s2_ = 0, dt_s_ = 0;  // of this step
   // By degree of freedom.
-  std::vector<int> parents_, depths_;
-  std::vector<std::size_t> offsets_;  // into the two below
+  std::vector<int> depths_;
+  std::vector<std::size_t> offsets_;  // into paths_
   std::vector<Spatial> axes_;
-  std::vector<double> rates_, momentum_, pivots_;
-  // Rows of the chains.
-  std::vector<int> paths_;
-  std::vector<double> mass_, matrix_;
+  std::vector<Spatial> gains_;  // the momentum that it takes along for each momentum of its own
+  std::vector<double> rates_, momentum_, masses_, pivots_;
+  std::vector<int> paths_;  // the chains
 };
 
 }  // namespace coopdyn

@@ -91,15 +91,12 @@ void Forest::AddAxes(const Node& node) {
   Spatial* const axes = &at(axes_, node.first_dof);
   if (node.model == nullptr) {
     // About the tree's point, which is a root's centre of mass.
-    for (int i = 0; i < 6; ++i) {
-      axes[i] = Spatial::Unit(i);
-      at(rates_, node.first_dof + i) = i < 3 ? node.state.w_WB[i] : node.state.v_WB[i - 3];
-    }
+    for (int i = 0; i < 6; ++i) axes[i] = Spatial::Unit(i);
     return;
   }
   const JointModel& joint = *node.model;
   const Node& parent = at(nodes_, node.parent);
-  const Vector3 lever = node.origin - Carried(node, joint.p_RJ);
+  const Vector3 lever = node.origin - (node.state.p_WB - node.arm_W);
   const auto turning = [&](const Vector3& axis_W) { return Join(axis_W, axis_W.cross(lever)); };
   const Vector3 axis_W = node.sign * (node.R_WR * joint.axis_R);
   switch (joint.kind) {
@@ -136,19 +133,45 @@ Vector3 Forest::Point(int node, const Vector3& p_R) const {
 
 void Forest::Move(std::span<const double> rates, double dt_s) {
   for (Node& node : nodes_) {
+    const double* const own = rates.data() + node.first_dof;
+    if (node.model != nullptr) {
+      Place(node, own, dt_s);
+    } else if (node.dofs > 0) {
+      const Quaternion q = (Turn(Vector3(own), dt_s) * node.state.orientation()).normalized();
+      Orient(node.state, q);
+      node.state.p_WB += dt_s * Vector3(own + 3);
+      node.R_WR = q * node.rigid->X_RB.q.conjugate();
+    }
+  }
+}
+
+void Forest::SetRates(std::span<const double> rates) {
+  for (Node& node : nodes_) {
+    const double* const own = rates.data() + node.first_dof;
+    BodyState& body = node.state;
     if (node.model == nullptr) {
       if (node.dofs == 0) continue;
-      const double* const now = rates.data() + node.first_dof;
-      BodyState& body = node.state;
-      body.w_WB = Vector3(now);
-      body.v_WB = Vector3(now + 3);
-      const Quaternion q = (Turn(body.w_WB, dt_s) * body.orientation()).normalized();
-      Orient(body, q);
-      body.p_WB += dt_s * body.v_WB;
-      node.R_WR = q * node.rigid->X_RB.q.conjugate();
-    } else {
-      Place(node, rates, dt_s);
+      body.w_WB = Vector3(own);
+      body.v_WB = Vector3(own + 3);
+      continue;
     }
+    const JointModel& joint = *node.model;
+    const BodyState& parent = at(nodes_, node.parent).state;
+    const Vector3 to_joint = body.p_WB - node.arm_W - parent.p_WB;
+    body.w_WB = parent.w_WB;
+    body.v_WB = parent.v_WB + parent.w_WB.cross(to_joint);
+    if (joint.kind == Kind::kBall) {
+      body.w_WB += Vector3(own);
+    } else if (joint.kind == Kind::kUniversal) {
+      const auto [a, b] = AxesOf(joint, node.sign);
+      body.w_WB += own[0] * (at(nodes_, node.parent).R_WR * a) + own[1] * (node.R_WR * b);
+    } else {
+      const Vector3 moves = node.sign * own[0] * (node.R_WR * joint.axis_R);
+      if (joint.kind != Kind::kSlider) body.w_WB += moves;
+      if (joint.kind == Kind::kSlider) body.v_WB += moves;
+      if (joint.kind == Kind::kScrew) body.v_WB += joint.pitch_m_rad * moves;
+    }
+    body.v_WB += body.w_WB.cross(node.arm_W);
   }
 }
 
@@ -164,24 +187,25 @@ bool Forest::IsViolent() const {
   return std::ranges::any_of(nodes_, [](const Node& node) { return Violence(node.state) > 1; });
 }
 
-double Forest::Energy_j(double gravity_m_s2) const {
-  double energy_j = 0;
+Forest::Energy Forest::EnergyAt(double gravity_m_s2) const {
+  Energy energy;
   for (const Node& node : nodes_) {
     const BodyState& body = node.state;
-    const Vector3 w_B = body.orientation().conjugate() * body.w_WB;
-    energy_j += node.rigid->mass_kg * (body.v_WB.squaredNorm() / 2 + gravity_m_s2 * body.p_WB.z()) +
-                w_B.dot(node.rigid->inertia_kg_m2 * w_B) / 2;
+    const Vector3 w_B = RotationOf(body).transpose() * body.w_WB;
+    energy.kinetic_j +=
+        (node.rigid->mass_kg * body.v_WB.squaredNorm() + w_B.dot(node.rigid->inertia_kg_m2 * w_B)) / 2;
+    energy.potential_j += node.rigid->mass_kg * gravity_m_s2 * body.p_WB.z();
   }
-  return energy_j;
+  return energy;
 }
 
-void Forest::Slow(double energy_j, std::span<double> rates) {
+void Forest::Slow(double energy_j, double kinetic_j, std::span<double> rates) {
   struct Floating {
     int root = 0;
     Vector3 w_W, v_W;  // of the root's body, if the tree were rigid
   };
   std::vector<Floating> floating;
-  double inner_j = Energy_j(0);
+  double inner_j = kinetic_j;
   for (int first = 0; first < node_count();) {
     int end = first + 1;
     while (end < node_count() && at(nodes_, end).model != nullptr) ++end;
@@ -194,13 +218,11 @@ void Forest::Slow(double energy_j, std::span<double> rates) {
     for (const Node& node : tree) {
       const Inertia inertia = InertiaOf(node, tree.front().state.p_WB);
       whole += inertia;
-      momentum +=
-          inertia * Join(node.state.w_WB,
-                         node.state.v_WB + node.state.w_WB.cross(tree.front().state.p_WB - node.state.p_WB));
+      const Vector3& w = node.state.w_WB;
+      const Vector3 v = node.state.v_WB + w.cross(tree.front().state.p_WB - node.state.p_WB);
+      momentum += Join(inertia.Angular(w, v), inertia.Linear(w, v));
     }
-    Eigen::Matrix<double, 6, 6> matrix;
-    for (int i = 0; i < 6; ++i) matrix.col(i) = whole * Spatial::Unit(i);
-    const Spatial rigid = matrix.ldlt().solve(momentum);
+    const Spatial rigid = whole.matrix().ldlt().solve(momentum);
     inner_j -= rigid.dot(momentum) / 2;
     floating.push_back({end - static_cast<int>(tree.size()), rigid.head<3>(), rigid.tail<3>()});
   }
@@ -214,48 +236,38 @@ void Forest::Slow(double energy_j, std::span<double> rates) {
       own[i + 3] += (1 - scale) * tree.v_W[i];
     }
   }
-  Move(rates, 0);
+  SetRates(rates);
 }
 
-void Forest::Place(Node& node, std::span<const double> rates, double dt_s) {
+void Forest::Place(Node& node, const double* rates, double dt_s) {
   const Node& parent = at(nodes_, node.parent);
   const JointModel& joint = *node.model;
-  const double* const now = rates.data() + node.first_dof;
-  Quaternion q = Quaternion::Identity();  // in the parent
-  Vector3 w_W = Vector3::Zero();          // against it
-  double slide_m = 0, slide_m_s = 0;
+  BodyState& body = node.state;
+  body.p_WB = Carried(parent, joint.p_RJ);
   if (joint.kind == Kind::kBall) {
     const Quaternion R_WP = node.R_WR * node.q_rel.conjugate();  // the parent's before
-    w_W = Vector3(now);
-    q = Turn(R_WP.conjugate() * w_W, dt_s) * node.q_rel;
-    node.q_rel = q.normalized();
+    node.q_rel = (Turn(R_WP.conjugate() * Vector3(rates), dt_s) * node.q_rel).normalized();
+    node.R_WR = parent.R_WR * node.q_rel;
   } else {
-    node.position += dt_s * now[0];
+    node.position += dt_s * rates[0];
     if (joint.kind == Kind::kUniversal) {
-      node.position2 += dt_s * now[1];
+      node.position2 += dt_s * rates[1];
       const auto [a, b] = AxesOf(joint, node.sign);
-      q = portable::AngleAxis(node.position, a) * portable::AngleAxis(node.position2, b);
-      w_W = parent.R_WR * (now[0] * a + now[1] * (q * b));
+      node.R_WR =
+          parent.R_WR * portable::AngleAxis(node.position, a) * portable::AngleAxis(node.position2, b);
+    } else if (joint.kind == Kind::kSlider) {
+      node.R_WR = parent.R_WR;
+      body.p_WB += node.sign * node.position * (node.R_WR * joint.axis_R);
     } else {
-      const bool slides = joint.kind == Kind::kSlider;
-      const double way_m = slides ? 1 : joint.kind == Kind::kScrew ? joint.pitch_m_rad : 0;
-      slide_m = node.sign * way_m * node.position;
-      slide_m_s = node.sign * way_m * now[0];
-      if (!slides) {
-        q = portable::AngleAxis(node.sign * node.position, joint.axis_R);
-        w_W = parent.R_WR * (node.sign * now[0] * joint.axis_R);
-      }
+      node.R_WR = parent.R_WR * portable::AngleAxis(node.sign * node.position, joint.axis_R);
+      if (joint.kind == Kind::kScrew)
+        body.p_WB += node.sign * joint.pitch_m_rad * node.position * (node.R_WR * joint.axis_R);
     }
   }
-  BodyState& body = node.state;
-  node.R_WR = (parent.R_WR * q).normalized();
-  const Vector3 axis_W = parent.R_WR * joint.axis_R;
-  const Vector3 anchor = Carried(parent, joint.p_RJ) + slide_m * axis_W;
-  body.p_WB = anchor + node.R_WR * (node.rigid->X_RB.p - joint.p_RJ);
-  body.w_WB = parent.state.w_WB + w_W;
-  body.v_WB = parent.state.v_WB + parent.state.w_WB.cross(anchor - parent.state.p_WB) + slide_m_s * axis_W +
-              body.w_WB.cross(body.p_WB - anchor);
-  Orient(body, (node.R_WR * node.rigid->X_RB.q).normalized());
+  node.R_WR.normalize();
+  node.arm_W = node.R_WR * (node.rigid->X_RB.p - joint.p_RJ);
+  body.p_WB += node.arm_W;
+  Orient(body, node.R_WR * node.rigid->X_RB.q);
 }
 
 double Forest::TurnRate_rad_s() const {

@@ -124,6 +124,7 @@ JointRow EffortRow(const JointModel& joint, const JointPlace& place, int stop, d
   if (resistance > 0) {
     JointRow row{(total + spring) / resistance, JointModel::kInfinity, 1 / resistance};
     row.stiffness = joint.stiffness;
+    row.damping = joint.damping;
     return row;
   }
   if (std::abs(total) <= joint.friction) return {0, joint.friction - std::abs(total)};
@@ -204,6 +205,7 @@ JointRow Advance(const JointModel& joint, Profile profile, const JointPlace& pla
   if (stop != 0 || resistance <= 0) return EffortRow(joint, place, stop, effort, dt_s);
   JointRow row{(effort + place.load) / resistance, joint.max_effort, 1 / resistance};
   row.stiffness = control.stiffness;
+  row.damping = control.damping;
   return row;
 }
 

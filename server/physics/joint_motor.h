@@ -8,8 +8,9 @@
 //
 // A compliance is a spring and a damper at the reference: effort = k (r − q) − d q̇ + offset, whose row is
 // softness = 1 / (d + dt k), velocity = softness (k (r − q) + offset). The solver, which knows what the joint
-// moves, makes springs such as this one keep their energy. Minimum jerk: Flash and Hogan (1985),
-// J. Neurosci. 5(7), generalised to a start in motion by the quintic with the same end conditions.
+// moves, takes the force of springs and dampers such as these in the middle of the substep. Minimum jerk:
+// Flash and Hogan (1985), J. Neurosci. 5(7), generalised to a start in motion by the quintic with the same
+// end conditions.
 #pragma once
 
 #include <span>
@@ -33,8 +34,8 @@ struct JointRow {
   int stop = 0;         // −1 or 1: the lower or upper stop holds it
   double gap = 0;       // to the stop; negative: so far beyond it
   double effort = 0;    // besides, whatever the velocity
-  /// Of a spring in velocity and softness, as it works by its place at the substep's end.
-  double stiffness = 0;
+  /// Of the spring and damper in velocity and softness, whose forces there are those of the substep's end.
+  double stiffness = 0, damping = 0;
   /// Of a joint with a drive train, instead of all the above; empty: it has none.
   std::span<const CouplingShare> shares = {};
 };

@@ -18,51 +18,66 @@ namespace {
 constexpr int kUsualParts = 8, kMostParts = 128;
 constexpr double kSwing_rad = 2;   // in a part, of the fastest swing: at 2 the method gets unstable
 constexpr double kTurn_rad = 0.1;  // in a part, of what turns about any axis
-constexpr double kLost = 0.05;     // of the kinetic energy, in a step
+constexpr double kLost = 0.05, kMostLost = 0.5;  // of the kinetic energy, in a step of usual and of all parts
 
 }  // namespace
 
 bool LimbSolver::Fly(double dt_s) {
-  const double before_j = forest_.Energy_j(settings_.gravity_m_s2);
+  const double before_j = forest_.EnergyAt(settings_.gravity_m_s2).total_j();
   const double turn_rad = forest_.FreeTurnRate_rad_s() * dt_s;
   int parts = 1;
   while (parts < kMostParts && turn_rad > kTurn_rad * parts) parts *= 2;
-  for (const int first = parts;; parts *= 2) {
+  for (const int first = parts;;) {
     if (parts > first) {
       forest_.Clear();
       for (const Member& member : members_) forest_.Add(*member.mechanism, member.bodies);
     }
     const double most_swing_rad = parts < kUsualParts ? kSwing_rad : kInfinity;
-    const std::optional<Flight> flight = FlyParts(parts, dt_s / parts, most_swing_rad);
-    if (!flight) continue;
-    const double gained_j = forest_.Energy_j(settings_.gravity_m_s2) - before_j - flight->work_j;
+    const Flight flight = FlyParts(parts, dt_s / parts, most_swing_rad);
+    if (flight.swing_rad > most_swing_rad) {
+      const double wanted = std::ceil(parts * flight.swing_rad / kSwing_rad);
+      parts = std::max(parts + 1, static_cast<int>(std::min<double>(wanted, kUsualParts)));
+      continue;
+    }
+    const Forest::Energy after = forest_.EnergyAt(settings_.gravity_m_s2);
+    const double gained_j = after.total_j() - before_j - flight.work_j;
     if (!std::isfinite(gained_j)) return false;
-    if (parts < kUsualParts && std::abs(gained_j) > kLost * forest_.Energy_j(0)) continue;
-    if (parts < kMostParts && forest_.IsViolent()) continue;
-    if (flight->is_solved) forest_.Slow(gained_j, rates_);
-    return flight->is_solved;
+    const double share = std::abs(gained_j) / after.kinetic_j;
+    if ((parts < kUsualParts && share > kLost) ||
+        (parts < kMostParts && (share > kMostLost || forest_.IsViolent()))) {
+      parts *= 2;
+      continue;
+    }
+    if (flight.is_solved) forest_.Slow(gained_j, after.kinetic_j, rates_);
+    return flight.is_solved;
   }
 }
 
-std::optional<LimbSolver::Flight> LimbSolver::FlyParts(int parts, double dt_s, double most_swing_rad) {
+LimbSolver::Flight LimbSolver::FlyParts(int parts, double dt_s, double most_swing_rad) {
   Flight flight;
   std::ranges::fill(efforts_, 0.0);
   rates_ = forest_.rates();
   for (int i = 0; i < parts; ++i) {
-    const std::vector<double> before = rates_;
-    forest_.Move(before, i == 0 ? dt_s / 2 : dt_s);
-    forest_.Continue(before);
+    forest_.Move(rates_, i == 0 ? dt_s / 2 : dt_s);
+    forest_.Continue(rates_);
     motors_.clear();
     rows_.clear();
     jacobian_.clear();
     std::ranges::fill(pushes_, 0.0);
     for (const Member& member : members_) DriveJoints(member, member.rows, dt_s);
-    flight.is_solved &= FindRates(dt_s);
-    if (forest_.SwingRate_rad_s() * dt_s > most_swing_rad) return std::nullopt;
+    BeginStep(dt_s);
+    const auto swings_too_fast = [&] {
+      flight.swing_rad = std::max(flight.swing_rad, forest_.SwingRate_rad_s() * dt_s);
+      return flight.swing_rad > most_swing_rad;
+    };
+    if (swings_too_fast()) return flight;  // by the rates before, then by their mean with those after
+    flight.is_solved &= FindRates();
+    if (swings_too_fast()) return flight;
     AddEfforts();
-    flight.work_j += WorkSince(before);
+    flight.work_j += WorkSince(forest_.rates());
   }
   forest_.Move(rates_, dt_s / 2);
+  forest_.SetRates(rates_);
   return flight;
 }
 

@@ -63,16 +63,17 @@ double LimbSolver::PositionOf(const Member& member, int joint) const {
 }
 
 void LimbSolver::AddMotor(const Member& member, int joint, double target, double softness, double lower,
-                          double upper, bool counts, double stiffness) {
+                          double upper, bool counts, const Resistance& resistance) {
   const Hinge hinge = HingeOf(member, joint);
   const std::size_t effort = counts ? member.first_effort + static_cast<std::size_t>(joint) : kNowhere;
   if (hinge.node != kNone) {
     motors_.push_back(
-        {forest_.FirstDof(hinge.node), effort, target, softness + kRigid, lower, upper, stiffness});
+        {forest_.FirstDof(hinge.node), effort, target, softness + kRigid, lower, upper, resistance});
     return;
   }
   Row& row = rows_.emplace_back();
   row.target = target;
+  row.resistance = resistance;
   row.softness = softness + kRigid;
   row.lower = lower;
   row.upper = upper;
@@ -107,7 +108,7 @@ void LimbSolver::Resist(const Member& member, int joint, double friction, bool c
   if (resistance > 0) {
     const double spring = -model.stiffness * (position - model.rest);
     AddMotor(member, joint, spring / resistance, 1 / (resistance * dt_s), -kInfinity, kInfinity, counts,
-             model.stiffness);
+             {model.stiffness, model.damping});
   }
   if (friction > 0) AddMotor(member, joint, 0, 0, -friction * dt_s, friction * dt_s, counts);
   AddStops(member, joint, position, dt_s);
@@ -166,7 +167,7 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
       } else if (row.max_effort > 0) {
         const std::size_t first = motors_.size();
         AddMotor(member, index, row.velocity, row.softness / dt_s, -row.max_effort * dt_s,
-                 row.max_effort * dt_s, true, row.stiffness);
+                 row.max_effort * dt_s, true, {row.stiffness, row.damping});
         // A start near the end: what has given in does so again.
         const double effort = member.channels[static_cast<std::size_t>(joint.channel)].effort;
         if (motors_.size() > first && std::abs(effort) > kGivenIn * row.max_effort)

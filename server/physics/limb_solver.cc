@@ -84,29 +84,36 @@ LimbSolver::Outcome LimbSolver::Step(double dt_s) {
 
 bool LimbSolver::Advance(double dt_s) {
   const bool is_fast = forest_.TurnRate_rad_s() * dt_s > kFast_rad;
-  const double before_j = is_fast ? forest_.Energy_j(settings_.gravity_m_s2) : 0;
-  const bool is_solved = FindRates(dt_s);
+  const double before_j = is_fast ? forest_.EnergyAt(settings_.gravity_m_s2).total_j() : 0;
+  BeginStep(dt_s);
+  const bool is_solved = FindRates();
   AddEfforts();
   forest_.Move(rates_, dt_s);
+  forest_.SetRates(rates_);
   if (!is_fast) return is_solved;
-  const double gained_j = forest_.Energy_j(settings_.gravity_m_s2) - before_j - WorkSince(forest_.rates());
-  const double kinetic_j = forest_.Energy_j(0), most_j = kMostGain * kinetic_j;
-  if (gained_j > most_j && !touches_) forest_.Slow(gained_j - most_j, rates_);
+  const Forest::Energy after = forest_.EnergyAt(settings_.gravity_m_s2);
+  const double gained_j = after.total_j() - before_j - WorkSince(forest_.rates());
+  const double most_j = kMostGain * after.kinetic_j;
+  if (gained_j > most_j && !touches_) forest_.Slow(gained_j - most_j, after.kinetic_j, rates_);
   if (gained_j > most_j && touches_) {
-    const double scale = std::sqrt(std::max(0.0, 1 - (gained_j - most_j) / kinetic_j));
+    const double scale = std::sqrt(std::max(0.0, 1 - (gained_j - most_j) / after.kinetic_j));
     for (double& rate : rates_) rate *= scale;
-    forest_.Move(rates_, 0);
+    forest_.SetRates(rates_);
   }
   return is_solved;
 }
 
-bool LimbSolver::FindRates(double dt_s) {
+void LimbSolver::BeginStep(double dt_s) {
   for (const Member& member : members_) {
     for (const int joint : member.mechanism->tree.loops) CloseLoop(member, joint, dt_s);
     Couple(member, dt_s);
   }
   forest_.Begin(settings_.gravity_m_s2, dt_s);
+  if (!motors_.empty() || !rows_.empty()) forest_.Weigh();
   FitSprings(dt_s);
+}
+
+bool LimbSolver::FindRates() {
   const bool is_solved = Settle(false);
   return is_solved && TakeMeanForces() ? Settle(true) : is_solved;
 }
@@ -143,25 +150,51 @@ bool LimbSolver::TakeMeanForces() {
   const double matters = touches_ ? kMattersInContact : 0;
   for (int dof = 0; dof < forest_.dof_count(); ++dof) {
     const auto d = static_cast<std::size_t>(dof);
-    if (std::abs(forest_.momentum()[d] - momentum_[d]) > matters * forest_.MassOf(dof)) return true;
+    const double least = matters > 0 ? matters * forest_.MassOf(dof) : 0;
+    if (std::abs(forest_.momentum()[d] - momentum_[d]) > least) return true;
   }
   return false;
 }
 
-// The spring's force is that at q + dt/4 (v' − v), v and v' the rates before and after: it keeps its energy,
-// at the period of the trapezoidal rule. What swings in a few steps would ring for ever: there it goes over
-// to the force at the step's end, which damps.
+// A spring's force is that at q + dt/4 (v' − v), v and v' the rates before and after, so that it keeps its
+// energy, at the period of the trapezoidal rule; a damper's that at the mean of the rates. What swings, or is
+// slowed, in a few steps would ring for ever: there they go over to the force at the step's end.
 void LimbSolver::FitSprings(double dt_s) {
+  const auto fit = [dt_s](auto& of, double mass, double yielding_mass, double rate) {
+    const auto [stiffness, damping] = of.resistance;
+    const double per_step = dt_s * stiffness, whole = per_step + damping;
+    const double swing = dt_s * per_step / mass;               // (ω dt)²
+    const double end = std::clamp((swing - 1) / 3, 0.0, 1.0);  // from ω dt = 1 to 2
+    const double damping_end = std::clamp(dt_s * damping / yielding_mass - 1, 0.0, 1.0);
+    const double early = (1 - end) * per_step / 4, mean = (1 - damping_end) * damping / 2;
+    const double resistance = whole - 3 * early - mean;
+    of.target = (of.target * whole + (early - mean) * rate) / resistance;
+    of.softness = 1 / (resistance * dt_s) + kRigid;
+  };
+  const auto resists = [](const auto& of) { return of.resistance.stiffness + of.resistance.damping > 0; };
+  const bool any_row = std::ranges::any_of(rows_, resists);
+  if (!any_row && std::ranges::none_of(motors_, resists)) return;
+  // What a damper slows lets go of all that hangs on limp joints.
+  added_.assign(static_cast<std::size_t>(forest_.dof_count()), 0);
+  forest_.Factor(added_);
   for (Motor& motor : motors_) {
-    if (motor.stiffness <= 0) continue;
-    const double per_step = dt_s * motor.stiffness;
-    const double swing = dt_s * per_step / forest_.MassOf(motor.dof);  // (ω dt)²
-    const double end = std::clamp((swing - 1) / 3, 0.0, 1.0);          // from ω dt = 1 to 2
+    if (!resists(motor)) continue;
     const double rate = forest_.rates()[static_cast<std::size_t>(motor.dof)];
-    const double whole = 1 / (motor.softness - kRigid) / dt_s;  // resistance with all of dt k
-    const double resistance = whole - (1 - end) * 0.75 * per_step;
-    motor.target = (motor.target * whole + (1 - end) * 0.25 * per_step * rate) / resistance;
-    motor.softness = 1 / (resistance * dt_s) + kRigid;
+    fit(motor, forest_.MassOf(motor.dof), forest_.pivot(motor.dof), rate);
+  }
+  for (Row& row : rows_) {
+    if (!resists(row)) continue;
+    double give = 0, yielding_give = 0;  // 1 / mass
+    for (const Row::Part& part : row.all()) {
+      const double* J = jacobian_.data() + part.from;
+      for (const int dof : forest_.Chain(part.end)) {
+        const double square = *J * *J;
+        give += square / forest_.MassOf(dof);
+        yielding_give += square / forest_.pivot(dof);
+        ++J;
+      }
+    }
+    fit(row, 1 / give, 1 / yielding_give, RateOf(row, forest_.rates()));
   }
 }
 

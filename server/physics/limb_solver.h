@@ -8,7 +8,6 @@
 #include <array>
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -68,14 +67,18 @@ class LimbSolver {
     std::span<const JointRow> rows;
     std::span<const BodyState> bodies;  // at the step's beginning
   };
+  /// A spring and a damper whose forces are, so far, those of the step's end.
+  struct Resistance {
+    double stiffness = 0, damping = 0;
+  };
   /// v + softness · impulse = target on one degree of freedom, with a bounded impulse.
   struct Motor {
     int dof = 0;
     std::size_t effort = 0;  // of efforts_; kNowhere: nobody asks for it
     double target = 0, softness = 0, lower = -kInfinity, upper = kInfinity;
-    double stiffness = 0;  // of a spring whose force is, so far, that of the step's end
-    int gives_in = 0;      // −1 or 1: to this side
-    double applied = 0;    // impulse of the last solution
+    Resistance resistance;
+    int gives_in = 0;    // −1 or 1: to this side
+    double applied = 0;  // impulse of the last solution
     double bound() const { return gives_in > 0 ? upper : lower; }
   };
   /// J v + softness · impulse = target, with lower ≤ impulse ≤ upper.
@@ -87,6 +90,7 @@ class LimbSolver {
     std::array<Part, 4> parts;
     std::size_t part_count = 0;
     double target = 0, softness = 0, lower = -kInfinity, upper = kInfinity;
+    Resistance resistance;
     int normal = kNone;  // row whose impulse, times this friction, bounds it
     double friction = 0;
     int effort = kNone;  // of efforts_
@@ -101,9 +105,9 @@ class LimbSolver {
   // What works on joints: limb_joints.cc.
   Hinge HingeOf(const Member& member, int joint) const;
   void DriveJoints(const Member& member, std::span<const JointRow> rows, double dt_s);
-  /// `counts`: its effort is that of the joint's motor. `stiffness`: as in JointRow.
+  /// `counts`: its effort is that of the joint's motor.
   void AddMotor(const Member& member, int joint, double target, double softness, double lower, double upper,
-                bool counts = true, double stiffness = 0);
+                bool counts = true, const Resistance& resistance = {0, 0});
   void AddMotor(const Member& member, int joint, double target, double softness, double most) {
     AddMotor(member, joint, target, softness, -most, most);
   }
@@ -140,24 +144,27 @@ class LimbSolver {
   /// The directions of its rows, the last ones of rows_: where the first is pushed.
   std::span<const Vector3> AddContact(const Surface& touch, int node_a, int node_b, double dt_s);
   double RateOf(const Row& row, std::span<const double> rates) const;
-  /// The springs among the motors keep their energy. After Forest::Begin().
+  /// Springs and dampers among motors and rows work in the middle of the step. After Forest::Begin().
   void FitSprings(double dt_s);
   /// rates_ at the step's end; whether all is exact, as far as the method goes. `is_again`: with other forces
   /// of the forest than before.
   bool Settle(bool is_again);
   /// A step of what touches, or is held: forces where it begins, then the whole way at the new rates.
   bool Advance(double dt_s);
-  /// The rates at the step's end, rates_, where forest_ is; whether they are exact.
-  bool FindRates(double dt_s);
+  /// Loops, couplings, and what moves forest_ where it is.
+  void BeginStep(double dt_s);
+  /// The rates at the step's end, rates_; whether they are exact. After BeginStep().
+  bool FindRates();
   /// Moves on what touches nothing and is held by no motor; rates_ are then those of the end. Whether all is
   /// exact. In limb_flight.cc, as what follows.
   bool Fly(double dt_s);
   struct Flight {
     bool is_solved = true;
-    double work_j = 0;  // of motors and rows
+    double work_j = 0;     // of motors and rows
+    double swing_rad = 0;  // in a part, of the fastest swing
   };
-  /// A step in `parts` of `dt_s`; nothing if one of the joints swings too fast for that.
-  std::optional<Flight> FlyParts(int parts, double dt_s, double most_swing_rad);
+  /// A step in `parts` of `dt_s`; it ends before one that swings by more than `most_swing_rad`.
+  Flight FlyParts(int parts, double dt_s, double most_swing_rad);
   /// Adds what motors and rows applied to efforts_, as a share of the whole step.
   void AddEfforts();
   /// Work of motors and rows in the change from the rates `before` to rates_.

@@ -91,7 +91,9 @@ void AddMotor(const RobotModel& model, std::size_t j, Joint& joint) {
         joint.max_effort = drive != nullptr ? drive->max_torque_nm : model.joints[j].max_effort;
         joint.board = board;
         if (board != nullptr) joint.control = control;
-        if (board != nullptr && board->gravity_compensation) joint.beyond = BodiesBeyond(model, j);
+        const auto& train = model.joints[j].drive_train;
+        if (board != nullptr && (board->gravity_compensation || (train && !train->is_rigid())))
+          joint.beyond = BodiesBeyond(model, j);
       }
       ++channel;
       if (board != nullptr) ++control;

@@ -34,7 +34,7 @@ struct Joint {
   int steers = -1;                    // 0, 1: it turns the left or right front wheel of the robot's drive
   int control = -1;                   // of the robot's controls, if it belongs to a control board,
   const BoardModel* board = nullptr;  // this one
-  std::vector<int> beyond;            // if the board carries the weight: the bodies that the joint moves
+  std::vector<int> beyond;            // if its weight or inertia matters to the motor: the bodies it moves
 };
 
 /// What moves as a whole: the bodies, joints and shapes of a robot type in one fidelity, or of an object.

@@ -145,6 +145,8 @@ class PhysicsWorld {
   JointPlace PlaceOf(std::size_t control) const;
   /// Where the motor of such a joint is: with a drive train its rotor.
   JointPlace MotorPlaceOf(std::size_t control) const;
+  /// What the joint of an elastic drive train moves, kg m², as if all that carries it stood still.
+  double InertiaBeyond(std::size_t control) const;
   const JointModel& MotorOf(std::size_t control) const;
   /// Moves the drive train of a control on by a substep in which it gave its joint this effort.
   void FinishTrain(std::size_t control, double effort, double dt_s);

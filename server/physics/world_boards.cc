@@ -84,6 +84,7 @@ JointPlace PhysicsWorld::PlaceOf(std::size_t control) const {
   place.position = channels_[of.channel].position;
   place.velocity = motion.rate;
   const double gravity_m_s2 = scene_->scenario->simulation.gravity_m_s2;
+  if (!of.joint->board->gravity_compensation) return place;
   for (const int body : of.joint->beyond) {
     const auto index = static_cast<std::size_t>(body);
     const Vector3 weight_N(0, 0, -rigid[index].mass_kg * gravity_m_s2);
@@ -91,6 +92,22 @@ JointPlace PhysicsWorld::PlaceOf(std::size_t control) const {
     place.load -= axis_W.dot(slides ? weight_N : Vector3(arm_m.cross(weight_N)));
   }
   return place;
+}
+
+double PhysicsWorld::InertiaBeyond(std::size_t control) const {
+  const BoardJoint& of = board_joints_[control];
+  const std::vector<RigidBody>& rigid = things_.all[of.thing].mechanism->bodies;
+  const BodyState* const bodies = &FirstBody(of.thing);
+  const JointMotion motion = MotionOf(*of.joint->model, rigid, bodies);
+  double inertia_kg_m2 = 0;
+  for (const int body : of.joint->beyond) {
+    const auto index = static_cast<std::size_t>(body);
+    const Vector3 axis_B = bodies[index].orientation().conjugate() * motion.axis_W;
+    inertia_kg_m2 +=
+        axis_B.dot(rigid[index].inertia_kg_m2 * axis_B) +
+        rigid[index].mass_kg * motion.axis_W.cross(bodies[index].p_WB - motion.anchor_W).squaredNorm();
+  }
+  return inertia_kg_m2;
 }
 
 JointPlace PhysicsWorld::MotorPlaceOf(std::size_t control) const {
@@ -160,7 +177,7 @@ void PhysicsWorld::AdvanceBoards(double dt_s, int left) {
     const DriveTrainModel& model = *of.joint->model->drive_train;
     TrainStep& step = board_trains_[train].step;
     step.law = LawOf(model, setpoint, rows_[i]);
-    PlanTrain(model, drive_trains_[train], channels_[of.channel].position, dt_s, step);
+    PlanTrain(model, drive_trains_[train], PlaceOf(i), InertiaBeyond(i), dt_s, step);
     rows_[i].shares = step.shares;
   }
 }

@@ -3,6 +3,7 @@
 // hundredth of the step: a turntable about a vertical axis, or an arm with a weight.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -100,6 +101,11 @@ class TrainTest : public ::testing::Test {
   ChannelState joint() { return scene_.Capture()->channels[0]; }
   DriveTrainState train() { return scene_.Capture()->drive_trains[0]; }
   double twist() { return train().rotor_rad - joint().position; }
+  void Twist(double angle_rad) {
+    const std::shared_ptr<Frame> frame = scene_.Capture();
+    frame->drive_trains[0].rotor_rad = angle_rad;
+    scene_.Restore(*frame);
+  }
 
   PhysicsScene scene_;
 };
@@ -223,6 +229,61 @@ TEST_F(TrainTest, TheFreeRotorSwingsOnItsSpringAtItsFrequency) {
     last = twist();
   }
   EXPECT_NEAR(crossings, 2 * std::sqrt(1 / kRotor_kg_m2) / (2 * std::numbers::pi), 1);
+}
+
+/// The rotor is twisted by 0.1 rad against a disc of the same inertia; then both are free.
+RobotModel TwoEqualMasses(double stiffness_nm_rad) {
+  DriveTrainModel train = Train();
+  train.rotor_inertia_kg_m2 = kInertia_kg_m2 / (kRatio * kRatio);
+  train.stiffness_nm_rad = stiffness_nm_rad;
+  return Turntable(train);
+}
+
+TEST_F(TrainTest, AnUndampedCouplingKeepsItsAmplitude) {
+  constexpr double kOneHertz_nm_rad = kInertia_kg_m2 / 2 * 4 * std::numbers::pi * std::numbers::pi;
+  for (const int step_ms : {1, 5, 10}) {
+    scene_ = PhysicsScene();
+    Add(TwoEqualMasses(kOneHertz_nm_rad), step_ms);
+    Twist(0.1);
+    scene_.RunFor(19.5);
+    double most = 0, least = 0;
+    for (int i = 0; i < 1000 / step_ms; ++i) {
+      scene_.Run(1);
+      most = std::max(most, twist());
+      least = std::min(least, twist());
+    }
+    EXPECT_NEAR(most, 0.1, 1e-3) << step_ms;
+    EXPECT_NEAR(least, -0.1, 1e-3) << step_ms;
+    EXPECT_NEAR(joint().position, (0.1 - twist()) / 2, 1e-6) << step_ms;  // what they have in common rests
+  }
+}
+
+TEST_F(TrainTest, AStiffUndampedCouplingDoesNotRing) {
+  Add(TwoEqualMasses(1e5), 10);
+  Twist(0.01);
+  scene_.RunFor(1);
+  EXPECT_NEAR(twist(), 0, 1e-6);
+}
+
+TEST_F(TrainTest, ADampedCouplingFollowsItsFormula) {
+  constexpr double kRate_rad_s = 2 * std::numbers::pi, kHalf_kg_m2 = kInertia_kg_m2 / 2, kZeta = 0.1;
+  for (const int step_ms : {1, 5, 10}) {
+    scene_ = PhysicsScene();
+    RobotModel model = TwoEqualMasses(kHalf_kg_m2 * kRate_rad_s * kRate_rad_s);
+    model.joints[0].drive_train->damping_nms_rad = 2 * kZeta * kRate_rad_s * kHalf_kg_m2;
+    Add(model, step_ms);
+    Twist(0.1);
+    const double damped_rad_s = kRate_rad_s * std::sqrt(1 - kZeta * kZeta), decay = kZeta * kRate_rad_s;
+    double worst = 0;
+    for (int i = 1; i <= 2000 / step_ms; ++i) {
+      scene_.Run(1);
+      const double t = i * step_ms * 1e-3;
+      const double wanted = 0.1 * std::exp(-decay * t) *
+                            (std::cos(damped_rad_s * t) + decay / damped_rad_s * std::sin(damped_rad_s * t));
+      worst = std::max(worst, std::abs(twist() - wanted));
+    }
+    EXPECT_LT(worst, 4e-4 * step_ms) << step_ms;
+  }
 }
 
 TEST_F(TrainTest, APrestressedSpringDoesNotGiveBelowItsPreload) {

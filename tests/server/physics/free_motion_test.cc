@@ -14,6 +14,8 @@
 namespace coopdyn {
 namespace {
 
+constexpr double kOneHertz_rad_s = 2 * std::numbers::pi;
+
 class FreeMotionTest : public ::testing::TestWithParam<int> {
  protected:
   void Add(RobotModel model) { BuildWith(std::move(model), GetParam(), scene_); }
@@ -45,6 +47,19 @@ class FreeMotionTest : public ::testing::TestWithParam<int> {
       worst_j = std::max(worst_j, std::abs(sum_j / steps - before_j));
     }
     return worst_j;
+  }
+
+  /// The least and the most of what `measure` says in the steps of a second.
+  template <typename Measure>
+  std::pair<double, double> Range(const Measure& measure) {
+    double least = 1, most = -1;
+    for (int i = 0; i < 1000 / GetParam(); ++i) {
+      scene_.Run(1);
+      const double value = measure();
+      least = std::min(least, value);
+      most = std::max(most, value);
+    }
+    return {least, most};
   }
 
   PhysicsScene scene_;
@@ -152,26 +167,67 @@ TEST_P(FreeMotionTest, ATumblingRobotKeepsItsEnergy) {
   EXPECT_LT(Drift_j(30, 0) / energy_j, 1e-3);
 }
 
-TEST_P(FreeMotionTest, ASpringKeepsItsAmplitude) {
+/// A carriage of 2 kg on a spring of 1 Hz that rests at 0.1 m.
+RobotModel CarriageOnASpring() {
   RobotModel model = OnAPost();
   model.links.push_back(Link("carriage", {0, 0, 3}, 2, 0.01));
   JointModel rail = Hinge("rail", 0, 1, {0, 0, 3});
   rail.kind = JointModel::Kind::kSlider;
   rail.axis_R = Vector3::UnitX();
-  rail.stiffness = 2 * std::pow(2 * std::numbers::pi, 2);  // 1 Hz
+  rail.stiffness = 2 * kOneHertz_rad_s * kOneHertz_rad_s;
   rail.rest = 0.1;
   model.joints = {rail};
-  Add(model);
+  return model;
+}
+
+TEST_P(FreeMotionTest, ASpringKeepsItsAmplitude) {
+  Add(CarriageOnASpring());
   scene_.RunFor(19.5);
-  double least_m = 1, most_m = -1;
-  for (int i = 0; i < 1000 / GetParam(); ++i) {
-    scene_.Run(1);
-    const double x_m = LinkPose(*scene_.Capture(), 0, 1).p.x();
-    least_m = std::min(least_m, x_m);
-    most_m = std::max(most_m, x_m);
-  }
+  const auto [least_m, most_m] = Range([&] { return LinkPose(*scene_.Capture(), 0, 1).p.x(); });
   EXPECT_NEAR(least_m, 0, 1e-3);
   EXPECT_NEAR(most_m, 0.2, 1e-3);
+}
+
+TEST_P(FreeMotionTest, ADampedSpringFollowsItsFormula) {
+  constexpr double kZeta = 0.1, kDecay = kZeta * kOneHertz_rad_s;
+  RobotModel model = CarriageOnASpring();
+  model.joints[0].damping = 2 * 2 * kDecay;
+  Add(model);
+  const double damped_rad_s = kOneHertz_rad_s * std::sqrt(1 - kZeta * kZeta);
+  double worst_m = 0;
+  for (int i = 1; i <= 3000 / GetParam(); ++i) {
+    scene_.Run(1);
+    const double t = i * GetParam() * 1e-3, angle = damped_rad_s * t;
+    const double wanted_m =
+        0.1 - 0.1 * std::exp(-kDecay * t) * (std::cos(angle) + kDecay / damped_rad_s * std::sin(angle));
+    worst_m = std::max(worst_m, std::abs(LinkPose(*scene_.Capture(), 0, 1).p.x() - wanted_m));
+  }
+  EXPECT_LT(worst_m, 0.1 * 3e-5 * GetParam() * GetParam());  // 0.3 % at 10 ms: of second order
+}
+
+TEST_P(FreeMotionTest, SpringsInALoopKeepTheirAmplitude) {
+  // Two cranks of 0.2 m and a rod between them, whose joint with the second crank closes the loop.
+  RobotModel model = OnAPost();
+  model.links.push_back(Link("crank1", {0, 0, 3.1}, 0.1, 0.001));
+  model.links.push_back(Link("crank2", {0.4, 0, 3.1}, 0.1, 0.001));
+  model.links.push_back(Link("rod", {0.2, 0, 3.2}, 1, 0.01));
+  model.joints = {Hinge("a", 0, 1, {0, 0, 3}), Hinge("b", 0, 2, {0.4, 0, 3}), Hinge("c", 1, 3, {0, 0, 3.2}),
+                  Hinge("d", 2, 3, {0.4, 0, 3.2})};
+  constexpr double kInertia_kg_m2 = 2 * (0.001 + 0.1 * 0.1 * 0.1) + 0.2 * 0.2;
+  for (std::size_t i = 0; i < 4; ++i) {
+    model.links[i].collisions.clear();
+    // The loop's joint has most of the spring.
+    model.joints[i].stiffness = (i == 3 ? 0.97 : 0.01) * kInertia_kg_m2 * kOneHertz_rad_s * kOneHertz_rad_s;
+    model.joints[i].rest = i < 2 ? 0.2 : -0.2;
+  }
+  scene_.SetGravity(0);
+  Add(model);
+  scene_.RunFor(19.5);
+  const auto [least_rad, most_rad] = Range([&] {
+    const Quaternion q = LinkPose(*scene_.Capture(), 0, 1).q;
+    return 2 * std::atan2(q.y(), q.w());
+  });
+  EXPECT_NEAR(most_rad - least_rad, 0.4, 4e-3);
 }
 
 INSTANTIATE_TEST_SUITE_P(Steps, FreeMotionTest, ::testing::Values(1, 5, 10),
