@@ -101,17 +101,21 @@ std::optional<ChildBackend::Loss> ChildBackend::Send(Operation operation,
     same_core_->Free();
   }
   InHeader& header = areas_.header();
-  const Nanoseconds now = clock_.Now();
-  const bool yields = same_core_->Yields(now);
+  const std::atomic<std::uint32_t>& reply = areas_.out_header().reply;
+  const Nanoseconds begun = clock_.Now();
+  const bool yields = same_core_->Yields(begun);
   header.yields.store(yields ? 1 : 0);
   header.go.store(++ticket_);
-  if (yields && areas_.out_header().sleeps.load() != 0) FutexWake(header.go);
-  if (yields && YieldUntilReply(now)) return std::nullopt;
-  header.yields.store(0);
-  FutexWake(header.go);
-  const std::atomic<std::uint32_t>& reply = areas_.out_header().reply;
-  // A timer that ends before the system's next tick costs 2 µs: too much where each step comes here.
-  Nanoseconds slice = yields ? kMillisecond : 8 * kMillisecond;
+  if (yields) {
+    if (areas_.out_header().sleeps.load() != 0) FutexWake(header.go);
+    std::this_thread::yield();
+    same_core_->NoteTurn(begun, clock_.Now());
+    if (reply.load(std::memory_order_acquire) == ticket_) return std::nullopt;
+    header.yields.store(0);
+  }
+  FutexWake(header.go);  // whatever the child says of its sleep
+  // To set a timer that ends before the system's next tick costs 2 µs.
+  Nanoseconds slice = operation == Operation::kStep ? 8 * kMillisecond : kMillisecond;
   watch_ = {};
   watched_at_ = -1;
   idle_for_ = 0;
@@ -126,17 +130,6 @@ std::optional<ChildBackend::Loss> ChildBackend::Send(Operation operation,
     if (stuck != 0 || idle_for_ > (IsInterrupted() ? kLastWait : options_.silence)) return Bury(stuck);
     slice = std::min(2 * slice, kLongestSlice);
   }
-}
-
-bool ChildBackend::YieldUntilReply(Nanoseconds begun) {
-  const std::atomic<std::uint32_t>& reply = areas_.out_header().reply;
-  bool done = false;
-  for (int i = 0; i < kYields && !done; ++i) {
-    std::this_thread::yield();
-    done = reply.load(std::memory_order_acquire) == ticket_;
-  }
-  same_core_->NoteTurn(begun, clock_.Now());
-  return done;
 }
 
 std::uint64_t ChildBackend::StuckWorkers(Nanoseconds now) {

@@ -57,8 +57,6 @@ class ChildBackend final : public Backend {
 
   /// Has the child do it. When the process is lost meanwhile: how.
   std::optional<Loss> Send(Operation operation, std::span<const std::uint32_t> items, int workers);
-  /// Yields the core that both are held on until the reply. False: it takes longer.
-  bool YieldUntilReply(Nanoseconds begun);
   /// Bit w: worker w has had the same item in hand for longer than the deadline.
   std::uint64_t StuckWorkers(Nanoseconds now);
   Loss Bury(std::uint64_t stuck_workers);

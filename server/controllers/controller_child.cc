@@ -61,8 +61,9 @@ using Files = std::array<int, 2>;
 /// Returns when the daemon has sent another operation than number `seen`.
 void AwaitOrder(const Areas& areas, std::uint32_t seen) {
   const InHeader& header = areas.header();
-  // On one core with us the daemon has sent it when this thread runs again.
-  for (int i = 0; i < kYields && header.yields.load() != 0 && header.go.load() == seen; ++i) sched_yield();
+  // On one core with us the daemon has sent it when this thread runs again. If not, more yields do not help:
+  // the daemon waits for something else, or the kernel gives us the core back because we are owed time.
+  if (header.yields.load() != 0 && header.go.load() == seen) sched_yield();
   std::atomic<std::uint32_t>& sleeps = areas.out_header().sleeps;
   while (header.go.load() == seen) {
     sleeps.store(1);

@@ -103,9 +103,6 @@ struct Areas {
   }
 };
 
-/// How often one side yields the core to the other before it sleeps.
-inline constexpr int kYields = 2;
-
 /// Sleeps until somebody wakes waiters of `word`, but not if it is not `value` any more; across processes.
 /// May return early. `at_most` 0: without limit.
 void FutexWait(const std::atomic<std::uint32_t>& word, std::uint32_t value, Nanoseconds at_most);
