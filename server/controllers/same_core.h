@@ -28,9 +28,10 @@ class SameCore {
 
   /// A turn: the calling thread and the other stay on the core where the caller is now, with its priority.
   void Take();
-  /// Whether both are held and yield the core, rather than sleep, until the other has had its turn. Not where
-  /// other programs want the core too: each yield gives them milliseconds.
-  bool Yields(Nanoseconds now) const { return turns_ > 0 && now >= resumes_at_; }
+  /// Whether both are held and yield the core, rather than sleep, until the other has had its turn. Not in
+  /// the first turn, since the other sleeps then, and perhaps no more follow; and not where other programs
+  /// want the core too: each yield gives them milliseconds.
+  bool Yields(Nanoseconds now) const { return turns_ > 0 && goes_on_ && now >= resumes_at_; }
   /// How long a turn with yields took. After a long one there are none for a while: twice as long each time,
   /// if it comes soon after the last pause.
   void NoteTurn(Nanoseconds begun, Nanoseconds now) {
@@ -49,11 +50,15 @@ class SameCore {
 
   /// All threads of the other process, if it leads a group of its own, get the caller's priority.
   void SharePriority();
+  /// The thread that took the last turn may go where it could before.
+  void Release();
 
   const pid_t other_;
   int nice_ = 0;            // of the other, as set last
   int other_core_ = -1;     // on which the other has been put; -1: it is free
   int turns_ = 0;           // since the caller is held
+  bool taken_ = false;      // a turn, since Leave()
+  bool goes_on_ = false;    // two turns, since Leave()
   std::thread::id thread_;  // the caller
   pid_t tid_ = 0;           // the same
   cpu_set_t before_{};      // where it could go

@@ -121,17 +121,31 @@ TEST_F(SameCoreTest, WhenAnotherThreadTakesATurnTheFirstIsLetGo) {
   }).join();
 }
 
-TEST_F(SameCoreTest, TheyYieldTheCoreOnlyWhileTheyAreHeld) {
+TEST_F(SameCoreTest, TheyYieldTheCoreFromTheSecondTurnOn) {
   SameCore core(other_);
+  core.Take();
+  EXPECT_FALSE(core.Yields(0));
+  for (int turn = 1; turn < 100; ++turn) {
+    core.Take();
+    EXPECT_TRUE(core.Yields(0)) << turn;
+  }
+}
+
+TEST_F(SameCoreTest, AfterLeavingTheyDoNotYieldInTheFirstTurn) {
+  SameCore core(other_);
+  core.Take();
+  core.Take();
+  core.Leave();
+  EXPECT_FALSE(core.Yields(0));
+  core.Take();
   EXPECT_FALSE(core.Yields(0));
   core.Take();
   EXPECT_TRUE(core.Yields(0));
-  core.Leave();
-  EXPECT_FALSE(core.Yields(0));
 }
 
 TEST_F(SameCoreTest, AShortTurnIsFollowedByMore) {
   SameCore core(other_);
+  core.Take();
   core.Take();
   core.NoteTurn(1000 * kMs, 1000 * kMs + 900'000);
   EXPECT_TRUE(core.Yields(1001 * kMs));
@@ -140,6 +154,7 @@ TEST_F(SameCoreTest, AShortTurnIsFollowedByMore) {
 TEST_F(SameCoreTest, ALongTurnIsFollowedByAPause) {
   SameCore core(other_);
   core.Take();
+  core.Take();
   core.NoteTurn(1000 * kMs, 1004 * kMs);
   EXPECT_FALSE(core.Yields(1013 * kMs));
   EXPECT_TRUE(core.Yields(1014 * kMs));
@@ -147,6 +162,7 @@ TEST_F(SameCoreTest, ALongTurnIsFollowedByAPause) {
 
 TEST_F(SameCoreTest, ThePausesGrowToASecondWhereEachTurnIsLong) {
   SameCore core(other_);
+  core.Take();
   core.Take();
   Nanoseconds now = 1000 * kMs;
   Nanoseconds pause = 0;
@@ -162,6 +178,7 @@ TEST_F(SameCoreTest, ThePausesGrowToASecondWhereEachTurnIsLong) {
 
 TEST_F(SameCoreTest, AfterManyShortTurnsAPauseIsShortAgain) {
   SameCore core(other_);
+  core.Take();
   core.Take();
   core.NoteTurn(1000 * kMs, 1004 * kMs);
   core.NoteTurn(1014 * kMs, 1018 * kMs);
