@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <csignal>
 #include <exception>
+#include <thread>
 #include <utility>
 
 namespace coopdyn {
@@ -43,6 +44,7 @@ ChildBackend::~ChildBackend() {
   if (!process_) return;
   same_core_->Free();
   areas_.Order(Operation::kEnd, {}, 1);
+  areas_.header().yields.store(0);
   areas_.header().go.store(++ticket_, std::memory_order_release);
   FutexWake(areas_.header().go);
   // After its answer the controllers are destroyed and unloaded. The process itself takes longer to end than
@@ -98,10 +100,22 @@ std::optional<ChildBackend::Loss> ChildBackend::Send(Operation operation,
   } else {
     same_core_->Free();
   }
-  areas_.header().go.store(++ticket_, std::memory_order_release);
-  FutexWake(areas_.header().go);
+  InHeader& header = areas_.header();
   const std::atomic<std::uint32_t>& reply = areas_.out_header().reply;
-  Nanoseconds slice = kMillisecond;
+  const Nanoseconds begun = clock_.Now();
+  const bool yields = same_core_->Yields(begun);
+  header.yields.store(yields ? 1 : 0);
+  header.go.store(++ticket_);
+  if (yields) {
+    if (areas_.out_header().sleeps.load() != 0) FutexWake(header.go);
+    std::this_thread::yield();
+    same_core_->NoteTurn(begun, clock_.Now());
+    if (reply.load(std::memory_order_acquire) == ticket_) return std::nullopt;
+    header.yields.store(0);
+  }
+  FutexWake(header.go);  // whatever the child says of its sleep
+  // To set a timer that ends before the system's next tick costs 2 µs.
+  Nanoseconds slice = operation == Operation::kStep ? 8 * kMillisecond : kMillisecond;
   watch_ = {};
   watched_at_ = -1;
   idle_for_ = 0;
@@ -188,6 +202,7 @@ std::optional<ChildBackend::Loss> ChildBackend::Start() {
   OutHeader& out = areas_.out_header();
   header.go.store(ticket_ = 0);
   out.reply.store(0);
+  out.sleeps.store(0);
   for (WorkerProgress& worker : out.workers) worker.word.store(0);
   out.out_of_memory.store(0);
   try {

@@ -2,6 +2,7 @@
 // The template process and its copies, in which controllers run.
 #include <poll.h>
 #include <pthread.h>
+#include <sched.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -57,14 +58,27 @@ void LimitMemory([[maybe_unused]] std::uint64_t bytes) {
 /// The files of the areas `in` and `out`.
 using Files = std::array<int, 2>;
 
+/// Returns when the daemon has sent another operation than number `seen`.
+void AwaitOrder(const Areas& areas, std::uint32_t seen) {
+  const InHeader& header = areas.header();
+  // On one core with us the daemon has sent it when this thread runs again. If not, more yields do not help:
+  // the daemon waits for something else, or the kernel gives us the core back because we are owed time.
+  if (header.yields.load() != 0 && header.go.load() == seen) sched_yield();
+  std::atomic<std::uint32_t>& sleeps = areas.out_header().sleeps;
+  while (header.go.load() == seen) {
+    sleeps.store(1);
+    FutexWait(header.go, seen, 0);
+    sleeps.store(0);
+  }
+}
+
 [[noreturn]] void Serve(const Files& files) {
   Areas areas{{files[0], false}, {files[1], true}};
   auto runner = std::make_unique<Runner>();
   std::unique_ptr<WorkerPool> pool;
   for (std::uint32_t seen = 0;;) {
-    const std::atomic<std::uint32_t>& go = areas.header().go;
-    while (go.load(std::memory_order_acquire) == seen) FutexWait(go, seen, 0);
-    seen = go.load(std::memory_order_acquire);
+    AwaitOrder(areas, seen);
+    seen = areas.header().go.load();
     areas.in.Remap(areas.header().in_bytes);
     areas.out.Remap(areas.header().out_bytes);
     const InHeader& header = areas.header();
@@ -81,8 +95,8 @@ using Files = std::array<int, 2>;
       std::fflush(nullptr);
     }
     std::atomic<std::uint32_t>& reply = areas.out_header().reply;
-    reply.store(seen, std::memory_order_release);
-    FutexWake(reply);
+    reply.store(seen);
+    if (areas.header().yields.load() == 0) FutexWake(reply);
     if (last) _exit(0);  // to destroy our own static objects takes longer than to start a new process
   }
 }

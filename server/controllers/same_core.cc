@@ -4,6 +4,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <utility>
+
 namespace coopdyn {
 
 namespace {
@@ -18,11 +20,12 @@ void SameCore::SharePriority() {
 }
 
 void SameCore::Take() {
+  goes_on_ = std::exchange(taken_, true);
   if (turns_ > 0 && turns_ < kMostTurns && thread_ == std::this_thread::get_id()) {
     ++turns_;
     return;
   }
-  Leave();
+  Release();
   SharePriority();
   const int core = sched_getcpu();
   if (core < 0 || core >= CPU_SETSIZE || sched_getaffinity(0, sizeof(before_), &before_) != 0) return;
@@ -38,6 +41,11 @@ void SameCore::Take() {
 }
 
 void SameCore::Leave() {
+  Release();
+  taken_ = goes_on_ = false;
+}
+
+void SameCore::Release() {
   if (turns_ > 0) sched_setaffinity(tid_, sizeof(before_), &before_);
   turns_ = 0;
 }

@@ -31,7 +31,8 @@ inline constexpr std::size_t kNameSize = 64;
 
 /// At the start of `in`, one page.
 struct InHeader {
-  std::atomic<std::uint32_t> go;  // futex: another value for each operation sent
+  std::atomic<std::uint32_t> go;      // futex: another value for each operation sent
+  std::atomic<std::uint32_t> yields;  // 1: both are on one core, and each yields it to the other
   Operation operation;
   std::uint64_t serial;  // of the operation; the same again when it is finished after a crash
   std::uint32_t file_count, robot_count, item_count, workers;
@@ -113,6 +114,7 @@ struct alignas(64) WorkerProgress {
 /// At the start of `out`.
 struct OutHeader {
   alignas(64) std::atomic<std::uint32_t> reply;  // futex: `go`, when the operation is done
+  std::atomic<std::uint32_t> sleeps;             // 1: the child has to be woken; a hint
   WorkerProgress workers[kMaxWorkers];
   std::atomic<std::uint32_t> out_of_memory;  // the item + 1 for which there was no memory any more
 };

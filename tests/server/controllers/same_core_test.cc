@@ -25,6 +25,8 @@ bool Same(const cpu_set_t& a, const cpu_set_t& b) {
   return CPU_EQUAL(&a, &b);
 }
 
+constexpr Nanoseconds kMs = 1'000'000;
+
 class SameCoreTest : public ::testing::Test {
  protected:
   SameCoreTest() {
@@ -117,6 +119,72 @@ TEST_F(SameCoreTest, WhenAnotherThreadTakesATurnTheFirstIsLetGo) {
     core.Leave();
     EXPECT_TRUE(Same(CoresOf(0), all_));
   }).join();
+}
+
+TEST_F(SameCoreTest, TheyYieldTheCoreFromTheSecondTurnOn) {
+  SameCore core(other_);
+  core.Take();
+  EXPECT_FALSE(core.Yields(0));
+  for (int turn = 1; turn < 100; ++turn) {
+    core.Take();
+    EXPECT_TRUE(core.Yields(0)) << turn;
+  }
+}
+
+TEST_F(SameCoreTest, AfterLeavingTheyDoNotYieldInTheFirstTurn) {
+  SameCore core(other_);
+  core.Take();
+  core.Take();
+  core.Leave();
+  EXPECT_FALSE(core.Yields(0));
+  core.Take();
+  EXPECT_FALSE(core.Yields(0));
+  core.Take();
+  EXPECT_TRUE(core.Yields(0));
+}
+
+TEST_F(SameCoreTest, AShortTurnIsFollowedByMore) {
+  SameCore core(other_);
+  core.Take();
+  core.Take();
+  core.NoteTurn(1000 * kMs, 1000 * kMs + 900'000);
+  EXPECT_TRUE(core.Yields(1001 * kMs));
+}
+
+TEST_F(SameCoreTest, ALongTurnIsFollowedByAPause) {
+  SameCore core(other_);
+  core.Take();
+  core.Take();
+  core.NoteTurn(1000 * kMs, 1004 * kMs);
+  EXPECT_FALSE(core.Yields(1013 * kMs));
+  EXPECT_TRUE(core.Yields(1014 * kMs));
+}
+
+TEST_F(SameCoreTest, ThePausesGrowToASecondWhereEachTurnIsLong) {
+  SameCore core(other_);
+  core.Take();
+  core.Take();
+  Nanoseconds now = 1000 * kMs;
+  Nanoseconds pause = 0;
+  for (int turn = 0; turn < 20; ++turn) {
+    core.NoteTurn(now, now + 4 * kMs);
+    const Nanoseconds from = now + 4 * kMs;
+    for (now = from; !core.Yields(now);) now += kMs;
+    EXPECT_GE(now - from, pause) << turn;
+    pause = now - from;
+  }
+  EXPECT_EQ(pause, 1000 * kMs);
+}
+
+TEST_F(SameCoreTest, AfterManyShortTurnsAPauseIsShortAgain) {
+  SameCore core(other_);
+  core.Take();
+  core.Take();
+  core.NoteTurn(1000 * kMs, 1004 * kMs);
+  core.NoteTurn(1014 * kMs, 1018 * kMs);
+  EXPECT_FALSE(core.Yields(1037 * kMs));
+  core.NoteTurn(2000 * kMs, 2004 * kMs);
+  EXPECT_TRUE(core.Yields(2014 * kMs));
 }
 
 }  // namespace
