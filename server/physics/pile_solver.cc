@@ -144,6 +144,17 @@ void PileSolver::Join(std::span<const FoundContact> found, const Actor& a, std::
   joints_.push_back(joint);
 }
 
+double PileSolver::MobilityAt(const Point& point, int a, int b) {
+  double mobility = 0;
+  for (const auto& [index, r] : {std::pair(a, point.r_a), std::pair(b, point.r_b)}) {
+    if (index == kNone) continue;
+    const Body& body = BodyAt(index);
+    const Vector3 arm = r.cross(point.axes_W.col(0));
+    mobility += 1 / body.mass_kg + arm.dot(body.inverse_I_W * arm);
+  }
+  return mobility;
+}
+
 void PileSolver::AddPoint(const Surface& surface, int a, int b, double dt_s) {
   const dContact& contact = surface.contact;
   const dSurfaceParameters& of = contact.surface;
@@ -173,29 +184,37 @@ void PileSolver::AddPoint(const Surface& surface, int a, int b, double dt_s) {
     point.r_b = p_W - state.p_WB;
     approach -= state.v_WB + state.w_WB.cross(point.r_b);
   }
-  double target = kErp * contact.geom.depth / dt_s;
-  if (has(dContactMotionN)) target += of.motionN;
-  target = std::min(target, kMaxPushOut_m_s);
-  if (has(dContactBounce)) {
-    const double speed = -approach.dot(point.axes_W.col(0));
-    if (speed > of.bounce_vel) target = std::max(target, of.bounce * speed);
-  }
   double mass_kg = 0;
   for (const int body : {a, b}) {
     if (body != kNone) mass_kg += bodies_[static_cast<std::size_t>(body)].mass_kg;
   }
   slide.hardness = mass_kg / kSoftness;
+  double target = kErp * contact.geom.depth / dt_s;
+  if (has(dContactMotionN)) target += of.motionN;
+  target = std::min(target, kMaxPushOut_m_s);
+  if (has(dContactBounce)) {
+    const double speed = -approach.dot(point.axes_W.col(0));
+    if (speed > of.bounce_vel) {
+      // With what the softness takes away.
+      const double impulse = (1 + of.bounce) * speed / MobilityAt(point, a, b);
+      target = std::max(target, of.bounce * speed + impulse / point.slide.hardness);
+    }
+  }
   slide.is_cone = true;
   slide.target[0] = target;
   // What the load bounds is a cone: a round one, by the length of the last axis.
-  const double second = has(dContactMu2) ? of.mu2 : of.mu;
   slide.friction = of.mu;
-  point.is_round = second == of.mu;
-  if (!point.is_round) point.axes_W.col(2) *= of.mu > 0 ? second / of.mu : 0;
+  if (surface.grain) {
+    const auto [first, second] = *surface.grain;
+    if (second > first) point.axes_W.col(1).swap(point.axes_W.col(2));  // the other one may have no length
+    slide.friction = std::max(first, second);
+    point.is_round = first == second;
+    if (!point.is_round) point.axes_W.col(2) *= std::min(first, second) / slide.friction;
+  }
   if (has(dContactRolling)) {
     point.rolls = true;
     point.roll.hardness = slide.hardness * (a != kNone ? point.r_a : point.r_b).squaredNorm();
-    point.resistance = {of.rhoN, of.rho, has(dContactMu2) ? of.rho2 : of.rho};
+    point.resistance = {of.rhoN, of.rho, of.rho2};
   }
 }
 
@@ -398,11 +417,14 @@ bool PileSolver::Step(double dt_s) {
     joint.edge = edges_.size();
     edges_.emplace_back(joint.a, joint.b);
   }
-  // How exact velocities are: of what moves to a thousandth.
-  constexpr double kExact_m_s = 1e-6, kExact = 1e-3;
-  double speed_m_s = 0;
-  for (const Body& body : bodies_) speed_m_s = std::max(speed_m_s, body.v.norm());
-  const double enough_m_s = kExact_m_s + kExact * speed_m_s;
+  // How exact velocities are: gravity changes them by a thousand times as much. In piles what moves is known
+  // to a thousandth.
+  constexpr double kExact = 1e-3;
+  constexpr std::size_t kFew = 8;
+  double enough_m_s = 1e-7 + kExact * std::abs(settings_.gravity_m_s2) * dt_s;
+  if (bodies_.size() > kFew) {
+    for (const Body& body : bodies_) enough_m_s = std::max(enough_m_s, kExact * body.v.norm());
+  }
   AtPoints([](const Body& body) -> const Vector3& { return body.v; },
            [](const Body& body) -> const Vector3& { return body.w; },
            [](Law& law, const Vector3& rates) { law.rate = rates; });

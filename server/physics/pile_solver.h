@@ -97,6 +97,8 @@ class PileSolver {
   std::span<Point> PointsOf(const Joint& joint) {
     return std::span(points_).subspan(joint.first, joint.count);
   }
+  /// Rate along the normal per impulse along it, 1/kg.
+  double MobilityAt(const Point& point, int a, int b);
   void AddPoint(const Surface& surface, int a, int b, double dt_s);
   /// kNone: what stands still.
   Body& BodyAt(int body) { return body == kNone ? still_ : bodies_[static_cast<std::size_t>(body)]; }

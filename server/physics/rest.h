@@ -24,7 +24,7 @@ inline constexpr double kRestSpeed_m_s = 2e-3;
 inline constexpr double kRestTurnRate_rad_s = 1e-2;
 
 /// Nearly slow: not beyond this many times these rates.
-inline constexpr double kNearly = 5;
+inline constexpr double kNearly = 10;
 
 /// Not beyond `times` these rates.
 inline bool IsSlow(const BodyState& body, double times = 1) {

@@ -72,7 +72,8 @@ constexpr double kRolling_rad_s = 0.01;
 
 /// Friction along the grain of a part, and across it. `along`: the slip, in the plane of contact.
 void RubGrain(const Vector3& grain_W, double friction, double across, const Vector3& n_W,
-              const Vector3& along, dContact& contact) {
+              const Vector3& along, Surface& surface) {
+  dContact& contact = surface.contact;
   const Vector3 in_plane = grain_W - grain_W.dot(n_W) * n_W;
   constexpr double kStraightUp = 1e-3;
   if (in_plane.norm() < kStraightUp) {
@@ -84,6 +85,7 @@ void RubGrain(const Vector3& grain_W, double friction, double across, const Vect
   Copy(contact.fdir1, first);
   contact.surface.mu = friction;
   contact.surface.mu2 = across;
+  surface.grain = {friction, across};
   if (along.squaredNorm() <= kSliding_m_s * kSliding_m_s) return;
   const double u = friction * along.dot(first), w = across * along.dot(n_W.cross(first));
   const double length = std::sqrt(u * u + w * w);
@@ -112,7 +114,7 @@ void Rub(const FoundContact& found, const Toucher& a, const Toucher& b, const Wo
     const bool is_a = grained == found.a;
     const double other = FrictionOf(is_a ? found.b : found.a, settings);
     RubGrain(InWorld(is_a ? a : b, *grained, grained->friction_along_G), std::min(grained->friction, other),
-             std::min(grained->friction_across, other), point.n_W, along, contact);
+             std::min(grained->friction_across, other), point.n_W, along, surface);
   } else if (along.squaredNorm() > kSliding_m_s * kSliding_m_s) {
     contact.surface.mode |= dContactFDir1;
     Copy(contact.fdir1, along.normalized());

@@ -3,6 +3,7 @@
 // Pure; any thread. Only server/physics includes this file.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 
@@ -40,7 +41,10 @@ struct Toucher {
 /// with dry friction, Wear 143).
 struct Surface {
   dContact contact{};
-  bool swapped = false;   // the first is B
+  bool swapped = false;  // the first is B
+  /// Of one with a grain: friction along fdir1 and across it, whatever slips. The contact has what a pyramid
+  /// needs.
+  std::optional<std::array<double, 2>> grain{};
   bool may_turn = false;  // nothing slips yet: a solver that knows whither it will may turn the axes
 };
 /// Rows of a contact in a solver, at most.

@@ -117,7 +117,7 @@ class PhysicsWorld {
   void MakeBatches();
   Batch& NextBatch(Method method);
   bool HasLimbs(std::uint32_t root) const;
-  /// It has no robot.
+  /// It is of objects alone, few or calm ones.
   bool IsPile(std::uint32_t root) const;
   /// It is an object that touches nothing.
   bool Flies(std::uint32_t root) { return root < things_.first_robot && islands_.RowsOf(root) == 0; }

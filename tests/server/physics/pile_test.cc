@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+// Towers and piles of objects: they stand, come to rest, and sleep.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <string>
+
+#include "server/base/portable_math.h"
+#include "server/physics/rest.h"
+#include "tests/server/physics/physics_scene.h"
+
+namespace coopdyn {
+namespace {
+
+bool AllSleep(PhysicsScene& scene, int count) {
+  for (int i = 0; i < count; ++i) {
+    if (scene.object_body(i).sleep_counter != kAsleep) return false;
+  }
+  return true;
+}
+
+class Steps : public testing::TestWithParam<int> {
+ protected:
+  Steps() { scene_.step_length = GetParam() * 1'000'000; }
+  double Seconds(int steps) const { return 1e-3 * GetParam() * steps; }
+
+  PhysicsScene scene_;
+};
+
+using TowerTest = Steps;
+
+TEST_P(TowerTest, OfTenAndOfTwentyBoxesDriftsLessThanAMillimetreInAMinute) {
+  for (const int count : {10, 20}) {
+    PhysicsScene scene;
+    scene.step_length = scene_.step_length;
+    for (int i = 0; i < count; ++i) scene.Add(Box{{0.1, 0.1, 0.1}}, At(0, 0, 0.05 + 0.1 * i), 1, 0.8);
+    scene.RunFor(60);
+    for (int i = 0; i < count; ++i) {
+      EXPECT_LT((scene.object(i).p - Vector3(0, 0, 0.05 + 0.1 * i)).norm(), 1e-4) << count << " " << i;
+    }
+    EXPECT_TRUE(AllSleep(scene, count)) << count;
+  }
+}
+
+TEST_P(TowerTest, ATonneStandsOnAKilogram) {
+  scene_.Add(Box{{0.1, 0.1, 0.1}}, At(0, 0, 0.05), 1, 0.8)
+      .Add(Box{{0.1, 0.1, 0.1}}, At(0, 0, 0.15), 1000, 0.8);
+  scene_.RunFor(5);
+  EXPECT_NEAR(scene_.object(1).p.z(), 0.15, 5e-4);
+}
+
+TEST_P(TowerTest, FallsWhereItLeansTooFar) {
+  // The centre of mass of the upper two is beyond the edge of the lowest.
+  scene_.Add(Box{{0.1, 0.1, 0.1}}, At(0, 0, 0.05), 1, 0.8)
+      .Add(Box{{0.1, 0.1, 0.1}}, At(0.04, 0, 0.15), 1, 0.8)
+      .Add(Box{{0.1, 0.1, 0.1}}, At(0.08, 0, 0.25), 1, 0.8);
+  scene_.RunFor(3);
+  EXPECT_LT(scene_.object(2).p.z(), 0.16);
+}
+
+using SlideTest = Steps;
+
+TEST_P(SlideTest, ABoxOnABoxThatLeansSlidesDownByTheFormula) {
+  const double g = kG, angle = 0.5235987755982988, friction = 0.3;
+  const Quaternion q = FromRollPitchYaw(0, angle, 0.7);
+  const Vector3 n = q * Vector3::UnitZ(), down = q * Vector3::UnitX();
+  scene_.Add(Box{{0.2, 0.2, 0.1}}, {Vector3(0, 0, 3) + 0.15 * n - 2 * down, q}, 1, friction);
+  scene_.Add(Box{{6, 1, 0.2}}, {Vector3(0, 0, 3), q}, 0, friction);
+  const Vector3 start = scene_.object(0).p;
+  scene_.RunFor(1);
+  const double expected_m = 0.5 * g * (portable::Sin(angle) - friction * portable::Cos(angle));
+  EXPECT_NEAR((scene_.object(0).p - start).dot(down), expected_m,
+              0.005 * expected_m + 0.02 * GetParam() * 0.1);
+  EXPECT_LT(std::abs((scene_.object(0).p - start).dot(n)), 5e-4);
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, TowerTest, testing::Values(1, 2, 5, 10),
+                         [](const auto& info) { return std::to_string(info.param) + "ms"; });
+INSTANTIATE_TEST_SUITE_P(Steps, SlideTest, testing::Values(1, 5, 10),
+                         [](const auto& info) { return std::to_string(info.param) + "ms"; });
+
+/// `count` things dropped between four walls, each turned otherwise.
+class PileScene : public PhysicsScene {
+ public:
+  PileScene(int count, const Shape& shape) {
+    std::mt19937 random{3};
+    const auto any = [&random] { return static_cast<double>(random() % 2001) / 1000 - 1; };
+    constexpr int kSide = 5;
+    for (int i = 0; i < count; ++i) {
+      const double x = (i % kSide) * 0.19 + 0.01 * any(), y = (i / kSide % kSide) * 0.19 + 0.01 * any();
+      const double roll = 0.3 * any(), pitch = 0.3 * any();
+      Add(shape, {{x, y, 0.1 + 0.19 * (i / kSide / kSide)}, FromRollPitchYaw(roll, pitch, any())}, 1, 0.6);
+    }
+    for (const double side : {-1.0, 1.0}) {
+      Add(Box{{0.1, 2, 2}}, At(0.38 + 0.55 * side, 0.38, 1));
+      Add(Box{{2, 0.1, 2}}, At(0.38, 0.38 + 0.55 * side, 1));
+    }
+  }
+};
+
+TEST(Pile, OfTwoHundredBoxesFallsAsleep) {
+  PileScene scene(200, Box{{0.1, 0.1, 0.1}});
+  scene.RunFor(8);
+  EXPECT_TRUE(AllSleep(scene, 200));
+  for (int i = 0; i < 200; ++i) EXPECT_GT(scene.object(i).p.z(), 0.049) << i;
+  EXPECT_TRUE(scene.world().TakeFrozen().empty());
+}
+
+TEST(Pile, OfAHundredBallsCalmsDown) {
+  PileScene scene(100, Sphere{0.05});
+  scene.RunFor(8);
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_LT(scene.object_body(i).v_WB.norm(), 0.02) << i;
+    EXPECT_GT(scene.object(i).p.z(), 0.049) << i;
+  }
+}
+
+TEST(Pile, DoesTheSameWithAnyNumberOfThreads) {
+  WorkerPool pool(3);
+  PileScene one(60, Box{{0.1, 0.1, 0.1}}), many(60, Box{{0.1, 0.1, 0.1}});
+  many.pool = &pool;
+  one.RunFor(1.5);
+  many.RunFor(1.5);
+  EXPECT_EQ(StateHash(*one.Capture()), StateHash(*many.Capture()));
+}
+
+TEST(Pile, GoesOnFromASavedFrameWithTheSameBits) {
+  PileScene scene(60, Box{{0.1, 0.1, 0.1}});
+  scene.RunFor(0.8);
+  const auto saved = scene.Capture();
+  scene.RunFor(0.5);
+  const auto hash = StateHash(*scene.Capture());
+  scene.Restore(*saved);
+  scene.RunFor(0.5);
+  EXPECT_EQ(StateHash(*scene.Capture()), hash);
+}
+
+}  // namespace
+}  // namespace coopdyn
