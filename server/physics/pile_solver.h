@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Solves an island of objects that touch, however large: Newton's method finds the rates of all of them at
+// Solves an island of objects that touch: Newton's method finds the rates of all of them at
 // once, in the convex problem whose optimality conditions are momentum, contact and friction (E. Todorov
 // (2014), "Convex and analytically-invertible dynamics with contacts and constraints", ICRA; A. M. Castro et
 // al. (2023), "An unconstrained convex formulation of compliant contact", IEEE T-RO). By itself that problem

@@ -127,7 +127,7 @@ double Sweep::EndBefore(const Things& things, const Fast& a, const Actor* other,
       kFast * std::min(a.half_size_m, moving != nullptr ? moving->half_size_m : a.half_size_m);
   const double deep_m = kDeep * a.half_size_m;
   const int looks = static_cast<int>(std::clamp(std::ceil(way_m.norm() / step_m), 1.0, 1.0 * kMostLooks));
-  if (depth_m(0) > deep_m) return 1;  // contacts part them
+  if (depth_m(0) > kTouch_m) return 1;  // contacts part them
   for (int i = 1; i <= looks; ++i) {
     if (!(depth_m(1.0 * i / looks) > deep_m)) continue;
     double free = 0, touching = 1.0 * i / looks;
