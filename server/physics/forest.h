@@ -95,6 +95,8 @@ class Forest {
   double FreeTurnRate_rad_s() const;
   /// And of all bodies.
   double TurnRate_rad_s() const;
+  /// Leaves joints this share of their `rates`, and bodies what follows.
+  void SlowJoints(double share, std::span<double> rates);
   /// The next step begins where Move() at `rates` has come to.
   void Continue(std::span<const double> rates);
   struct Energy {

@@ -270,6 +270,14 @@ void Forest::Place(Node& node, const double* rates, double dt_s) {
   Orient(body, node.R_WR * node.rigid->X_RB.q);
 }
 
+void Forest::SlowJoints(double share, std::span<double> rates) {
+  for (const Node& node : nodes_) {
+    if (node.model == nullptr) continue;
+    for (int dof = node.first_dof; dof < node.first_dof + node.dofs; ++dof) at(rates, dof) *= share;
+  }
+  SetRates(rates);
+}
+
 double Forest::TurnRate_rad_s() const {
   double most = 0;
   for (const Node& node : nodes_) most = std::max(most, node.state.w_WB.squaredNorm());

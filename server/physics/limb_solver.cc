@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "server/physics/rest.h"
+
 namespace coopdyn {
 
 namespace {
@@ -90,7 +92,15 @@ bool LimbSolver::Advance(double dt_s) {
   AddEfforts();
   forest_.Move(rates_, dt_s);
   forest_.SetRates(rates_);
-  if (!is_fast) return is_solved;
+  if (is_fast) LimitGain(before_j);
+  // A light hand that hits the floor may get faster than what is sane: bodies that are are frozen.
+  constexpr double kMostTurn_rad_s = 0.9 * kMaxTurnRate_rad_s;
+  const double turn_rad_s = forest_.TurnRate_rad_s();
+  if (turn_rad_s > kMostTurn_rad_s) forest_.SlowJoints(kMostTurn_rad_s / turn_rad_s, rates_);
+  return is_solved;
+}
+
+void LimbSolver::LimitGain(double before_j) {
   const Forest::Energy after = forest_.EnergyAt(settings_.gravity_m_s2);
   const double gained_j = after.total_j() - before_j - WorkSince(forest_.rates());
   const double most_j = kMostGain * after.kinetic_j;
@@ -100,7 +110,6 @@ bool LimbSolver::Advance(double dt_s) {
     for (double& rate : rates_) rate *= scale;
     forest_.SetRates(rates_);
   }
-  return is_solved;
 }
 
 void LimbSolver::BeginStep(double dt_s) {

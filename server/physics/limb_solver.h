@@ -151,6 +151,8 @@ class LimbSolver {
   bool Settle(bool is_again);
   /// A step of what touches, or is held: forces where it begins, then the whole way at the new rates.
   bool Advance(double dt_s);
+  /// Takes away what an error of the step has added to the energy of its beginning.
+  void LimitGain(double before_j);
   /// Loops, couplings, and what moves forest_ where it is.
   void BeginStep(double dt_s);
   /// The rates at the step's end, rates_; whether they are exact. After BeginStep().
