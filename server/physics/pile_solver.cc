@@ -432,21 +432,25 @@ bool PileSolver::Step(double dt_s) {
   // Slips and loads are taken as they come; from some iteration on as they are, so that it is one convex
   // problem.
   constexpr int kMostIterations = 30, kWithLoads = 6;
-  bool is_solved = false;
-  for (int i = 0; i < kMostIterations && !is_solved; ++i) {
+  double step_m_s = 0;
+  for (int i = 0; i < kMostIterations; ++i) {
     const double change_m_s = i < kWithLoads ? TakeLoads() : 0;
-    is_solved = FindGradient() < enough_m_s;
-    if (is_solved) break;
+    if (FindGradient() < enough_m_s) {
+      step_m_s = 0;
+      break;
+    }
     if (i == 0) matrix_.Plan(static_cast<int>(bodies_.size()), edges_);
     FindStep();
-    is_solved = std::max(TakeStep(), change_m_s) < enough_m_s;
+    step_m_s = TakeStep();
+    if (std::max(step_m_s, change_m_s) < enough_m_s) break;
   }
   for (std::size_t i = 0; i < measured_.size(); ++i) {
     const Point& point = points_[measured_points_[i]];
     measured_[i].force_W = point.axes_W * point.slide.impulse / dt_s;
   }
   Move(dt_s);
-  return is_solved;
+  constexpr double kNear_m_s = 0.01;
+  return step_m_s < kNear_m_s;
 }
 
 void PileSolver::Move(double dt_s) {

@@ -34,7 +34,7 @@ class PileSolver {
             std::uint32_t index_b, double dt_s, bool measured);
   /// The contacts that were to be measured, after Step().
   std::span<const MeasuredContact> measured() const { return measured_; }
-  /// Advances what is loaded; whether the rates are exact.
+  /// Advances what is loaded; whether the rates are exact, within some 1 cm/s.
   bool Step(double dt_s);
   /// The state of a loaded thing; its sleep counter is 0.
   const BodyState& Read(std::uint32_t thing, std::size_t body) const;

@@ -217,6 +217,26 @@ Surface Rolling(const FoundContact& found, const Toucher& robot, int sign, const
   return surface;
 }
 
+/// The share of its speed that leaves the one that comes with `restitution` the height of a bounce: it is
+/// found when it is deep already, so faster than when it touched, and gravity works in the rest of the step.
+double BounceOf(double restitution, const FoundContact& found, const Toucher& a, const Toucher& b,
+                const WorldSettings& settings, double dt_s) {
+  const ContactPoint& point = found.point;
+  const Vector3 slip = PointVelocity(a, found.a, point.p_W) - PointVelocity(b, found.b, point.p_W);
+  const double speed_m_s = -slip.dot(point.n_W);
+  // The falls of robots that ODE moves have errors that make up for it.
+  const auto falls_exactly = [](const Toucher& of) {
+    return of.actor->thing.robot < 0 || of.actor->thing.mechanism->has_limbs();
+  };
+  if (speed_m_s <= 0 || !falls_exactly(a.moves ? a : b)) return restitution;
+  const double pull_m_s2 = settings.gravity_m_s2 * point.n_W.z() * ((a.moves ? 1 : 0) - (b.moves ? 1 : 0));
+  const double fallen_m2_s2 = 2 * pull_m_s2 * point.depth_m;
+  const double touched_m2_s2 = std::max(0.0, speed_m_s * speed_m_s - fallen_m2_s2);
+  const double leaves_m_s =
+      std::sqrt(std::max(0.0, restitution * restitution * touched_m2_s2 + fallen_m2_s2)) - pull_m_s2 * dt_s;
+  return std::max(0.0, leaves_m_s) / speed_m_s;
+}
+
 }  // namespace
 
 int RowsOf(const FoundContact& found) {
@@ -246,7 +266,7 @@ std::optional<Surface> SurfaceOf(const FoundContact& found, const Toucher& a, co
   if (restitution > 0) {
     // Slower than gravity makes it in two steps, it stays.
     contact.surface.mode |= dContactBounce;
-    contact.surface.bounce = restitution;
+    contact.surface.bounce = BounceOf(restitution, found, a, b, settings, dt_s);
     contact.surface.bounce_vel = 2 * std::abs(settings.gravity_m_s2) * dt_s;
   }
   Place(point, dt_s, contact);
