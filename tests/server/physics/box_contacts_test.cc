@@ -29,12 +29,12 @@ std::vector<ContactPoint> Touch(const Box& a, const Pose& X_WA, const Box& b, co
 
 const Box kDie{{0.1, 0.1, 0.1}};
 
-Pose Placed(double x, double y, double z, double roll = 0, double pitch = 0, double yaw = 0) {
+Pose DieAt(double x, double y, double z, double roll = 0, double pitch = 0, double yaw = 0) {
   return {{x, y, z}, FromRollPitchYaw(roll, pitch, yaw)};
 }
 
 TEST(BoxContacts, FacesTouchAtFourCorners) {
-  const auto points = Touch(kDie, Placed(0.02, 0, 0.0999), kDie, Placed(0, 0, 0));
+  const auto points = Touch(kDie, DieAt(0.02, 0, 0.0999), kDie, DieAt(0, 0, 0));
   ASSERT_EQ(points.size(), 4u);
   for (const ContactPoint& point : points) {
     EXPECT_NEAR(point.depth_m, 1e-4, 1e-12);
@@ -47,21 +47,21 @@ TEST(BoxContacts, FacesTouchAtFourCorners) {
 
 TEST(BoxContacts, KeepsAllFourWhereOneEdgeHasLiftedALittle) {
   const double lean = 1e-3;  // 0.1 mm from one edge to the other
-  const auto points = Touch(kDie, Placed(0, 0, 0.1, lean), kDie, Placed(0, 0, 0));
+  const auto points = Touch(kDie, DieAt(0, 0, 0.1, lean), kDie, DieAt(0, 0, 0));
   ASSERT_EQ(points.size(), 4u);
   EXPECT_LT(std::ranges::min(points, {}, &ContactPoint::depth_m).depth_m, -4e-5);
   EXPECT_GT(std::ranges::max(points, {}, &ContactPoint::depth_m).depth_m, 4e-5);
 }
 
 TEST(BoxContacts, ATurnedFaceIsCutToEightCorners) {
-  const auto points = Touch(kDie, Placed(0, 0, 0.0999, 0, 0, 0.785), kDie, Placed(0, 0, 0));
+  const auto points = Touch(kDie, DieAt(0, 0, 0.0999, 0, 0, 0.785), kDie, DieAt(0, 0, 0));
   EXPECT_EQ(points.size(), 8u);
 }
 
 TEST(BoxContacts, ACornerTouchesAtOnePoint) {
   // The corner of a cube that stands on it is half of its diagonal below its middle.
   const auto points =
-      Touch(kDie, Placed(0.01, 0.02, 0.05 + 0.0866 - 1e-4, 0.7854, 0.6155, 0), kDie, Placed(0, 0, 0));
+      Touch(kDie, DieAt(0.01, 0.02, 0.05 + 0.0866 - 1e-4, 0.7854, 0.6155, 0), kDie, DieAt(0, 0, 0));
   ASSERT_EQ(points.size(), 1u);
   EXPECT_NEAR(points[0].depth_m, 1e-4, 1e-5);
   EXPECT_LT((points[0].p_W - Vector3(0.01, 0.02, 0.05)).norm(), 1e-3);
@@ -70,8 +70,8 @@ TEST(BoxContacts, ACornerTouchesAtOnePoint) {
 TEST(BoxContacts, EdgesThatCrossTouchAtOnePoint) {
   const Box bar{{0.4, 0.1, 0.1}};
   const double half = 0.0707106781;  // of its diagonal
-  const auto points = Touch(bar, Placed(0, 0, 2 * half - 1e-3, 0.785398163, 0, 0), bar,
-                            Placed(0, 0, 0, 0.785398163, 0, 1.570796327));
+  const auto points = Touch(bar, DieAt(0, 0, 2 * half - 1e-3, 0.785398163, 0, 0), bar,
+                            DieAt(0, 0, 0, 0.785398163, 0, 1.570796327));
   ASSERT_EQ(points.size(), 1u);
   EXPECT_NEAR(points[0].depth_m, 1e-3, 1e-8);
   EXPECT_LT((points[0].n_W - Vector3::UnitZ()).norm(), 1e-8);
@@ -79,8 +79,8 @@ TEST(BoxContacts, EdgesThatCrossTouchAtOnePoint) {
 }
 
 TEST(BoxContacts, ThoseThatAreApartHaveNone) {
-  EXPECT_TRUE(Touch(kDie, Placed(0, 0, 0.1003), kDie, Placed(0, 0, 0)).empty());
-  EXPECT_FALSE(Touch(kDie, Placed(0, 0, 0.1001), kDie, Placed(0, 0, 0)).empty());
+  EXPECT_TRUE(Touch(kDie, DieAt(0, 0, 0.1003), kDie, DieAt(0, 0, 0)).empty());
+  EXPECT_FALSE(Touch(kDie, DieAt(0, 0, 0.1001), kDie, DieAt(0, 0, 0)).empty());
 }
 
 }  // namespace
