@@ -62,25 +62,26 @@ double UsualRollingFriction_m(const Shape& shape) {
 
 /// x y z of `key`, no longer than `most`.
 std::optional<Vector3> ReadMotion(SectionReader& reader, const std::string& key, Quantity quantity,
-                                  const std::string& form, double most) {
-  const auto numbers = reader.Numbers(key, quantity, {3}, form, -most, most);
+                                  const std::string& unit, double most) {
+  const auto numbers = reader.Numbers(key, quantity, {3}, "x y z in " + unit, -most, most);
   if (!numbers) return std::nullopt;
   const Vector3 motion((*numbers)[0], (*numbers)[1], (*numbers)[2]);
   if (motion.norm() <= most) return motion;
-  reader.ErrorAt(
-      key, "'" + key + "' is at most " + FormatNumber(most) + " in all, not " + FormatNumber(motion.norm()));
+  reader.ErrorAt(key, "'" + key + "' is at most " + FormatNumber(most) + " " + unit + " in all, not " +
+                          FormatNumber(motion.norm()));
   return std::nullopt;
 }
 
 /// How a thing touches others, and how it moves at the start. `object` has its shape and mass.
 void ReadTouchAndMotion(SectionReader& reader, WorldObject& object) {
-  constexpr double kMaxSpeed_m_s = 100, kMaxTurnRate_rad_s = 1000;  // beyond these physics holds a body
+  constexpr double kMaxSpeed_m_s = 90,
+                   kMaxTurnRate_rad_s = 900;  // a little above these physics freezes a body
   Take(reader.Number("friction", Quantity::kPlain, 0, kMaxFriction), object.friction);
   Take(reader.Number("bounce", Quantity::kPlain, 0, 1), object.restitution);
   if (!object.is_static()) object.rolling_friction_m = UsualRollingFriction_m(object.shape);
   Take(reader.Number("rolling_friction", Quantity::kLength, 0, kMaxFriction), object.rolling_friction_m);
-  Take(ReadMotion(reader, "velocity", Quantity::kPlain, "x y z in m/s", kMaxSpeed_m_s), object.v_WO);
-  Take(ReadMotion(reader, "turn_rate", Quantity::kAngle, "x y z in rad/s", kMaxTurnRate_rad_s), object.w_WO);
+  Take(ReadMotion(reader, "velocity", Quantity::kPlain, "m/s", kMaxSpeed_m_s), object.v_WO);
+  Take(ReadMotion(reader, "turn_rate", Quantity::kAngle, "rad/s", kMaxTurnRate_rad_s), object.w_WO);
   for (const char* key : {"velocity", "turn_rate"}) {
     if (!object.is_static() || !reader.Has(key)) continue;
     reader.ErrorAt(key, "'" + std::string(key) + "' needs a 'mass', for example 'mass 1': without it " +

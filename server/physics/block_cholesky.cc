@@ -82,16 +82,15 @@ void BlockCholesky::Plan(int nodes, std::span<const std::pair<int, int>> edges) 
   for (std::size_t column = 0; column < count; ++column) {
     // What the column has itself, and what eliminating others has brought.
     const std::size_t begin = rows_.size();
-    const auto take = [&](std::span<const std::size_t> rows) {
-      for (const std::size_t row : rows) {
-        if (row == column || marks_[row] == column) continue;
-        marks_[row] = column;
-        rows_.push_back(row);
-      }
+    const auto take = [&](std::size_t row) {
+      if (row == column || marks_[row] == column) return;
+      marks_[row] = column;
+      rows_.push_back(row);
     };
-    take(patterns_[column]);
+    for (const std::size_t row : patterns_[column]) take(row);
     for (const std::size_t child : children_[column]) {
-      take(std::span(rows_).subspan(first_[child], first_[child + 1] - first_[child]));
+      // By index: rows_ grows.
+      for (std::size_t k = first_[child]; k < first_[child + 1]; ++k) take(rows_[k]);
     }
     std::sort(rows_.begin() + static_cast<std::ptrdiff_t>(begin), rows_.end());
     first_.push_back(rows_.size());

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "server/base/portable_math.h"
 
@@ -13,6 +14,8 @@ namespace {
 
 // What shares a load among redundant contacts: m/s per N s, for a mass of 1 kg.
 constexpr double kSoftness = 5e-4;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// [r]× K.
 Matrix3 Cross(const Vector3& r, const Matrix3& K) {
@@ -380,6 +383,7 @@ double PileSolver::TakeStep() {
   constexpr int kMostTrials = 20;
   const double flat = kFlat * std::abs(begin_slope);
   double share = 1, slope = slope_at(1);
+  if (!std::isfinite(begin_slope) || !std::isfinite(slope)) return kInfinity;  // there is no step
   double low = 0, low_slope = begin_slope, high = 1, high_slope = slope;
   int side = 0;
   for (int i = 0; i < kMostTrials && (slope > flat || (i > 0 && slope < -flat)); ++i) {
@@ -442,7 +446,7 @@ bool PileSolver::Step(double dt_s) {
     if (i == 0) matrix_.Plan(static_cast<int>(bodies_.size()), edges_);
     FindStep();
     step_m_s = TakeStep();
-    if (std::max(step_m_s, change_m_s) < enough_m_s) break;
+    if (std::max(step_m_s, change_m_s) < enough_m_s || step_m_s == kInfinity) break;
   }
   for (std::size_t i = 0; i < measured_.size(); ++i) {
     const Point& point = points_[measured_points_[i]];

@@ -118,7 +118,7 @@ class PhysicsWorld {
   Batch& NextBatch(Method method);
   bool HasLimbs(std::uint32_t root) const;
   /// It is of objects alone, few or calm ones.
-  bool IsPile(std::uint32_t root) const;
+  bool IsPile(std::uint32_t root);
   /// It is an object that touches nothing.
   bool Flies(std::uint32_t root) { return root < things_.first_robot && islands_.RowsOf(root) == 0; }
   void SolveAll(double dt_s);

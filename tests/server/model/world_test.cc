@@ -166,7 +166,7 @@ TEST(WorldTest, AMotionThatCannotBeIsAnError) {
             "test.world:5: error: 'velocity' needs a 'mass', for example 'mass 1': without it [BOX_1] never "
             "moves\n");
   EXPECT_THAT(ReadWorldText(kBox + "mass 1\nvelocity 80 80 0\n").messages,
-              HasSubstr("test.world:6: error: 'velocity' is at most 100 in all, not 113"));
+              HasSubstr("test.world:6: error: 'velocity' is at most 90 m/s in all, not 113"));
   EXPECT_THAT(ReadWorldText(kBox + "mass 1\nturn_rate 5\n").messages, HasSubstr("x y z in rad/s"));
   EXPECT_THAT(ReadWorldText(kBox + "bounce 1.5\n").messages, HasSubstr("must be at most 1"));
   EXPECT_THAT(ReadWorldText(kBox + "rolling_friction -1\n").messages, HasSubstr("must be at least 0"));

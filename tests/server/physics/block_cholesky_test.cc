@@ -15,14 +15,14 @@ namespace {
 /// A graph of bodies and its matrix, whole as well.
 class BlockCholeskyTest : public testing::Test {
  protected:
-  void Make(int nodes, const std::vector<std::pair<int, int>>& edges) {
+  void Make(int nodes, const std::vector<std::pair<int, int>>& edges, double weight = 100) {
     nodes_ = nodes;
     solver_.Plan(nodes, edges);
     whole_.setZero(6 * nodes, 6 * nodes);
     for (int i = 0; i < nodes; ++i) {
       // The diagonal outweighs the rest.
       const BlockCholesky::Block any = Any();
-      solver_.diagonal(i) = any * any.transpose() + 100 * BlockCholesky::Block::Identity();
+      solver_.diagonal(i) = any * any.transpose() + weight * BlockCholesky::Block::Identity();
       whole_.block<6, 6>(6 * i, 6 * i) = solver_.diagonal(i);
     }
     for (std::size_t i = 0; i < edges.size(); ++i) {
@@ -71,6 +71,15 @@ TEST_F(BlockCholeskyTest, SolvesATower) {
   std::vector<std::pair<int, int>> edges;
   for (int i = 0; i + 1 < 30; ++i) edges.emplace_back(i, i + 1);
   Make(30, edges);
+  ExpectSolution();
+}
+
+TEST_F(BlockCholeskyTest, SolvesRodsThatAllCrossEachOther) {
+  std::vector<std::pair<int, int>> edges;
+  for (int i = 0; i < 40; ++i) {
+    for (int k = 0; k < 40; ++k) edges.emplace_back(i, 40 + k);
+  }
+  Make(80, edges, 1000);
   ExpectSolution();
 }
 
