@@ -60,7 +60,7 @@ struct SimulationOptions {
   std::uint64_t own_seed = 1;        // what the scenario says, whatever --seed or a reset has made of it
   std::optional<double> speed;       // ≤ 0: no limit
   std::optional<double> duration_s;  // simulated
-  double gravity_m_s2 = 9.81;        // downwards; below 0 things fall up
+  Vector3 g_W{0, 0, -9.81};          // gravity: what falls gains this, m/s²
   std::optional<double> watchdog_s;  // of robots that say nothing else, as RobotEntry::watchdog_s
   ControllerChoice supervisor;       // a controller of the world
   /// Names of YARP's readers, or what they begin with ("/my/controller"), for which lockstep waits.

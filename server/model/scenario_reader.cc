@@ -200,20 +200,30 @@ class ScenarioReader {
     if (options.duration_s && *options.duration_s <= 0)
       reader.ErrorAt("duration", "'duration' must be above 0 s");
     options.watchdog_s = ReadWatchdog(reader);
-    constexpr double kMaxGravity = 1000;
-    if (const auto gravity = reader.Number("gravity", Quantity::kPlain, -kMaxGravity, kMaxGravity)) {
-      options.gravity_m_s2 = *gravity;
-      if (*gravity < 0) {
-        reader.WarningAt("gravity", "'gravity' counts downwards, so things fall up with " +
-                                        FormatNumber(*gravity) + " m/s²: write " + FormatNumber(-*gravity) +
-                                        " if they should fall down");
-      }
-    }
+    ReadGravity(reader, options);
     ambient_light_ = ReadAmbientLight(reader);
     if (ambient_light_) scenario_->ambient_light = *ambient_light_;
     ReadWaitsFor(reader, options);
     options.supervisor = ReadController(reader, kSupervisorKey, library_, FolderOf(label_, by_socket_));
     reader.Finish();
+  }
+
+  /// gravity 9.81, or as a vector of the world: gravity 0 0 -9.81
+  static void ReadGravity(SectionReader& reader, SimulationOptions& options) {
+    constexpr double kMaxGravity = 1000;
+    const auto numbers =
+        reader.Numbers("gravity", Quantity::kPlain, {1, 3}, "m/s² downwards, or x y z of the acceleration",
+                       -kMaxGravity, kMaxGravity);
+    if (!numbers) return;
+    if (numbers->size() == 3) {
+      options.g_W = Vector3((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+      return;
+    }
+    const double down = numbers->front();
+    options.g_W = Vector3(0, 0, 0 - down);
+    if (down >= 0) return;
+    reader.WarningAt("gravity", "'gravity' counts downwards, so things fall up with " + FormatNumber(down) +
+                                    " m/s²: write " + FormatNumber(-down) + " if they should fall down");
   }
 
   /// waits_for yarp /my/controller …

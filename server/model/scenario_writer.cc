@@ -154,7 +154,12 @@ std::string WriteSimulation(const SimulationOptions& simulation, double ambient_
   if (simulation.speed) lines.Add("speed", {*simulation.speed});
   if (simulation.duration_s) lines.Add("duration", {*simulation.duration_s});
   lines.AddWatchdog(simulation.watchdog_s);
-  lines.Add("gravity", {simulation.gravity_m_s2});
+  const Vector3& g_W = simulation.g_W;
+  if (g_W.x() == 0 && g_W.y() == 0) {
+    lines.Add("gravity", {0 - g_W.z()});
+  } else {
+    lines.Add("gravity", {g_W.x(), g_W.y(), g_W.z()});
+  }
   if (ambient_light > 0) lines.Add("ambient_light", {ambient_light});
   if (!simulation.waits_for.empty()) {
     std::string programs = "yarp";

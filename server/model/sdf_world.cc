@@ -82,11 +82,13 @@ class WorldConverter {
     const auto gravity = SplitWords(world.TextOf("gravity"));
     if (gravity.size() == 3) {
       const auto x = ParsePlain(gravity[0]), y = ParsePlain(gravity[1]), z = ParsePlain(gravity[2]);
-      if (!x || !y || !z || *x != 0 || *y != 0) {
+      if (!x || !y || !z) {
         diagnostics_.Warning(world.Child("gravity")->where,
-                             "<gravity> must point down or up, 0 0 -9.8: 9.81 m/s² down is taken");
-      } else {
+                             "<gravity> must be three numbers, 0 0 -9.8: 9.81 m/s² down is taken");
+      } else if (*x == 0 && *y == 0) {
         simulation_ += "gravity " + Exact(-*z) + "\n";
+      } else {
+        simulation_ += "gravity " + Exact(*x) + " " + Exact(*y) + " " + Exact(*z) + "\n";
       }
     }
     const XmlNode* physics = world.Child("physics");

@@ -100,8 +100,8 @@ Forest::Inertia Forest::InertiaOf(const Node& node, const Vector3& p_W) {
   return {mass, moment, I};
 }
 
-void Forest::Begin(double gravity_m_s2, double dt_s) {
-  gravity_m_s2_ = gravity_m_s2;
+void Forest::Begin(const Vector3& g_W, double dt_s) {
+  g_W_ = g_W;
   dt_s_ = dt_s;
   for (Node& node : nodes_) node.inertia = InertiaOf(node, node.origin);
   momentum_.resize(rates_.size());
@@ -128,7 +128,7 @@ void Forest::TakeForcesAt(std::span<const double> rates) {
 void Forest::AddUp(std::span<const double> rates, bool at_start) {
   for (Node& node : nodes_) {
     const double* const own = rates.data() + node.first_dof;
-    Vector3 w = Vector3::Zero(), v = w, dw = w, dv(0, 0, gravity_m_s2_);
+    Vector3 w = Vector3::Zero(), v = w, dw = w, dv = w - g_W_;
     if (node.model == nullptr) {
       if (node.dofs > 0) {
         w = Vector3(own);

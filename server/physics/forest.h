@@ -62,7 +62,7 @@ class Forest {
 
   /// Computes inertias, and the momentum that the rates of the step's end would give without rows:
   /// with the Coriolis, centrifugal and gyroscopic forces of the rates at the step's beginning.
-  void Begin(double gravity_m_s2, double dt_s);
+  void Begin(const Vector3& g_W, double dt_s);
   /// Computes MassOf(). After Begin().
   void Weigh();
   /// momentum() again, with those forces at `rates`, such as the mean of the step's beginning and end.
@@ -104,7 +104,7 @@ class Forest {
     double total_j() const { return kinetic_j + potential_j; }
   };
   /// After Add() or SetRates().
-  Energy EnergyAt(double gravity_m_s2) const;
+  Energy EnergyAt(const Vector3& g_W) const;
   /// Takes `energy_j` out of the motion of bodies against each other: neither momentum nor angular momentum
   /// of what floats changes. `rates`: of the last SetRates(), made slower (or faster); `kinetic_j`: at them.
   void Slow(double energy_j, double kinetic_j, std::span<double> rates);
@@ -173,7 +173,8 @@ class Forest {
   void Place(Node& node, const double* rates, double dt_s);
 
   std::vector<Node> nodes_;
-  double gravity_m_s2_ = 0, dt_s_ = 0;  // of this step
+  Vector3 g_W_ = Vector3::Zero();  // of this step
+  double dt_s_ = 0;                // likewise
   // By degree of freedom.
   std::vector<int> depths_;
   std::vector<std::size_t> offsets_;  // into paths_

@@ -187,14 +187,14 @@ bool Forest::IsViolent() const {
   return std::ranges::any_of(nodes_, [](const Node& node) { return Violence(node.state) > 1; });
 }
 
-Forest::Energy Forest::EnergyAt(double gravity_m_s2) const {
+Forest::Energy Forest::EnergyAt(const Vector3& g_W) const {
   Energy energy;
   for (const Node& node : nodes_) {
     const BodyState& body = node.state;
     const Vector3 w_B = RotationOf(body).transpose() * body.w_WB;
     energy.kinetic_j +=
         (node.rigid->mass_kg * body.v_WB.squaredNorm() + w_B.dot(node.rigid->inertia_kg_m2 * w_B)) / 2;
-    energy.potential_j += node.rigid->mass_kg * gravity_m_s2 * body.p_WB.z();
+    energy.potential_j -= (node.rigid->mass_kg * g_W).dot(body.p_WB);
   }
   return energy;
 }

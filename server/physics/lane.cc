@@ -90,7 +90,8 @@ void Lane::Build() {
   dWorldSetStepThreadingImplementation(world, dThreadingImplementationGetFunctions(threading_.get()),
                                        threading_.get());
   contacts_.reset(dJointGroupCreate(0));
-  dWorldSetGravity(world, 0, 0, -settings_.gravity_m_s2);
+  const Vector3& g_W = settings_.g_W;
+  dWorldSetGravity(world, g_W.x(), g_W.y(), g_W.z());
   dWorldSetERP(world, kErp);
   dWorldSetCFM(world, kCfm);
   dWorldSetContactMaxCorrectingVel(world, kMaxPushOut_m_s);

@@ -23,7 +23,7 @@ constexpr double kLost = 0.05, kMostLost = 0.5;  // of the kinetic energy, in a 
 }  // namespace
 
 bool LimbSolver::Fly(double dt_s) {
-  const double before_j = forest_.EnergyAt(settings_.gravity_m_s2).total_j();
+  const double before_j = forest_.EnergyAt(settings_.g_W).total_j();
   const double turn_rad = forest_.FreeTurnRate_rad_s() * dt_s;
   int parts = 1;
   while (parts < kMostParts && turn_rad > kTurn_rad * parts) parts *= 2;
@@ -39,7 +39,7 @@ bool LimbSolver::Fly(double dt_s) {
       parts = std::max(parts + 1, static_cast<int>(std::min<double>(wanted, kUsualParts)));
       continue;
     }
-    const Forest::Energy after = forest_.EnergyAt(settings_.gravity_m_s2);
+    const Forest::Energy after = forest_.EnergyAt(settings_.g_W);
     const double gained_j = after.total_j() - before_j - flight.work_j;
     if (!std::isfinite(gained_j)) return false;
     const double share = std::abs(gained_j) / after.kinetic_j;

@@ -86,7 +86,7 @@ LimbSolver::Outcome LimbSolver::Step(double dt_s) {
 
 bool LimbSolver::Advance(double dt_s) {
   const bool is_fast = forest_.TurnRate_rad_s() * dt_s > kFast_rad;
-  const double before_j = is_fast ? forest_.EnergyAt(settings_.gravity_m_s2).total_j() : 0;
+  const double before_j = is_fast ? forest_.EnergyAt(settings_.g_W).total_j() : 0;
   BeginStep(dt_s);
   const bool is_solved = FindRates();
   AddEfforts();
@@ -101,7 +101,7 @@ bool LimbSolver::Advance(double dt_s) {
 }
 
 void LimbSolver::LimitGain(double before_j) {
-  const Forest::Energy after = forest_.EnergyAt(settings_.gravity_m_s2);
+  const Forest::Energy after = forest_.EnergyAt(settings_.g_W);
   const double gained_j = after.total_j() - before_j - WorkSince(forest_.rates());
   const double most_j = kMostGain * after.kinetic_j;
   if (gained_j > most_j && !touches_) forest_.Slow(gained_j - most_j, after.kinetic_j, rates_);
@@ -117,7 +117,7 @@ void LimbSolver::BeginStep(double dt_s) {
     for (const int joint : member.mechanism->tree.loops) CloseLoop(member, joint, dt_s);
     Couple(member, dt_s);
   }
-  forest_.Begin(settings_.gravity_m_s2, dt_s);
+  forest_.Begin(settings_.g_W, dt_s);
   if (!motors_.empty() || !rows_.empty()) forest_.Weigh();
   FitSprings(dt_s);
 }

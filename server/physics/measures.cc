@@ -298,10 +298,10 @@ void Measures::Measure(const WrenchModel& model, const Measured& of, std::span<c
   const Vector3 o_W = was.p_WB + was.orientation() * X_BS.p;
   const Vector3 middle_W = (o_W + is.p_WB + is.orientation() * X_BS.p) / 2;
   const double flight = flight_[of.thing];
-  const double g = scene_->scenario->simulation.gravity_m_s2;
   Vector3 force = Vector3::Zero(), torque = Vector3::Zero();
   const auto add = [&](const Motion& motion, double mass_kg) {
-    const Vector3 gained = (motion.P_next_W - motion.P_W) / moment.dt_s, carried(0, 0, mass_kg * g);
+    const Vector3 gained = (motion.P_next_W - motion.P_W) / moment.dt_s;
+    const Vector3 carried = Vector3::Zero() - mass_kg * scene_->scenario->simulation.g_W;
     force += gained + carried;
     const Vector3 arm = motion.p_W - o_W, middle_arm = motion.middle_W - middle_W;
     torque += middle_arm.cross(gained) + (arm + flight * (middle_arm - arm)).cross(carried) +

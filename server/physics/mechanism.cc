@@ -188,7 +188,7 @@ void Measure(Mechanism& robot) {
 
 }  // namespace
 
-Mechanism MakeRobot(const RobotModel& model, Fidelity fidelity, double floor_friction, double gravity_m_s2) {
+Mechanism MakeRobot(const RobotModel& model, Fidelity fidelity, double floor_friction, const Vector3& g_W) {
   Mechanism robot;
   robot.model = &model;
   robot.fidelity = fidelity;
@@ -208,7 +208,7 @@ Mechanism MakeRobot(const RobotModel& model, Fidelity fidelity, double floor_fri
   robot.tree = TreeOf(robot);
   std::string why;
   if (const auto wheels = FindWheels(model, why)) {
-    robot.drive = MakeDrive(robot, *wheels, floor_friction, gravity_m_s2);
+    robot.drive = MakeDrive(robot, *wheels, floor_friction, g_W);
   }
   if (robot.planar()) {
     // Nothing tilts it.

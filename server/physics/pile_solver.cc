@@ -107,7 +107,7 @@ void PileSolver::Load(std::uint32_t thing, const Actor& actor, double dt_s) {
   body.inverse_I_W = body.I_W.inverse();
   body.v = body.free_v = body.state.v_WB;
   body.w = body.state.w_WB;
-  body.free_v.z() -= settings_.gravity_m_s2 * dt_s;
+  body.free_v += settings_.g_W * dt_s;
   body.free_w = Spin(body.w, R, rigid.inertia_kg_m2, dt_s);
 }
 
@@ -425,7 +425,7 @@ bool PileSolver::Step(double dt_s) {
   // to a thousandth.
   constexpr double kExact = 1e-3;
   constexpr std::size_t kFew = 8;
-  double enough_m_s = 1e-7 + kExact * std::abs(settings_.gravity_m_s2) * dt_s;
+  double enough_m_s = 1e-7 + kExact * settings_.g_W.norm() * dt_s;
   if (bodies_.size() > kFew) {
     for (const Body& body : bodies_) enough_m_s = std::max(enough_m_s, kExact * body.v.norm());
   }

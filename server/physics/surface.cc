@@ -60,9 +60,9 @@ bool IsFlat(const Toucher& a, const Toucher& b) {
 /// What gravity adds to the slip of A on B in the step: of what moves; if both do, of the upper one.
 Vector3 Pull(const Toucher& a, const Toucher& b, const Vector3& n_W, const WorldSettings& settings,
              double dt_s) {
-  const double g = settings.gravity_m_s2;
-  const Vector3 down = -g * dt_s * (Vector3::UnitZ() - n_W.z() * n_W);
-  return a.moves && (!b.moves || n_W.z() * g >= 0) ? down : Vector3(-down);
+  const double along_n = settings.g_W.dot(n_W);
+  const Vector3 pull = dt_s * (settings.g_W - along_n * n_W);
+  return a.moves && (!b.moves || along_n <= 0) ? pull : Vector3(-pull);
 }
 
 // Slower than this nothing slips yet.
@@ -122,7 +122,7 @@ void Rub(const FoundContact& found, const Toucher& a, const Toucher& b, const Wo
     surface.may_turn = true;
     const Vector3 pull = Pull(a, b, point.n_W, settings, dt_s);
     constexpr double kFlat = 1e-3;  // of gravity
-    if (pull.norm() <= kFlat * std::abs(settings.gravity_m_s2) * dt_s) return;
+    if (pull.norm() <= kFlat * settings.g_W.norm() * dt_s) return;
     const Vector3 to_come = along + pull;
     if (to_come.squaredNorm() == 0) return;
     contact.surface.mode |= dContactFDir1;
@@ -229,7 +229,7 @@ double BounceOf(double restitution, const FoundContact& found, const Toucher& a,
     return of.actor->thing.robot < 0 || of.actor->thing.mechanism->has_limbs();
   };
   if (speed_m_s <= 0 || !falls_exactly(a.moves ? a : b)) return restitution;
-  const double pull_m_s2 = settings.gravity_m_s2 * point.n_W.z() * ((a.moves ? 1 : 0) - (b.moves ? 1 : 0));
+  const double pull_m_s2 = -settings.g_W.dot(point.n_W) * ((a.moves ? 1 : 0) - (b.moves ? 1 : 0));
   const double fallen_m2_s2 = 2 * pull_m_s2 * point.depth_m;
   const double touched_m2_s2 = std::max(0.0, speed_m_s * speed_m_s - fallen_m2_s2);
   const double leaves_m_s =
@@ -267,7 +267,7 @@ std::optional<Surface> SurfaceOf(const FoundContact& found, const Toucher& a, co
     // Slower than gravity makes it in two steps, it stays.
     contact.surface.mode |= dContactBounce;
     contact.surface.bounce = BounceOf(restitution, found, a, b, settings, dt_s);
-    contact.surface.bounce_vel = 2 * std::abs(settings.gravity_m_s2) * dt_s;
+    contact.surface.bounce_vel = 2 * settings.g_W.norm() * dt_s;
   }
   Place(point, dt_s, contact);
   return surface;

@@ -21,7 +21,7 @@ inline constexpr double kMaxPushOut_m_s = 0.1;
 inline constexpr double kCfm = 1e-6;
 
 struct WorldSettings {
-  double gravity_m_s2 = 9.81;
+  Vector3 g_W{0, 0, -9.81};  // gravity, m/s²
   double floor_friction = 1;
 };
 

@@ -123,15 +123,14 @@ class Builder {
     const auto is_it = [&](const auto& made) { return made->model == &model && made->fidelity == fidelity; };
     const auto known = std::ranges::find_if(kinds_, is_it, &Kind::mechanism);
     if (known != kinds_.end()) return *known;
-    const double gravity_m_s2 = scene_.scenario->simulation.gravity_m_s2;
     std::shared_ptr<const Mechanism> mechanism;
     if (before_ != nullptr) {
       const auto made = std::ranges::find_if(before_->mechanisms, is_it);
       if (made != before_->mechanisms.end()) mechanism = *made;
     }
     if (mechanism == nullptr) {
-      mechanism =
-          std::make_shared<const Mechanism>(MakeRobot(model, fidelity, scene_.floor.friction, gravity_m_s2));
+      mechanism = std::make_shared<const Mechanism>(
+          MakeRobot(model, fidelity, scene_.floor.friction, scene_.scenario->simulation.g_W));
     }
     Kind kind{mechanism.get()};
     if (kind.mechanism->fixed_base || kind.mechanism->bodies.size() > 1) {

@@ -68,7 +68,7 @@ struct Mechanism {
 };
 
 /// `model` on a floor with this friction. @pre masses and inertias are positive.
-Mechanism MakeRobot(const RobotModel& model, Fidelity fidelity, double floor_friction, double gravity_m_s2);
+Mechanism MakeRobot(const RobotModel& model, Fidelity fidelity, double floor_friction, const Vector3& g_W);
 Mechanism MakeObject(const WorldObject& object);
 
 /// A robot or an object. Its own parts do not collide with each other.

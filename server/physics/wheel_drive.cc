@@ -142,7 +142,7 @@ std::optional<WheelPair> FindWheels(const RobotModel& model, std::string& why) {
 }
 
 OneBodyDrive MakeDrive(const Mechanism& robot, const WheelPair& wheels, double floor_friction,
-                       double gravity_m_s2) {
+                       const Vector3& g_W) {
   const RigidBody& body = robot.bodies.front();
   const Vector3& p_RB = body.X_RB.p;
   OneBodyDrive drive;
@@ -155,9 +155,10 @@ OneBodyDrive MakeDrive(const Mechanism& robot, const WheelPair& wheels, double f
     const double lowest_m = p_RB.z() + part.p_BG.z() - HalfExtents(part.shape, part.R_BG).z();
     if (std::abs(lowest_m) <= kSupportGap_m) supports.push_back({part.p_BG.x(), part.p_BG.y(), part.wheel});
   }
-  const double weight_n = std::max(0.0, body.mass_kg * gravity_m_s2);
+  const double weight_n = std::max(0.0, -body.mass_kg * g_W.z());
+  const bool is_level = g_W.x() == 0 && g_W.y() == 0;  // else it is like a slope
   constexpr std::array<std::array<double, 2>, 4> kWays{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
-  drive.stands = weight_n > 0 && std::all_of(kWays.begin(), kWays.end(), [&](const auto& way) {
+  drive.stands = is_level && weight_n > 0 && std::all_of(kWays.begin(), kWays.end(), [&](const auto& way) {
                    return Reach(supports, way[0], way[1]) > 1e-3;
                  });
   std::array<double, 2> load_n = {weight_n / 2, weight_n / 2};  // that each wheel carries at rest
@@ -179,10 +180,10 @@ OneBodyDrive MakeDrive(const Mechanism& robot, const WheelPair& wheels, double f
   drive.max_across_m_s2 = drive.sideways_n / body.mass_kg;
   drive.max_along_m_s2 = 1e9;
   if (robot.planar()) {
-    drive.stands = true;  // cannot tip
+    drive.stands = is_level;  // cannot tip
     return drive;
   }
-  const double tip = kTipShare * gravity_m_s2 / std::max(1e-6, p_RB.z());
+  const double tip = kTipShare * -g_W.z() / std::max(1e-6, p_RB.z());
   drive.max_along_m_s2 = tip * std::min(Reach(supports, 1, 0), Reach(supports, -1, 0));
   drive.max_across_m_s2 =
       std::min(drive.max_across_m_s2, tip * std::min(Reach(supports, 0, 1), Reach(supports, 0, -1)));

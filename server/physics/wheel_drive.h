@@ -65,7 +65,7 @@ std::optional<WheelPair> FindWheels(const RobotModel& model, std::string& why);
 int WheelOf(const RobotModel& model, int link, const LinkShape& collision);
 /// The drive of `robot`, which has its body and parts. @pre its model has a drive, whose wheels are `wheels`.
 OneBodyDrive MakeDrive(const Mechanism& robot, const WheelPair& wheels, double floor_friction,
-                       double gravity_m_s2);
+                       const Vector3& g_W);
 
 /// Speeds of one substep.
 struct DrivePlan {

@@ -52,7 +52,7 @@ PhysicsWorld::PhysicsWorld(std::shared_ptr<const Scene> scene, std::uint64_t see
       drive_trains_(StartDriveTrains(*scene_)),
       solver_seed_(SolverSeed(seed)) {
   for (std::size_t i = 0; i < channels_.size(); ++i) channels_[i].position = StartOf(*scene_, i);
-  const WorldSettings settings{scene_->scenario->simulation.gravity_m_s2, scene_->floor.friction};
+  const WorldSettings settings{scene_->scenario->simulation.g_W, scene_->floor.friction};
   for (int i = 0; i < (pool == nullptr ? 1 : pool->threads()); ++i) {
     solvers_.push_back(std::make_unique<Solvers>(things_, settings));
   }

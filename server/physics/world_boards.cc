@@ -83,11 +83,10 @@ JointPlace PhysicsWorld::PlaceOf(std::size_t control) const {
   JointPlace place;
   place.position = channels_[of.channel].position;
   place.velocity = motion.rate;
-  const double gravity_m_s2 = scene_->scenario->simulation.gravity_m_s2;
   if (!of.joint->board->gravity_compensation) return place;
   for (const int body : of.joint->beyond) {
     const auto index = static_cast<std::size_t>(body);
-    const Vector3 weight_N(0, 0, -rigid[index].mass_kg * gravity_m_s2);
+    const Vector3 weight_N = rigid[index].mass_kg * scene_->scenario->simulation.g_W;
     const Vector3 arm_m = bodies[index].p_WB - anchor_W;
     place.load -= axis_W.dot(slides ? weight_N : Vector3(arm_m.cross(weight_N)));
   }

@@ -105,12 +105,9 @@ class PublicReader : Reader {
   }
 
   void ReadGravity(const Element& gravity) {
-    const double z = Number(gravity, "z", 0);
-    if (Number(gravity, "x", 0) != 0 || Number(gravity, "y", 0) != 0) {
-      Error(gravity, "gravity acts along z here: write x=\"0\" y=\"0\", for example with z=\"-9.81\"");
-      return;
-    }
-    experiment_.simulation.push_back({"gravity " + Exact(-z), gravity.GetLineNum()});
+    const double x = Number(gravity, "x", 0), y = Number(gravity, "y", 0), z = Number(gravity, "z", 0);
+    const std::string numbers = x == 0 && y == 0 ? Exact(-z) : Exact(x) + " " + Exact(y) + " " + Exact(z);
+    experiment_.simulation.push_back({"gravity " + numbers, gravity.GetLineNum()});
   }
 
   /// A body, or those of a macro, moved by X_WO; their names begin with `prefix`.

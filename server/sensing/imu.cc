@@ -22,7 +22,7 @@ std::optional<ImuReading> Imu(const Frame& frame, int robot, std::size_t number)
   if (model == nullptr) return std::nullopt;
   const Pose X_WS = MountPose(frame, robot, model->mount);
   const std::span<const double> measured = MeasuredOf(frame, robot, robot_model.IndexOf<ImuModel>(number));
-  const Vector3 up_W(0, 0, frame.scene->scenario->simulation.gravity_m_s2);
+  const Vector3 up_W = Vector3::Zero() - frame.scene->scenario->simulation.g_W;
   ImuReading reading;
   reading.q_WS = X_WS.q;
   reading.turn_S = X_WS.q.conjugate() * LinkTurn(frame, robot, model->mount.link);

@@ -34,7 +34,7 @@ export const GRAMMAR = {
     speed: ['simulated seconds per second; 0: no limit', 'speed 2'],
     duration: ['the run ends then, s', 'duration 60'],
     watchdog,
-    gravity: ['downwards, m/s²; 0: none, below 0: up', 'gravity 9.81'],
+    gravity: ['downwards, m/s²; 0: none, below 0: up; or x y z', 'gravity 9.81'],
     ambient_light: ['what light sensors read without lamps', 'ambient_light 0.2'],
     angles: ['unit of angles without one', 'angles deg', ['rad', 'deg']],
     supervisor: ['a loaded controller of the world', 'supervisor referee rounds=5'],

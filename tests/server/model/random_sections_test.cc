@@ -129,8 +129,8 @@ TEST(RandomSectionsTest, TheWorldHasTheDrawnValues) {
   EXPECT_EQ(scenario.random[1].distribution, "uniform -180deg 180deg");
   EXPECT_NE(scenario.robots[0].X_WR.q.coeffs(), Quaternion::Identity().coeffs());
   EXPECT_LE(scenario.floor.friction, 0.4);
-  EXPECT_GE(scenario.simulation.gravity_m_s2, 5);
-  EXPECT_LE(scenario.simulation.gravity_m_s2, 6);
+  EXPECT_LE(scenario.simulation.g_W.z(), -5);
+  EXPECT_GE(scenario.simulation.g_W.z(), -6);
 }
 
 TEST(RandomSectionsTest, TheSeedDecides) {

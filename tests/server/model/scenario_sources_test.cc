@@ -32,7 +32,8 @@ class Portrait {
     for (const SwarmEntry& s : scenario.swarms) Add(s.name, s.section, s.first, s.count, s.where);
     const SimulationOptions& o = scenario.simulation;
     Add(static_cast<int>(o.mode.value_or(Mode::kRealtime)), o.step.value_or(-1), o.substeps.value_or(-1));
-    Add(o.seed, o.speed.value_or(-7), o.duration_s.value_or(-1), o.gravity_m_s2, o.watchdog_s.value_or(-1));
+    Add(o.seed, o.speed.value_or(-7), o.duration_s.value_or(-1), o.g_W.x(), o.g_W.y(), o.g_W.z(),
+        o.watchdog_s.value_or(-1));
     for (const SourceText& source : scenario.sources) Add(source.kind, source.name, source.file, source.text);
   }
   const std::string& text() const { return text_; }

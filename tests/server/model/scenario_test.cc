@@ -114,7 +114,7 @@ TEST(SimulationTest, AllWords) {
   EXPECT_EQ(options.seed, 18446744073709551615u);
   EXPECT_EQ(options.speed, 2.5);
   EXPECT_EQ(options.duration_s, 60);
-  EXPECT_EQ(options.gravity_m_s2, 1.62);
+  EXPECT_EQ(options.g_W, Vector3(0, 0, -1.62));
   EXPECT_NEAR(Heading(scenario->robots.at(0).X_WR.q), std::numbers::pi / 2, 1e-12);
 }
 
@@ -139,14 +139,17 @@ TEST(SimulationTest, SubstepsAreAtMostTenMilliseconds) {
   EXPECT_THAT(Read("[SIMULATION]\nsubsteps 1.5\n").messages, HasSubstr("whole number from 1"));
 }
 
-TEST(SimulationTest, GravityIsOneNumberDownwards) {
-  EXPECT_EQ(Good("[SIMULATION]\ngravity 0\n")->simulation.gravity_m_s2, 0);
+TEST(SimulationTest, GravityIsOneNumberDownwardsOrAVector) {
+  EXPECT_EQ(Good("[SIMULATION]\ngravity 0\n")->simulation.g_W, Vector3::Zero());
   EXPECT_EQ(Read("[SIMULATION]\ngravity -9.81\n").messages,
             "test.scenario:2: warning: 'gravity' counts downwards, so things fall up with -9.81 m/s²: write "
             "9.81 if "
             "they should fall down\n");
   EXPECT_THAT(Read("[SIMULATION]\ngravity -1001\n").messages, HasSubstr("must be at least -1000"));
-  EXPECT_THAT(Read("[SIMULATION]\ngravity 0 0 -9.81\n").messages, HasSubstr("needs 1 number"));
+  EXPECT_EQ(Good("[SIMULATION]\ngravity 1 -2 -9.81\n")->simulation.g_W, Vector3(1, -2, -9.81));
+  EXPECT_THAT(Read("[SIMULATION]\ngravity 0 0 -1001\n").messages, HasSubstr("must be at least -1000"));
+  EXPECT_THAT(Read("[SIMULATION]\ngravity 0 -9.81\n").messages,
+              HasSubstr("needs 1 or 3 numbers (m/s² downwards, or x y z of the acceleration), not 2"));
 }
 
 TEST(SimulationTest, SpeedBelowZeroMeansNoLimit) {

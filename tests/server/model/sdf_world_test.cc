@@ -149,17 +149,20 @@ TEST_F(SdfWorldTest, TheGroundPlaneIsTheFloorAndPhysicsHasItsStepAndGravity) {
   EXPECT_EQ(scenario->floor.length_m, 40);
   EXPECT_EQ(scenario->floor.width_m, 20);
   EXPECT_TRUE(scenario->objects.empty());
-  EXPECT_EQ(scenario->simulation.gravity_m_s2, 3.7);
+  EXPECT_EQ(scenario->simulation.g_W, Vector3(0, 0, -3.7));
   EXPECT_EQ(scenario->simulation.step, Nanoseconds{2'000'000});
 }
 
-TEST_F(SdfWorldTest, GravityMayBeNoneOrPointUp) {
+TEST_F(SdfWorldTest, GravityMayBeNoneOrPointAnywhere) {
   const auto none = Load("<gravity>0 0 0</gravity>" + Model("arm", kArm));
   ASSERT_NE(none, nullptr) << messages();
-  EXPECT_EQ(none->simulation.gravity_m_s2, 0);
+  EXPECT_EQ(none->simulation.g_W, Vector3::Zero());
   const auto up = Load("<gravity>0 0 2</gravity>" + Model("arm", kArm));
   ASSERT_NE(up, nullptr) << messages();
-  EXPECT_EQ(up->simulation.gravity_m_s2, -2);
+  EXPECT_EQ(up->simulation.g_W, Vector3(0, 0, 2));
+  const auto aside = Load("<gravity>1 -0.5 -9</gravity>" + Model("arm", kArm));
+  ASSERT_NE(aside, nullptr) << messages();
+  EXPECT_EQ(aside->simulation.g_W, Vector3(1, -0.5, -9));
 }
 
 TEST_F(SdfWorldTest, ABallThatBouncesIsAThing) {

@@ -155,8 +155,8 @@ PhysicsScene& PhysicsScene::SetFloorFriction(double friction) {
   return *this;
 }
 
-PhysicsScene& PhysicsScene::SetGravity(double gravity_m_s2) {
-  scenario_.simulation.gravity_m_s2 = gravity_m_s2;
+PhysicsScene& PhysicsScene::SetGravity(const Vector3& g_W) {
+  scenario_.simulation.g_W = g_W;
   return *this;
 }
 

@@ -41,7 +41,8 @@ class PhysicsScene {
   PhysicsScene& Add(const Shape& shape, const Pose& X_WO, double mass_kg = 0, double friction = 1);
   PhysicsScene& Add(WorldObject object);
   PhysicsScene& SetFloorFriction(double friction);
-  PhysicsScene& SetGravity(double gravity_m_s2);
+  PhysicsScene& SetGravity(double down_m_s2) { return SetGravity(Vector3(0, 0, -down_m_s2)); }
+  PhysicsScene& SetGravity(const Vector3& g_W);
 
   /// Builds physics. Called by the first use; a test calls it to see the diagnostics.
   void Build();

@@ -113,6 +113,47 @@ TEST_P(StartMotionTest, GravityMayPointUp) {
   EXPECT_NEAR(scene_.object(0).p.z(), 0.1 + 1, 2 * step_s());
 }
 
+TEST_P(StartMotionTest, GravityMayPointAside) {
+  WorldObject ball = Ball(1);
+  ball.v_WO = {0, 0, 1};
+  scene_.SetGravity(Vector3(2, -1, -3)).Add(ball);
+  scene_.RunFor(0.5);
+  EXPECT_LT((scene_.object(0).p - Vector3(0.25, -0.125, 1 + 0.5 - 0.375)).norm(), 1e-9);
+}
+
+// A floor under gravity aside is a slope.
+TEST_P(StartMotionTest, ABoxSlidesWhereGravityPointsAside) {
+  const double along_m_s2 = kG * std::sin(0.4), down_m_s2 = kG * std::cos(0.4);
+  scene_.SetGravity(Vector3(0, along_m_s2, -down_m_s2));
+  scene_.Add(Box{Vector3(0.2, 0.2, 0.1)}, At(0, 0, 0.05), 1, 0.2);
+  scene_.Add(Box{Vector3(0.2, 0.2, 0.1)}, At(1, 0, 0.05), 1, 0.5);
+  scene_.RunFor(1);
+  EXPECT_NEAR(scene_.object(0).p.y(), (along_m_s2 - 0.2 * down_m_s2) / 2, 0.02);
+  EXPECT_NEAR(scene_.object(1).p.y(), 0, 1e-3);
+}
+
+TEST_P(StartMotionTest, RobotsStandWhereGravityPointsAsideALittle) {
+  for (const Fidelity fidelity : {Fidelity::kFull, Fidelity::kRolling, Fidelity::kPlanar}) {
+    scene_.fidelity = fidelity;
+    scene_.AddRobot(2, scene_.robot_count());
+  }
+  scene_.SetGravity(Vector3(0.1, 0.5, -kG));
+  scene_.RunFor(2);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_LT((scene_.robot(i).p.head<2>() - Eigen::Vector2d(2, i)).norm(), 5e-3) << i;
+  }
+}
+
+TEST_P(StartMotionTest, RobotsSlideWhereGravityPointsAsideMuch) {
+  for (const Fidelity fidelity : {Fidelity::kRolling, Fidelity::kPlanar}) {
+    scene_.fidelity = fidelity;
+    scene_.AddRobot(2, scene_.robot_count());
+  }
+  scene_.SetGravity(Vector3(0, 8, -2));
+  scene_.RunFor(0.5);
+  for (int i = 0; i < 2; ++i) EXPECT_GT(scene_.robot(i).p.y(), i + 0.2) << i;
+}
+
 TEST_P(StartMotionTest, WithoutGravityAllThatStandsStaysWhereItIs) {
   scene_.SetGravity(0).Add(Ball(0.1)).AddRobot(2, 0);
   scene_.Add(Box{Vector3(0.2, 0.2, 0.2)}, At(0, 2, 0.1), 1)
