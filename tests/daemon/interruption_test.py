@@ -60,7 +60,7 @@ class InterruptionTest(unittest.TestCase):
             robot, other = "robot1", "another"
             for _ in range(30):
                 watcher = daemon.text(f"/{robot}/pose")
-                watcher.send("subscribe")
+                watcher.send("subscribe 100")  # of who reads less than comes, not even the end is promised
                 while watcher.receive().command != -40:
                     pass
                 text = scenario(1, mode="free").replace("robot1", other).replace("\n", "\\n")
