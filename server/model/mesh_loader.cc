@@ -135,6 +135,9 @@ class MeshLoader {
         }
         scale[static_cast<Eigen::Index>(i)] = *value;
       }
+      if (words.size() == 4)
+        found.Warning(uri.where,
+                      "<scale> of a mesh is three numbers: the fourth of '" + scale_text + "' is left out");
     }
     const XmlNode* submesh = mesh.Child("submesh");
     const std::string part = submesh == nullptr ? "" : submesh->TextOf("name");

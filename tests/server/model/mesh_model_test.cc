@@ -107,6 +107,21 @@ TEST(MeshTest, ACentredPartIsTheSameInARecordedText) {
   EXPECT_EQ(robot->meshes.at(0)->inertia_m5, again->meshes.at(0)->inertia_m5);
 }
 
+TEST(MeshTest, AFourthNumberOfAScaleIsLeftOut) {
+  const TempFolder folder;
+  folder.Write("cube.obj", kCube);
+  folder.Write(
+      "r.urdf",
+      "<robot name=\"r\">\n<link name=\"l\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" "
+      "izz=\"1\"/></inertial><collision><geometry><mesh filename=\"cube.obj\" scale=\"1 1 2 1\"/>"
+      "</geometry></collision></link></robot>");
+  const auto [robot, messages] = ReadFile(folder, "r.urdf");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_NEAR(std::get<Mesh>(robot->links[0].collisions.at(0).shape).data->volume_m3, 2, 1e-9);
+  EXPECT_THAT(messages, HasSubstr("r.urdf:2: warning: <scale> of a mesh is three numbers: the fourth of "
+                                  "'1 1 2 1' is left out"));
+}
+
 TEST(MeshTest, AMissingMeshOfAModelWithElementsOfOursIsAnErrorWithItsLine) {
   const auto [robot, messages] =
       ReadSdf("<coopdyn:module name=\"pose\" type=\"pose\"/>" +
