@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <boost/json.hpp>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -11,6 +12,8 @@
 #include "server/app/options.h"
 #include "server/app/print.h"
 #include "server/app/run_report.h"
+#include "server/base/printable.h"
+#include "server/model/missing_files.h"
 #include "server/render/picture_maker.h"
 
 namespace coopdyn {
@@ -20,13 +23,40 @@ namespace {
 struct CheckOptions {
   std::vector<std::string> files;
   std::string picture;
+  std::string search;
   std::vector<std::string> scenario_folders;
   Settings settings;
-  bool digests = false;
+  bool digests = false, strict = false;
 };
 
+/// Says which folders below `below` have what `file` names and `path` does not find, and puts them on it. A
+/// model that is found may name more.
+void Search(const std::string& file, const std::string& below, SearchPath& path) {
+  std::string options;
+  std::vector<std::string> missing = MissingUris(file, path);
+  const std::size_t count = missing.size();
+  while (!missing.empty()) {
+    FoundFolders found = FoldersWith(missing, below);
+    if (found.folders.empty()) break;
+    for (std::filesystem::path& folder : found.folders) {
+      options += " --scenarios '" + Printable(folder.string()) + "'";
+      path.folders.push_back(std::move(folder));
+    }
+    const std::vector<std::string> before = std::move(missing);
+    missing = MissingUris(file, path);
+    if (missing == before) break;
+  }
+  if (count == 0) Print("{}: all that it names is found\n", file);
+  if (!options.empty()) Print("{}: what it names is found with{}\n", file, options);
+  for (const std::string& uri : missing) Print("{}: '{}' is nowhere in {}\n", file, Printable(uri), below);
+}
+
 int Check(const CheckOptions& options) {
-  const SearchPath path = DataPath(options.scenario_folders);
+  SearchPath path = DataPath(options.scenario_folders);
+  path.is_strict = options.strict;
+  if (!options.search.empty()) {
+    for (const std::string& file : options.files) Search(file, options.search, path);
+  }
   RobotLibrary robots(path);
   bool failed = false;
   FramePtr last;
@@ -74,6 +104,10 @@ void AddCheck(CLI::App& app, Chosen& chosen) {
   sub->add_flag("--digests", given->digests,
                 "Instead of what is in a scenario: digests of the program and of all that the scenario is "
                 "made of, JSON");
+  sub->add_flag("--strict", given->strict, kStrictHelp);
+  sub->add_option("--search", given->search,
+                  "Say which folders in this one have the files that a model names and are not found")
+      ->check(CLI::ExistingDirectory);
   AddSettings(sub, given->settings);
   sub->add_option("--scenarios", given->scenario_folders, "A folder with scenarios, worlds and robots");
   sub->callback([&chosen, given] { chosen = [given] { return Check(*given); }; });

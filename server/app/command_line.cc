@@ -340,6 +340,7 @@ SearchPath DataPath(const std::vector<std::string>& given) {
     const std::filesystem::path folder = std::filesystem::weakly_canonical(program / relative, error);
     if (std::filesystem::is_directory(folder / "robots", error)) path.folders.push_back(folder);
   }
+  AddModelFolders(path);
   return path;
 }
 

@@ -77,7 +77,7 @@ int Convert(const ConvertOptions& options) {
       if (in_folder != folder.end())
         return Refuse("the mesh '" + mesh + "' does not lie beside the experiment: move it there");
       std::string why;
-      if (const auto source = Resources(path.folders, file).Find(mesh, file, why)) meshes[target] = *source;
+      if (const auto source = Resources(path, file).Find(mesh, file, why)) meshes[target] = *source;
     }
   }
   files.emplace_back(scenario, std::move(made->scenario.text));

@@ -39,9 +39,11 @@ std::string TokenOf(const ServeOptions& options) {
   return RandomToken();
 }
 
-/// `path` with one more folder, the last; empty: as it is.
-SearchPath WithFolder(SearchPath path, const std::filesystem::path& folder) {
-  if (!folder.empty()) path.folders.push_back(folder);
+/// Where the daemon looks for files; last in `uploads`, unless that is empty.
+SearchPath PathOf(const ServeOptions& options, const std::filesystem::path& uploads) {
+  SearchPath path = DataPath(options.scenario_folders);
+  if (!uploads.empty()) path.folders.push_back(uploads);
+  path.is_strict = options.strict;
   return path;
 }
 
@@ -65,7 +67,7 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
       shutdown_(shutdown),
       token_(TokenOf(options)),
       uploads_(options.no_net || options.no_http ? std::filesystem::path() : Uploads::ChooseFolder()),
-      models_(WithFolder(DataPath(options.scenario_folders), uploads_)),
+      models_(PathOf(options, uploads_)),
       yarp_(names_, logger_,
             {options.yarp_server, told_host(), Addresses(options.hosts).front(), DialectOf(options),
              [this](std::uint64_t id, const std::string& name, std::uint64_t step, int every) {

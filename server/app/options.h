@@ -71,6 +71,7 @@ struct ServeOptions {
   std::string summary_file;
   std::optional<int> with_process;  // the daemon ends with it
   std::vector<std::string> scenario_folders;
+  bool strict = false;       // a mesh that is not there is an error
   std::string command_line;  // as given; a recording says it
 };
 
@@ -89,8 +90,14 @@ bool BeyondLoopback(const ServeOptions& options);
 inline constexpr int kOwnPorts = 2000;
 bool IsOwnPort(const ServeOptions& options, int port);
 
-/// Folders to look for files in: the given ones, COOPDYN_PATH, then the data beside the program.
+/// Folders to look for files in: the given ones, COOPDYN_PATH, then the data beside the program; of models'
+/// files also those of AddModelFolders().
 SearchPath DataPath(const std::vector<std::string>& given);
+/// Where the environment says that Gazebo and ROS have models, and where Gazebo keeps what it has fetched.
+void AddModelFolders(SearchPath& path);
+
+inline constexpr const char* kStrictHelp =
+    "A mesh that collides and is not there is an error, also in models of other programs";
 
 inline constexpr const char* kVersion = "0.1.0";
 

@@ -372,6 +372,7 @@ void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
   sub->add_option("--from", serve.from,
                   "Go on from a moment of a recording instead of a scenario: RUN@SECONDS, RUN@#STEP, "
                   "RUN@start or RUN@end");
+  sub->add_flag("--strict", serve.strict, kStrictHelp);
   AddRecording(sub, serve);
   AddNetwork(sub, serve);
   sub->set_config("--config", "", "Read options from this file (name=value lines)");

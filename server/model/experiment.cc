@@ -78,7 +78,7 @@ std::vector<Section> ReadExperiment(const std::string& text, const std::string& 
                                      has_controller);
   if (!made) return {};
   std::optional<Resources> resources;
-  if (has_files) resources.emplace(library.path().folders, file);
+  if (has_files) resources.emplace(library.path(), file);
   std::set<std::string> wrong;  // types
   for (const rosiml::MadeModel& model : made->models) {
     // A recording has its own.
@@ -113,7 +113,7 @@ std::map<std::string, std::shared_ptr<const RobotModel>> ReadExperimentModels(
       rosiml::Translate(std::string_view(*text).substr(0, XmlSize(*text)), name, "", diagnostics);
   std::map<std::string, std::shared_ptr<const RobotModel>> models;
   if (!made) return models;
-  const Resources resources(path.folders, file);
+  const Resources resources(path, file);
   for (const rosiml::MadeModel& model : made->models)
     models[model.name] = ReadMade(model, name, &resources, diagnostics);
   return models;

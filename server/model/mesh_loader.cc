@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <set>
 #include <utility>
 
+#include "server/files/reduce_mesh.h"
 #include "server/model/image_file.h"
 #include "server/model/model_source.h"
 #include "server/model/values.h"
@@ -17,8 +19,12 @@ namespace {
 /// Loads the meshes that `node` names, and calls them mesh:1, mesh:2, …
 class MeshLoader {
  public:
-  MeshLoader(const Resources* resources, MeshTable& table, Diagnostics& diagnostics)
-      : resources_(resources), table_(table), diagnostics_(diagnostics) {}
+  /// `is_foreign`: the model was made for other programs.
+  MeshLoader(const Resources* resources, bool is_foreign, MeshTable& table, Diagnostics& diagnostics)
+      : resources_(resources),
+        table_(table),
+        diagnostics_(diagnostics),
+        fills_gaps_(is_foreign && resources != nullptr && !resources->is_strict()) {}
 
   /// `shape`: the collision or visual around `node`. False if its mesh cannot be used.
   bool Load(XmlNode& node, bool is_visual = false) {
@@ -26,6 +32,7 @@ class MeshLoader {
     if (node.name == "heightmap") return LoadOne(node, is_visual);
     const bool visual = is_visual || node.name == "visual";
     if (node.name == "visual") TakeTexture(node);
+    if (node.name == "link") TakeStandIn(node);
     bool good = true;
     for (auto it = node.children.begin(); it != node.children.end();) {
       const bool fine = Load(*it, visual);
@@ -34,7 +41,14 @@ class MeshLoader {
         it = node.children.erase(it);
         continue;
       }
-      good = good && fine;
+      if (!fine && it->name == "collision" && is_missing_ && fills_gaps_) {
+        if (!PutStandIn(*it)) {
+          it = node.children.erase(it);
+          continue;
+        }
+      } else {
+        good = good && fine;
+      }
       ++it;
     }
     return good;
@@ -46,21 +60,61 @@ class MeshLoader {
     XmlNode& uri = *mesh.Child("uri");
     if (table_.contains(uri.text)) return true;
     Diagnostics found;
+    is_missing_ = false;
     std::string key = mesh.name == "heightmap" ? HeightsKey(mesh, uri, found) : Key(mesh, uri, found);
     if (is_visual && !key.empty() && texture_ != nullptr) key = Dressed(key);
+    if (!is_missing_ || said_.emplace(uri.text, is_visual).second) Say(found, is_visual);
+    if (key.empty()) return false;
+    uri.text = key;
+    mesh.name = "mesh";
+    std::erase_if(mesh.children, [](const XmlNode& one) { return one.name != "uri"; });
+    return true;
+  }
+
+  void Say(const Diagnostics& found, bool is_visual) {
     for (const Diagnostic& one : found.all()) {
       if (one.level == Diagnostic::Level::kWarning) {
         diagnostics_.Warning(one.where, one.text);
       } else if (is_visual) {
         diagnostics_.Warning(one.where, one.text + " (it is not drawn)");
+      } else if (is_missing_ && fills_gaps_) {
+        diagnostics_.Warning(one.where, one.text + "; until then " +
+                                            (stand_in_ ? "a box that has the link's inertia collides"
+                                                       : "nothing collides, as the link has no inertia") +
+                                            " (--strict makes this an error)");
       } else {
         diagnostics_.Error(one.where, one.text);
       }
     }
-    if (key.empty()) return false;
-    uri.text = key;
-    mesh.name = "mesh";
-    std::erase_if(mesh.children, [](const XmlNode& one) { return one.name != "uri"; });
+  }
+
+  /// The box of `link`'s mass and moments, which stands for meshes of it that are not there.
+  void TakeStandIn(const XmlNode& link) {
+    stand_in_.reset();
+    const XmlNode* inertial = link.Child("inertial");
+    const XmlNode* inertia = inertial == nullptr ? nullptr : inertial->Child("inertia");
+    if (inertia == nullptr) return;
+    const auto mass_kg = ParsePlain(inertial->TextOf("mass")), xx = ParsePlain(inertia->TextOf("ixx")),
+               yy = ParsePlain(inertia->TextOf("iyy")), zz = ParsePlain(inertia->TextOf("izz"));
+    if (!mass_kg || !xx || !yy || !zz || !(*mass_kg > 0) || !(std::min({*xx, *yy, *zz}) > 0)) return;
+    // I_xx = m (b² + c²) / 12, and so on.
+    constexpr double kThinnest_m = 1e-3, kLongest_m = 10;
+    const Vector3 squares = 6 / *mass_kg * Vector3(*yy + *zz - *xx, *zz + *xx - *yy, *xx + *yy - *zz);
+    const Vector3 size = squares.cwiseMax(0).cwiseSqrt().cwiseMax(kThinnest_m).cwiseMin(kLongest_m);
+    XmlNode shape{"box", {}, "", {}, inertial->where};
+    shape.Add("size", FormatNumber(size.x()) + " " + FormatNumber(size.y()) + " " + FormatNumber(size.z()));
+    stand_in_ =
+        StandIn{std::move(shape),
+                inertial->Child("pose") == nullptr ? std::nullopt : std::optional(*inertial->Child("pose"))};
+  }
+
+  /// False if `collision` goes: its link has that box already, or none.
+  bool PutStandIn(XmlNode& collision) {
+    if (!stand_in_ || stand_in_->is_used) return false;
+    stand_in_->is_used = true;
+    std::erase_if(collision.children, [](const XmlNode& one) { return one.name == "pose"; });
+    if (stand_in_->pose) collision.children.push_back(*stand_in_->pose);
+    collision.Child("geometry")->children = {stand_in_->shape};
     return true;
   }
 
@@ -70,10 +124,10 @@ class MeshLoader {
     if (!scale_text.empty()) {
       const std::vector<std::string> words = SplitWords(scale_text);
       for (std::size_t i = 0; i < 3; ++i) {
-        // URDF allows one number.
-        const auto value = words.size() == 3 || words.size() == 1
-                               ? ParsePlain(words[words.size() == 3 ? i : 0])
-                               : std::nullopt;
+        // URDF allows one number; some write a fourth.
+        const auto value = words.size() == 1                        ? ParsePlain(words[0])
+                           : words.size() == 3 || words.size() == 4 ? ParsePlain(words[i])
+                                                                    : std::nullopt;
         if (!value || *value == 0) {
           found.Error(uri.where,
                       "<scale> of a mesh is three finite numbers, none of them 0, not '" + scale_text + "'");
@@ -81,6 +135,9 @@ class MeshLoader {
         }
         scale[static_cast<Eigen::Index>(i)] = *value;
       }
+      if (words.size() == 4)
+        found.Warning(uri.where,
+                      "<scale> of a mesh is three numbers: the fourth of '" + scale_text + "' is left out");
     }
     const XmlNode* submesh = mesh.Child("submesh");
     const std::string part = submesh == nullptr ? "" : submesh->TextOf("name");
@@ -96,6 +153,7 @@ class MeshLoader {
     const auto file = resources_->Find(uri.text, uri.where.file, why);
     if (!file) {
       found.Error(uri.where, "mesh: " + why);
+      is_missing_ = true;
       return {};
     }
     const std::string what = file->string() + "|" + FormatNumber(scale.x()) + " " + FormatNumber(scale.y()) +
@@ -112,6 +170,20 @@ class MeshLoader {
   }
 
   std::string Keep(const std::string& what, ModelMesh mesh, const XmlNode& at, Diagnostics& found) {
+    const std::string name = at.name == "uri" ? at.text : at.name;
+    const std::size_t left = kMaxModelTriangles - triangles_, count = mesh.data->triangles.size();
+    // So that something is left for those that follow.
+    const std::size_t most = std::max(left / 2, std::min(left, kFewTriangles));
+    if (count > most && most > 0 && !mesh.is_heights) {
+      const MeshData& data = *mesh.data;
+      MeshParts parts{data.vertices, data.triangles, data.color, data.skin};
+      for (Vector3& v : parts.vertices) v += mesh.middle;
+      ReducedMesh reduced = Reduce(std::move(parts), most);
+      found.Warning(at.where, "'" + name + "': " + ReductionText(count, reduced) +
+                                  " (the meshes of a model have at most " +
+                                  std::to_string(kMaxModelTriangles) + " together)");
+      mesh = MakeModelMesh(std::move(reduced.parts));
+    }
     triangles_ += mesh.data->triangles.size();
     if (triangles_ > kMaxModelTriangles) {
       found.Error(at.where, "the meshes of a model have at most " + std::to_string(kMaxModelTriangles) +
@@ -309,11 +381,22 @@ class MeshLoader {
     return dressed;
   }
 
+  struct StandIn {
+    XmlNode shape;
+    std::optional<XmlNode> pose;
+    bool is_used = false;
+  };
+
   static constexpr int kMaxHeightSide = 257;
+  static constexpr std::size_t kFewTriangles = 1000;
 
   const Resources* resources_;
   MeshTable& table_;
   Diagnostics& diagnostics_;
+  const bool fills_gaps_;                        // a mesh that is not there is no error
+  bool is_missing_ = false;                      // the last mesh
+  std::set<std::pair<std::string, bool>> said_;  // what is not there, and whether it is only drawn
+  std::optional<StandIn> stand_in_;              // of the link at hand
   FileReader reader_;
   std::map<std::string, std::string> keys_;
   std::size_t triangles_ = 0;
@@ -325,7 +408,7 @@ class MeshLoader {
 }  // namespace
 
 void LoadMeshes(XmlNode& root, const Resources* resources, MeshTable& table, Diagnostics& diagnostics) {
-  MeshLoader(resources, table, diagnostics).Load(root);
+  MeshLoader(resources, root.Attribute("coopdyn:foreign") == "true", table, diagnostics).Load(root);
 }
 
 }  // namespace coopdyn

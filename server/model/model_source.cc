@@ -106,7 +106,8 @@ class Includer {
       if (!path) why = "the folder of '" + uri + "' has no model.sdf, model.urdf or model.config";
     }
     if (!path) {
-      if (!IsLightOrFloor(uri)) Error(include, "<include>: " + why);
+      // A world may include it a hundred times.
+      if (!IsLightOrFloor(uri) && missing_.insert(uri).second) Error(include, "<include>: " + why);
       return std::nullopt;
     }
     const std::string file = path->string();
@@ -149,6 +150,7 @@ class Includer {
   const Resources* resources_;
   Diagnostics& diagnostics_;
   int count_ = 0;
+  std::set<std::string> missing_;
 };
 
 /// Cuts off the meshes behind a composed text.

@@ -27,6 +27,12 @@ class Textures;
 /// `worlds/`, `robots/`, `controllers/`.
 struct SearchPath {
   std::vector<std::filesystem::path> folders;
+  /// Only for what models name by model:// and package://: those of Gazebo and ROS.
+  std::vector<std::filesystem::path> model_folders{};
+  /// Caches of Gazebo's Fuel (fuel.h).
+  std::vector<std::filesystem::path> fuel_folders{};
+  /// A mesh that is not there is an error, also where a box of the link's inertia would do.
+  bool is_strict = false;
 
   /// The first existing file for a scenario/world given by path or bare name; nothing if none. It ends in
   /// .scenario, .world, .sdf or .xml, which the name may leave out; only a path with a folder may end in

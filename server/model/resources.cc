@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "server/model/resources.h"
-#include "server/model/sdf_parts.h"
 
 #include <tinyxml2.h>
 
 #include <algorithm>
+#include <array>
 #include <system_error>
+#include <utility>
 
 #include "server/base/diagnostics.h"
+#include "server/model/fuel.h"
+#include "server/model/readers.h"
+#include "server/model/sdf_parts.h"
 #include "server/model/text_file.h"
 #include "server/model/values.h"
 
@@ -26,9 +30,21 @@ std::optional<fs::path> Canonical(const fs::path& path) {
   return found;
 }
 
+constexpr int kLevels = 4;  // above a model, in which its package is looked for
+
+bool IsIn(const fs::path& folder, const fs::path& file) {
+  return std::ranges::mismatch(folder, file).in1 == folder.end();
+}
+
+/// Whether it is a package of ROS or a model of Gazebo.
+bool HasMark(const fs::path& folder) {
+  std::error_code code;
+  return std::ranges::any_of(std::array{"package.xml", "manifest.xml", "model.config"},
+                             [&](const char* name) { return fs::exists(folder / name, code); });
+}
+
 /// The folder of the ROS package to which `file` belongs.
 std::optional<fs::path> PackageOf(const fs::path& file) {
-  constexpr int kLevels = 4;
   fs::path folder = file.parent_path();
   for (int level = 0; level < kLevels && folder.has_filename(); ++level, folder = folder.parent_path()) {
     std::error_code code;
@@ -37,84 +53,190 @@ std::optional<fs::path> PackageOf(const fs::path& file) {
   return std::nullopt;
 }
 
+/// Folders that hold all sorts of things are no packages, whatever a model calls its own.
+bool HoldsAll(const fs::path& folder) {
+  const fs::path above = folder.parent_path();
+  return above == above.root_path() || above == "/home";
+}
+
+/// What ROS writes as `$(find PKG)/FILE` is package://PKG/FILE.
+std::string WithoutFind(const std::string& uri) {
+  for (const std::string start :
+       {"$(find ", "file://$(find ", "$(find-pkg-share ", "file://$(find-pkg-share "}) {
+    const std::size_t end = uri.find(')');
+    if (!uri.starts_with(start) || end == std::string::npos) continue;
+    return "package://" + std::string(Trim(uri.substr(start.size(), end - start.size()))) +
+           uri.substr(end + 1);
+  }
+  return uri;
+}
+
+bool IsByName(const std::string& scheme) {
+  return scheme == "model" || scheme == "package";
+}
+
+/// The scheme of a URI, in lower case, and the rest.
+std::pair<std::string, std::string> Split(const std::string& uri) {
+  const std::size_t colon = uri.find("://");
+  const std::string scheme = colon == std::string::npos ? "" : ToLower(uri.substr(0, colon));
+  std::string rest = colon == std::string::npos ? uri : uri.substr(colon + 3);
+  std::replace(rest.begin(), rest.end(), '\\', '/');
+  if (IsByName(scheme)) rest.erase(0, rest.find_first_not_of('/'));
+  return {scheme, rest};
+}
+
 }  // namespace
 
-Resources::Resources(std::vector<fs::path> folders, const fs::path& model_file)
-    : folders_(std::move(folders)) {
-  for (const fs::path& folder : folders_) {
-    if (const auto root = Canonical(folder)) roots_.push_back(*root);
+Resources::Resources(const SearchPath& path, const fs::path& model_file)
+    : folders_(path.folders),
+      model_folders_(path.model_folders),
+      fuel_folders_(path.fuel_folders),
+      is_strict_(path.is_strict) {
+  for (const auto* folders : {&folders_, &model_folders_, &fuel_folders_}) {
+    for (const fs::path& folder : *folders) {
+      if (const auto root = Canonical(folder)) roots_.push_back(*root);
+    }
   }
   const auto file = Canonical(model_file);
   if (!file) return;
-  roots_.push_back(file->parent_path());
+  model_folder_ = file->parent_path();
+  roots_.push_back(model_folder_);
   package_ = PackageOf(*file);
   if (package_) roots_.push_back(*package_);
 }
 
 bool Resources::IsInside(const fs::path& file) const {
-  return std::ranges::any_of(roots_, [&file](const fs::path& root) {
-    const auto [in_root, in_file] = std::ranges::mismatch(root, file);
-    return in_root == root.end();
-  });
+  return std::ranges::any_of(roots_, [&file](const fs::path& root) { return IsIn(root, file); });
 }
 
-std::optional<fs::path> Resources::Find(const std::string& uri, const fs::path& from,
+/// A file outside the roots was found as one of a folder that is called as the URI says: what it names lies
+/// in this package, too.
+std::optional<fs::path> Resources::PackageAround(const fs::path& from) const {
+  const auto file = Canonical(from);
+  if (!file || IsInside(*file) || model_folder_.empty()) return std::nullopt;
+  for (fs::path up = file->parent_path(); up.has_filename(); up = up.parent_path()) {
+    if (HasMark(up) || IsIn(up, model_folder_)) return up;
+  }
+  return std::nullopt;
+}
+
+/// The places of NAME/FILE, which a file in `folder` names.
+void Resources::AddNamed(const std::string& path, const fs::path& folder, std::vector<Place>& places) const {
+  const fs::path name = *fs::path(path).begin();
+  const fs::path inner = fs::path(path).lexically_relative(name);
+  for (const fs::path& one : folders_) {
+    for (const char* sub : kModelFolders) places.push_back({one / sub / path, {}});
+    if (one.filename() == name) places.push_back({one / inner, {}});
+  }
+  for (const fs::path& one : model_folders_) {
+    places.push_back({one / path, {}});
+    if (one.filename() == name) places.push_back({one / inner, {}});
+  }
+  fs::path below = folder;
+  int level = 0;
+  for (fs::path up = folder; up.has_filename(); below = up, up = up.parent_path(), ++level) {
+    const bool is_near = level <= kLevels && !HoldsAll(up);
+    const auto root = is_near ? Canonical(up) : std::nullopt;
+    if (ToLower(up.filename().string()) == ToLower(name.string())) {  // Fuel writes names in lower case
+      places.push_back({up / inner, root});
+      places.push_back({below / inner, {}});  // as Fuel has it: NAME/VERSION/FILE
+    }
+    // A neighbour of the package or model.
+    const bool is_name = name != "." && name != ".." && name != "/";
+    if (is_near && is_name && HasMark(up / name)) places.push_back({up / path, Canonical(up / name)});
+  }
+  if (package_) places.push_back({*package_ / inner, {}});
+  places.push_back({folder / path, {}});  // as PyBullet has it
+}
+
+std::optional<fs::path> Resources::FindFuel(const std::string& uri, std::string& why) const {
+  const auto address = FuelAddressOf(uri);
+  if (!address) {
+    why = "'" + uri + "' is not fetched: copy it beside the model and write its relative path";
+    return std::nullopt;
+  }
+  for (const fs::path& cache : fuel_folders_) {
+    const auto folder = FuelFolderIn(cache, *address);
+    const auto found = folder ? Canonical(*folder / address->file) : std::nullopt;
+    if (found && IsInside(*found)) return found;
+  }
+  std::string looked;
+  for (const fs::path& cache : fuel_folders_) looked += (looked.empty() ? "" : ", ") + cache.string();
+  // Only what no shell takes for something else.
+  const bool plain = address->url.find_first_of("'\\") == std::string::npos;
+  why = "there is no '" + uri + "' in the cache of Gazebo (looked for in " +
+        (looked.empty() ? "no folder, as HOME is not set" : looked) + "): coopdyn fetches nothing; " +
+        (plain ? "write gz fuel download -u '" + address->url + "'" : "fetch it with gz fuel download") +
+        ", or copy the model to a folder on the search path and name it by model://NAME";
+  return std::nullopt;
+}
+
+std::string Resources::WhereLooked(const fs::path& folder, bool by_name) const {
+  constexpr std::size_t kMost = 6;
+  std::vector<fs::path> looked = {folder};
+  if (package_) looked.push_back(*package_);
+  looked.insert(looked.end(), folders_.begin(), folders_.end());
+  if (by_name) looked.insert(looked.end(), model_folders_.begin(), model_folders_.end());
+  std::vector<std::string> names;
+  for (const fs::path& one : looked) {
+    std::string name = one.lexically_normal().string();
+    if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
+  }
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i) text += (i == 0 ? "" : ", ") + names[i];
+  if (names.size() > kMost) text += " and " + std::to_string(names.size() - kMost) + " more";
+  return text;
+}
+
+std::optional<fs::path> Resources::Find(const std::string& given, const fs::path& from,
                                         std::string& why) const {
-  std::vector<fs::path> tried;
-  const std::size_t colon = uri.find("://");
-  const std::string scheme = colon == std::string::npos ? "" : ToLower(uri.substr(0, colon));
-  std::string rest = colon == std::string::npos ? uri : uri.substr(colon + 3);
-  std::replace(rest.begin(), rest.end(), '\\', '/');
-  if (scheme == "model" || scheme == "package") rest.erase(0, rest.find_first_not_of('/'));
+  const auto [scheme, rest] = Split(WithoutFind(given));
+  const bool by_name = IsByName(scheme);
+  std::vector<Place> tried;
   if (rest.empty()) {
     why = "an empty URI: write model://NAME/FILE, package://NAME/FILE or a path in the model's folder";
     return std::nullopt;
   }
   std::error_code code;
-  fs::path folder = fs::absolute(from, code).parent_path();
+  fs::path folder = fs::absolute(from, code).lexically_normal().parent_path();
   if (code) folder = from.parent_path();
-  if (scheme == "model" || scheme == "package") {
-    const fs::path path(rest);
-    const fs::path name = *path.begin();
-    const fs::path inner = path.lexically_relative(name);
-    for (const fs::path& one : folders_) {
-      for (const char* sub : kModelFolders) tried.push_back(one / sub / path);
-      if (one.filename() == name) tried.push_back(one / inner);
-    }
-    for (fs::path up = folder; up.has_filename(); up = up.parent_path()) {
-      if (up.filename() == name) tried.push_back(up / inner);
-    }
-    if (package_) tried.push_back(*package_ / inner);
-    tried.push_back(folder / path);  // as PyBullet has it
+  if (by_name) {
+    AddNamed(rest, folder, tried);
   } else if (scheme.empty() || scheme == "file") {
+    const auto package = PackageAround(from);
     if (fs::path(rest).is_absolute()) {
-      tried.emplace_back(rest);
-      tried.push_back(folder / fs::path(rest).relative_path());
+      tried.push_back({rest, {}});
+      tried.push_back({folder / fs::path(rest).relative_path(), package});
     } else {
-      tried.push_back(folder / rest);
-      for (const fs::path& one : folders_) tried.push_back(one / rest);
-      if (package_) tried.push_back(*package_ / rest);
+      tried.push_back({folder / rest, package});
+      for (const fs::path& one : folders_) tried.push_back({one / rest, {}});
+      if (package_) tried.push_back({*package_ / rest, {}});
     }
   } else {
-    why = "'" + uri + "' is not fetched: copy it beside the model and write its relative path";
-    return std::nullopt;
+    return FindFuel(given, why);
   }
   bool outside = false;
-  for (const fs::path& path : tried) {
+  for (const auto& [path, root] : tried) {
     const auto found = Canonical(path);
     if (!found) continue;
-    if (IsInside(*found)) return found;
+    if (IsInside(*found) || (root && IsIn(*root, *found))) return found;
     outside = true;
   }
   why = outside
-            ? "'" + uri +
+            ? "'" + given +
                   "' lies outside the model's folder and the search path: copy it there, or name its folder "
                   "with --scenarios or COOPDYN_PATH"
-            : "there is no '" + uri +
+            : "there is no '" + given +
                   "' in the model's folder or on the search path: add it, or name the folder that holds it "
-                  "with "
-                  "--scenarios or COOPDYN_PATH";
+                  "with --scenarios or COOPDYN_PATH (looked for in " +
+                  WhereLooked(folder, by_name) + ")";
   return std::nullopt;
+}
+
+std::optional<fs::path> PathInFolder(const std::string& uri) {
+  const auto [scheme, rest] = Split(WithoutFind(uri));
+  if (rest.empty() || (!scheme.empty() && scheme != "file" && !IsByName(scheme))) return std::nullopt;
+  return fs::path(rest).relative_path();
 }
 
 std::optional<fs::path> ModelFileIn(const fs::path& folder) {

@@ -154,7 +154,7 @@ std::shared_ptr<const RobotModel> ReadRobotModel(const std::filesystem::path& fi
   if (!text) return nullptr;
   const std::string folder = std::filesystem::absolute(file).parent_path().filename().string();
   const std::string stem = file.stem().string();
-  const Resources resources(path.folders, file);
+  const Resources resources(path, file);
   return ReadRobotModelText(*text, name, stem == "model" ? folder : stem, diagnostics, &resources);
 }
 

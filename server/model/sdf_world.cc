@@ -40,7 +40,7 @@ std::string Angles(const Quaternion& q) {
 class WorldConverter {
  public:
   WorldConverter(std::filesystem::path file, const SearchPath& path, Diagnostics& diagnostics)
-      : file_(std::move(file)), resources_(path.folders, file_), diagnostics_(diagnostics) {}
+      : file_(std::move(file)), resources_(path, file_), diagnostics_(diagnostics) {}
 
   std::optional<SdfWorld> Convert(const std::string& text) {
     auto root = ParseXml(text, file_.string(), diagnostics_);

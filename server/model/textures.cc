@@ -52,7 +52,7 @@ std::shared_ptr<const Image> EmbeddedTexture(const SourceText& source) {
 Textures::Textures(const RobotLibrary& library, const std::string& file, const std::string& world,
                    bool beside)
     : library_(&library), file_(file), world_(world), beside_(beside) {
-  files_.emplace(library.path().folders, beside ? std::filesystem::path(file) : std::filesystem::path());
+  files_.emplace(library.path(), beside ? std::filesystem::path(file) : std::filesystem::path());
 }
 
 Textures::Loaded Textures::Load(const std::string& name, std::string& why) {

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What `coopdyn check` says of scenarios and models."""
 import json
+import os
 import re
 import subprocess
 import tempfile
@@ -135,6 +136,47 @@ class ModelTest(unittest.TestCase):
                     f'<collision><geometry><mesh filename="{uri}"/></geometry></collision></link></robot>')
                 done = run("check", "a.urdf", cwd=folder)
                 self.assertEqual(done.returncode, 0, done.stderr)
+
+    LINK = ('<robot name="a"><link name="base"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>'
+            '<collision><geometry><mesh filename="{}"/></geometry></collision></link></robot>')
+    CUBE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+
+    def test_a_missing_mesh_is_an_error_if_strict(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "a.urdf").write_text(self.LINK.format("package://hands/meshes/m.obj"))
+            done = run("check", "a.urdf", cwd=folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("a box that has the link's inertia collides", done.stderr.decode())
+            done = run("check", "--strict", "a.urdf", cwd=folder)
+            self.assertEqual(done.returncode, 1, done.stderr)
+            self.assertIn("a.urdf:1: error: mesh: there is no 'package://hands/meshes/m.obj'", done.stderr.decode())
+
+    def test_search_names_the_folders_that_have_what_a_model_names(self):
+        with tempfile.TemporaryDirectory() as folder:
+            meshes = Path(folder) / "ws" / "src" / "hands" / "meshes"
+            meshes.mkdir(parents=True)
+            (meshes / "m.obj").write_text(self.CUBE)
+            (Path(folder) / "a.urdf").write_text(self.LINK.format("package://hands/meshes/m.obj"))
+            done = run("check", "--strict", "--search", "ws", "a.urdf", cwd=folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("a.urdf: what it names is found with --scenarios 'ws/src'", done.stdout.decode())
+            done = run("check", "--strict", "--scenarios", "ws/src", "a.urdf", cwd=folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            (meshes / "m.obj").unlink()
+            done = run("check", "--search", "ws", "a.urdf", cwd=folder)
+            self.assertIn("a.urdf: 'package://hands/meshes/m.obj' is nowhere in ws", done.stdout.decode())
+
+    def test_folders_of_gazebo_and_ros_are_taken_from_their_variables(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "a.urdf").write_text(self.LINK.format("package://hands/meshes/m.obj"))
+            meshes = Path(folder) / "here" / "share" / "hands" / "meshes"
+            meshes.mkdir(parents=True)
+            (meshes / "m.obj").write_text(self.CUBE)
+            for variable, value in (("AMENT_PREFIX_PATH", f"/none:{folder}/here"), ("ROS_PACKAGE_PATH", f"{folder}/here/share"),
+                                    ("GZ_SIM_RESOURCE_PATH", f"{folder}/here/share"), ("GAZEBO_MODEL_PATH", f"{folder}/here/share/hands")):
+                with self.subTest(variable):
+                    done = run("check", "--strict", "a.urdf", cwd=folder, env={**os.environ, variable: value})
+                    self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_the_listing_of_a_model_names_joints_with_units_couplings_and_what_modules_have(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -12,6 +12,7 @@
 
 #include "server/base/printable.h"
 #include "server/files/program/mesh_skin.h"
+#include "server/files/reduce_mesh.h"
 
 namespace coopdyn {
 
@@ -19,7 +20,7 @@ namespace {
 
 std::string TooMany(std::size_t triangles) {
   return "the mesh has " + std::to_string(triangles) + " triangles, at most " +
-         std::to_string(kMaxMeshTriangles) + " are taken: simplify it (in Blender: Modifier, Decimate)";
+         std::to_string(kMaxReadTriangles) + " are read: simplify it (in Blender: Modifier, Decimate)";
 }
 
 /// What is wrong with a file before a library reads it; empty: nothing.
@@ -29,7 +30,7 @@ std::string CheckBytes(const std::string& bytes, const std::string& name) {
   if (!is_stl || bytes.size() < kHeader || bytes.starts_with("solid")) return {};
   std::uint32_t count = 0;
   std::memcpy(&count, bytes.data() + 80, sizeof(count));
-  if (count > kMaxMeshTriangles) return TooMany(count);
+  if (count > kMaxReadTriangles) return TooMany(count);
   if (bytes.size() < kHeader + std::size_t{count} * kTriangle)
     return "the mesh is cut off: it says " + std::to_string(count) + " triangles and holds fewer";
   return {};
@@ -55,7 +56,7 @@ class Collector {
 
  private:
   void Add(const aiMesh& mesh, const aiMatrix4x4& place) {
-    if (parts.triangles.size() > kMaxMeshTriangles || mesh.mNumFaces == 0) return;
+    if (parts.triangles.size() > kMaxReadTriangles || mesh.mNumFaces == 0) return;
     const auto base = static_cast<std::uint32_t>(parts.vertices.size());
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       const aiVector3D p = place * mesh.mVertices[i];
@@ -102,7 +103,7 @@ std::optional<MeshAnswer> ReadMesh(const MeshRequest& request, const AskForFile&
   SkinBuilder skin(ask);
   Collector all(*scene, request, skin);
   all.Visit(*scene->mRootNode, aiMatrix4x4(), false);
-  if (all.parts.triangles.size() > kMaxMeshTriangles) {
+  if (all.parts.triangles.size() > kMaxReadTriangles) {
     why = TooMany(all.parts.triangles.size());
   } else if (all.parts.triangles.empty()) {
     why = request.part.empty() ? "it has no triangles" : "it has no part called '" + request.part + "'";
@@ -112,7 +113,11 @@ std::optional<MeshAnswer> ReadMesh(const MeshRequest& request, const AskForFile&
   if (!why.empty()) return std::nullopt;
   all.parts.color = skin.color();
   all.parts.skin = skin.Take();
-  return MeshAnswer{skin.missing(), Settled(std::move(all.parts))};
+  const std::size_t count = all.parts.triangles.size();
+  ReducedMesh reduced = Reduce(std::move(all.parts), kMaxMeshTriangles);
+  std::vector<std::string> warnings = skin.missing();
+  if (count > kMaxMeshTriangles) warnings.push_back(ReductionText(count, reduced));
+  return MeshAnswer{std::move(warnings), Settled(std::move(reduced.parts))};
 }
 
 }  // namespace coopdyn

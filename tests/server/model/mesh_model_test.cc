@@ -107,11 +107,60 @@ TEST(MeshTest, ACentredPartIsTheSameInARecordedText) {
   EXPECT_EQ(robot->meshes.at(0)->inertia_m5, again->meshes.at(0)->inertia_m5);
 }
 
-TEST(MeshTest, AMissingMeshIsAnErrorWithItsLine) {
+TEST(MeshTest, AFourthNumberOfAScaleIsLeftOut) {
+  const TempFolder folder;
+  folder.Write("cube.obj", kCube);
+  folder.Write(
+      "r.urdf",
+      "<robot name=\"r\">\n<link name=\"l\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" "
+      "izz=\"1\"/></inertial><collision><geometry><mesh filename=\"cube.obj\" scale=\"1 1 2 1\"/>"
+      "</geometry></collision></link></robot>");
+  const auto [robot, messages] = ReadFile(folder, "r.urdf");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_NEAR(std::get<Mesh>(robot->links[0].collisions.at(0).shape).data->volume_m3, 2, 1e-9);
+  EXPECT_THAT(messages, HasSubstr("r.urdf:2: warning: <scale> of a mesh is three numbers: the fourth of "
+                                  "'1 1 2 1' is left out"));
+}
+
+TEST(MeshTest, AMissingMeshOfAModelWithElementsOfOursIsAnErrorWithItsLine) {
   const auto [robot, messages] =
-      ReadSdf(SdfLink("l", "0 0 0 0 0 0", "\n<mesh><uri>model://rig/none.stl</uri></mesh>"));
+      ReadSdf("<coopdyn:module name=\"pose\" type=\"pose\"/>" +
+                  SdfLink("l", "0 0 0 0 0 0", "\n<mesh><uri>model://rig/none.stl</uri></mesh>"),
+              "1.9\" xmlns:coopdyn=\"https://coopdyn.dev/sdf");
   EXPECT_EQ(robot, nullptr);
   EXPECT_THAT(messages, HasSubstr("model.sdf:4: error: mesh: there is no 'model://rig/none.stl'"));
+}
+
+TEST(MeshTest, AMeshOfTooManyTrianglesForAModelIsReduced) {
+  // Three grids of 190,000 triangles each.
+  constexpr int kSide = 309;
+  std::string grid;
+  for (int row = 0; row < kSide; ++row) {
+    for (int column = 0; column < kSide; ++column)
+      grid += "v " + std::to_string(row) + " " + std::to_string(column) + " " +
+              std::to_string((row * column) % 7) + "\n";
+  }
+  for (int row = 1; row < kSide; ++row) {
+    for (int column = 1; column < kSide; ++column) {
+      const int here = row * kSide + column + 1;
+      for (const auto& [a, b] : {std::pair(here - kSide - 1, here - 1), {here - kSide, here - kSide - 1}})
+        grid += "f " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(here) + "\n";
+    }
+  }
+  const TempFolder folder;
+  std::string links;
+  for (const std::string name : {"a", "b", "c"}) {
+    folder.Write(name + ".obj", grid);
+    links +=
+        SdfLink(name, "0 0 0 0 0 0", "<mesh><uri>" + name + ".obj</uri><scale>0.01 0.01 0.01</scale></mesh>");
+  }
+  folder.Write("model.sdf",
+               "<sdf version=\"1.6\"><model name=\"m\"><static>true</static>" + links + "</model></sdf>");
+  const auto [robot, messages] = ReadFile(folder, "model.sdf");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_THAT(messages, Not(HasSubstr("'a.obj'")));
+  EXPECT_THAT(messages, HasSubstr("warning: 'c.obj': it has 189728 triangles: "));
+  EXPECT_THAT(messages, HasSubstr("(the meshes of a model have at most 500000 together)"));
 }
 
 /// A tetrahedron of 0.2 x 0.4 x 0.6 m as a .dae file; `node`: what stands in its node.

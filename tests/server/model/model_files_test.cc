@@ -331,8 +331,8 @@ TEST(MalformedModelTest, AMeshOfTenMillionTrianglesIsRefusedByItsHeader) {
                                        "</geometry></collision>\n"));
   EXPECT_THAT(
       ReadIn(folder, "model.sdf").messages,
-      HasSubstr("model.sdf:4: error: mesh 'big.stl': the mesh has 10000000 triangles, at most 200000 are "
-                "taken: simplify it"));
+      HasSubstr("model.sdf:4: error: mesh 'big.stl': the mesh has 10000000 triangles, at most 2000000 are "
+                "read: simplify it"));
 }
 
 TEST(MalformedModelTest, AMeshThatIsAPipeIsNotWaitedFor) {
@@ -355,13 +355,13 @@ TEST(MalformedModelTest, ADamagedMeshIsReadOnceForAllItsUses) {
   EXPECT_THAT(messages, HasSubstr("model.sdf:5: error: 'bad.stl' cannot be used, as is said above"));
 }
 
-TEST(MalformedModelTest, AMeshThatIsNotThereIsAnErrorThatSaysWhereToPutIt) {
+TEST(MalformedModelTest, AMeshThatIsNotThereIsSaidWithWhereToPutIt) {
   const TempFolder folder;
   folder.Write("model.sdf", FixedModel("<collision name=\"c\"><geometry>\n<mesh><uri>none.stl</uri></mesh>"
                                        "</geometry></collision>\n"));
   EXPECT_THAT(
       ReadIn(folder, "model.sdf").messages,
-      HasSubstr("model.sdf:4: error: mesh: there is no 'none.stl' in the model's folder or on the search "
+      HasSubstr("model.sdf:4: warning: mesh: there is no 'none.stl' in the model's folder or on the search "
                 "path: add it"));
 }
 

@@ -211,6 +211,12 @@ TEST_F(SdfWorldTest, AMissingIncludeIsAnErrorWithItsLine) {
   EXPECT_THAT(messages(), HasSubstr("error: <include>: there is no 'model://nowhere'"));
 }
 
+TEST_F(SdfWorldTest, AMissingIncludeIsSaidOnce) {
+  const std::string include = "<include><uri>model://nowhere</uri></include>\n";
+  EXPECT_EQ(Load(Model("arm", kArm) + include + include), nullptr);
+  EXPECT_EQ(messages().find("nowhere"), messages().rfind("nowhere")) << messages();
+}
+
 }  // namespace sdf_world
 }  // namespace
 }  // namespace coopdyn
