@@ -19,6 +19,11 @@ namespace coopdyn {
 
 namespace {
 
+bool IsUrdf(const std::filesystem::path& file) {
+  const std::string extension = ToLower(file.extension().string());
+  return extension == ".urdf" || extension == ".xacro";
+}
+
 /// A world with the robot of a URDF file alone.
 std::string UrdfAsScenario(const std::filesystem::path& file) {
   return "[WORLD]\nfile empty.world\n\n[ROBOT_1]\ntype ./" + file.filename().string() + "\nposition 0 0\n";
@@ -75,7 +80,7 @@ std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibra
   std::shared_ptr<const Scenario> scenario;
   if (text && IsExperiment(*text, file)) {
     scenario = ReadScenario(WithSettings(*text, settings, found), file, robots, false, found, seed);
-  } else if (text && ToLower(path->extension().string()) == ".urdf") {
+  } else if (text && IsUrdf(*path)) {
     scenario =
         ReadScenario(WithSettings(UrdfAsScenario(*path), settings, found), file, robots, false, found, seed);
   } else if (text && Trim(*text).starts_with('<')) {  // Gazebo's worlds may end in .world, too

@@ -19,6 +19,9 @@ struct SdfWorld {
       models;  // of the robots, by their names in the world
 };
 
+/// Whether `text` is one model, no world, as far as it can be read.
+bool IsOneSdfModel(const std::string& text);
+
 /// Reads the world in `file`. Nothing with errors.
 std::optional<SdfWorld> ReadSdfWorld(const std::filesystem::path& file, const SearchPath& path,
                                      Diagnostics& diagnostics);
