@@ -79,7 +79,7 @@ class WorldConverter {
     return SdfWorld{"; The scenario that " + file_.filename().string() +
                         " means.\n[SIMULATION]\noverlaps yes\n" + simulation_ + "\n[FLOOR]\n" +
                         (floor_.empty() ? "size 100 100\n" : floor_) + things_ + lights_ + robots_,
-                    std::move(models_)};
+                    std::move(models_), std::move(places_)};
   }
 
   /// Whether all that `root` has is one model, one robot.
@@ -93,7 +93,7 @@ class WorldConverter {
  private:
   /// A file with a model alone is a scenario with that robot.
   SdfWorld OneRobot() const {
-    return {"[ROBOT_1]\ntype \"" + file_.filename().string() + "\"\nposition 0 0\n", {}};
+    return {"[ROBOT_1]\ntype \"" + file_.filename().string() + "\"\nposition 0 0\n", {}, {}};
   }
 
   void ReadSimulation(const XmlNode& world) {
@@ -180,6 +180,8 @@ class WorldConverter {
     for (const char* word : {"world", "simulation", "target", "floor", "robot", "swarm", "light"}) {
       if (ToLower(name).starts_with(word)) name = "m_" + name;
     }
+    const std::string word = ToLower(name.substr(0, name.find_first_of("_0123456789")));
+    if (word == "set" || word == "random" || word == "score") name = "m_" + name;
     std::string unique = name;
     for (int i = 2; !names_.insert(ToLower(unique)).second; ++i) unique = name + "_" + std::to_string(i);
     return unique;
@@ -226,8 +228,9 @@ class WorldConverter {
                                             FormatNumber(std::round(below_m * 1e4) / 1e4) +
                                             " m below the floor: it is put on the floor");
     }
+    models_.emplace(name, read);  // a thing, too, may be a robot's type
+    places_.emplace(name, given.where);
     if (are_things) return AddThings(*read, name, X_WR);
-    models_.emplace(name, read);
     robots_ += "\n[ROBOT_" + std::to_string(++robot_count_) + "]\ntype " + type + "\nname " + name +
                "\nposition " + Exact(X_WR.p) + "\norientation " + Angles(X_WR.q) + "\n";
     if (!read->has_actuators() && read->sensors.size() <= 1) robots_ += "sockets no\n";
@@ -272,7 +275,9 @@ class WorldConverter {
     for (const LinkShape& shape : link.collisions) {
       const Pose X_WG = X_WR * link.X_RL * shape.X_LG;
       const Color color = link.visuals.empty() ? Color() : link.visuals.front().color;
-      things_ += "\n[" + (++number == 1 ? name : NewName(name + "_" + std::to_string(number))) + "]\n";
+      const std::string part = ++number == 1 ? name : NewName(name + "_" + std::to_string(number));
+      places_.emplace(part, places_.at(name));
+      things_ += "\n[" + part + "]\n";
       if (const auto* box = std::get_if<Box>(&shape.shape)) {
         things_ += "type box\nsize " + Exact(box->size_m) + "\n";
       } else if (const auto* cylinder = std::get_if<Cylinder>(&shape.shape)) {
@@ -295,6 +300,7 @@ class WorldConverter {
   Diagnostics& diagnostics_;
   std::string simulation_, floor_, things_, lights_, robots_;
   std::map<std::string, std::shared_ptr<const RobotModel>> models_;  // by their new names
+  std::map<std::string, SourceLine> places_;
   std::set<std::string> names_;
   int robot_count_ = 0, light_count_ = 0;
 };

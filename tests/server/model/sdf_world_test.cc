@@ -85,11 +85,11 @@ TEST_F(SdfWorldTest, BodiesThatNoJointHoldsTogetherAreThingsAndRobotsOfTheirOwn)
   ASSERT_NE(scenario, nullptr) << messages();
   EXPECT_EQ(messages(), "");
   ASSERT_EQ(scenario->robots.size(), 1u);
-  EXPECT_EQ(scenario->robots[0].name, "set");
+  EXPECT_EQ(scenario->robots[0].name, "m_set");  // [SET] is a section of its own
   ASSERT_EQ(scenario->objects.size(), 2u);
-  EXPECT_EQ(scenario->objects[0].name, "set_cube");
+  EXPECT_EQ(scenario->objects[0].name, "m_set_cube");
   EXPECT_NEAR((scenario->objects[0].X_WO.p - Vector3(1, 3, 0.1)).norm(), 0, 1e-9);
-  EXPECT_EQ(scenario->objects[1].name, "set_block");
+  EXPECT_EQ(scenario->objects[1].name, "m_set_block");
 }
 
 TEST_F(SdfWorldTest, SeveralModelsInAFileAreAWorld) {
@@ -102,10 +102,25 @@ TEST_F(SdfWorldTest, SeveralModelsInAFileAreAWorld) {
   EXPECT_NEAR(scenario->robots[1].X_WR.p.x(), 3, 1e-9);
 }
 
+TEST_F(SdfWorldTest, AnyModelOfAFileIsARobotsTypeByItsName) {
+  LoadText("<sdf version=\"1.6\">" + Model("one", kArm) + Model("two", Link("l", "0 0 0.1 0 0 0")) +
+           "</sdf>");
+  const auto file = folder().Write("mine.scenario", "[ROBOT_1]\ntype lab.sdf#two\nposition 0 0\n");
+  RobotLibrary library(SearchPath{});
+  Diagnostics diagnostics;
+  EXPECT_NE(LoadScenario(file, library, diagnostics), nullptr) << diagnostics.ToString();
+  folder().Write("mine.scenario", "[ROBOT_1]\ntype ./lab.sdf\nposition 0 0\n");
+  EXPECT_EQ(LoadScenario(file, library, diagnostics), nullptr);
+  EXPECT_THAT(diagnostics.ToString(),
+              HasSubstr("a robot's file holds one <model>, and this one 2: name one of them, "
+                        "type lab.sdf#one, or serve the file itself"));
+}
+
 TEST_F(SdfWorldTest, WhatOverlapsIsPushedOutAndAThingInTheFloorIsPutOnIt) {
   const auto scenario = Load(Model("crate", Link("l", "0 0 0 0 0 0"), "0 -2 0 0 0 0"));
   ASSERT_NE(scenario, nullptr) << messages();
   EXPECT_TRUE(scenario->simulation.overlaps);
+  EXPECT_EQ(scenario->objects.at(0).where.line, 2);  // of the world, in whose second line the crate stands
   EXPECT_NEAR(scenario->objects.at(0).X_WO.p.z(), 0.1, 1e-9);
   EXPECT_THAT(messages(), HasSubstr("model 'crate' stands 0.1 m below the floor: it is put on the floor"));
 }
