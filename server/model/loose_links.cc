@@ -48,8 +48,9 @@ class Grouper {
   void Join(const std::string& name, std::size_t to) {
     if (name == "world") parts_.emplace(name, to);  // what is fixed to it is one body
     const auto found = parts_.find(name.substr(0, name.find("::")));
-    if (found == parts_.end() || groups_[found->second] == groups_[to]) return;
-    std::ranges::replace(groups_, groups_[found->second], groups_[to]);
+    if (found == parts_.end()) return;
+    const std::size_t from = groups_[found->second], into = groups_[to];
+    if (from != into) std::ranges::replace(groups_, from, into);
   }
 
   void JoinAll(const XmlNode& node, std::size_t part) {

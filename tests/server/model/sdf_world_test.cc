@@ -92,6 +92,20 @@ TEST_F(SdfWorldTest, BodiesThatNoJointHoldsTogetherAreThingsAndRobotsOfTheirOwn)
   EXPECT_EQ(scenario->objects[1].name, "m_set_block");
 }
 
+TEST_F(SdfWorldTest, WhatJointsHoldTogetherInAnyOrderIsOneRobot) {
+  const auto joint = [](const std::string& child) {
+    return "<joint name=\"" + child + "_j\" type=\"ball\"><parent>base</parent><child>" + child +
+           "</child></joint>";
+  };
+  const auto scenario =
+      Load(Model("hand", Link("base", "0 0 0.1 0 0 0") + Link("left", "0 1 0.1 0 0 0") +
+                             Link("right", "0 -1 0.1 0 0 0") + joint("left") + joint("right")));
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_EQ(messages(), "");
+  EXPECT_EQ(scenario->robots.size(), 1u);
+  EXPECT_TRUE(scenario->objects.empty());
+}
+
 TEST_F(SdfWorldTest, SeveralModelsInAFileAreAWorld) {
   const auto scenario = LoadText("<sdf version=\"1.6\">" + Model("one", kArm, "1 0 0 0 0 0") +
                                  Model("two", kArm, "3 0 0 0 0 0") + "</sdf>");
