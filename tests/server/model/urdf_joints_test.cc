@@ -76,6 +76,16 @@ TEST(UrdfJointsTest, APlanarJointMayHangOnTheWorld) {
   EXPECT_EQ(robot->joints.size(), 3u);
 }
 
+TEST(UrdfJointsTest, ProductsOfInertiaThatNoBodyHasAreMendedAndSaid) {
+  std::string body = Body("base");
+  body.replace(body.find("ixy=\"0\""), 7, "ixy=\"3\"");
+  const auto [robot, messages] = ReadUrdf(body);
+  ASSERT_NE(robot, nullptr) << messages;
+  // Of the box of 0.2 m and 1 kg.
+  EXPECT_NEAR((robot->links[0].inertia_kg_m2 - Vector3::Constant(0.04 / 6)).norm(), 0, 1e-12);
+  EXPECT_THAT(messages, HasSubstr("the inertia of link 'base' is not that of a body"));
+}
+
 TEST(UrdfJointsTest, ATransmissionGivesItsJointAMotor) {
   const auto [robot, messages] = ReadUrdf(
       Body("base") + Body("arm") + JointOf("continuous", "base", "arm") +
