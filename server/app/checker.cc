@@ -15,6 +15,7 @@
 #include "server/base/worker_pool.h"
 #include "server/controllers/controller_host.h"
 #include "server/model/scenario.h"
+#include "server/model/sdf_world.h"
 #include "server/model/sensor_text.h"
 #include "server/model/text_file.h"
 #include "server/model/values.h"
@@ -54,14 +55,14 @@ FramePtr FirstFrame(const std::shared_ptr<const Scenario>& scenario, bool contro
   return world == nullptr ? nullptr : frame;
 }
 
-/// A model, not a world.
+/// A model, not a world or several models.
 bool IsRobotModel(const std::string& file) {
   const std::string extension = std::filesystem::path(file).extension();
-  if (extension == ".urdf") return true;
+  if (extension == ".urdf" || extension == ".xacro") return true;
   if (extension != ".sdf") return false;
   Diagnostics ignored;
   const auto text = ReadTextFile(file, {file, 0}, ignored);
-  return !text || text->find("<world") == std::string::npos;
+  return !text || IsOneSdfModel(*text);
 }
 
 constexpr const char* kAlone = "model";

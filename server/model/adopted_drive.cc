@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <optional>
 #include <utility>
 
+#include "server/base/portable_math.h"
 #include "server/model/sdf_parts.h"
 #include "server/model/values.h"
 
@@ -31,7 +34,10 @@ class DriveAdopter {
         diagnostics_(diagnostics) {}
 
   void Adopt() {
-    const std::vector<Wheel> wheels = FindWheels();
+    std::vector<Wheel> wheels = FindWheels();
+    steers_ = FindSteering();
+    // They would drag: their speeds are others than those of the axle behind.
+    if (steers_) std::erase_if(wheels, [this](const Wheel& wheel) { return IsSteered(wheel); });
     const auto pair = FindPair(wheels);
     if (!pair)
       return Leave(
@@ -59,12 +65,12 @@ class DriveAdopter {
     MoveOrigin({(p_left.x() + p_right.x()) / 2, (p_left.y() + p_right.y()) / 2, p_left.z() - radius_m});
     FillMotors(JointOf(*left_wheel), JointOf(*right_wheel), radius_m);
     const JointModel& left = JointOf(*left_wheel);
-    robot_.actuators.push_back({"motors",
-                                {left_wheel->joint, right_wheel->joint},
-                                DriveModel{.wheel_radius_m = radius_m,
-                                           .track_m = p_left.y() - p_right.y(),
-                                           .max_wheel_speed_rad_s = left.max_velocity,
-                                           .max_torque_nm = left.max_effort}});
+    DriveModel drive{.wheel_radius_m = radius_m,
+                     .track_m = p_left.y() - p_right.y(),
+                     .max_wheel_speed_rad_s = left.max_velocity,
+                     .max_torque_nm = left.max_effort};
+    if (steers_) drive.steering = Steering();
+    robot_.actuators.push_back({"motors", {left_wheel->joint, right_wheel->joint}, drive});
   }
 
  private:
@@ -74,6 +80,65 @@ class DriveAdopter {
     Vector3 p_R = Vector3::Zero();
     double radius_m = 0;
   };
+
+  /// Left and right; nothing if the plug-in steers by its wheels' speeds alone.
+  std::optional<std::pair<int, int>> FindSteering() {
+    std::vector<int> found;
+    for (const char* key : {"steer_left", "steer_right"}) {
+      const auto name = attributes_.Text(key);
+      const auto joint = std::ranges::find(robot_.joints, name.value_or(""), &JointModel::name);
+      if (!name || joint == robot_.joints.end() || joint->kind != JointModel::Kind::kHinge) continue;
+      found.push_back(static_cast<int>(joint - robot_.joints.begin()));
+    }
+    if (found.size() != 2) return std::nullopt;
+    return std::pair(found[0], found[1]);
+  }
+
+  JointModel& JointAt(int joint) { return robot_.joints[static_cast<std::size_t>(joint)]; }
+  bool IsSteered(const Wheel& wheel) {
+    const int holder = JointOf(wheel).parent;
+    return holder == JointAt(steers_->first).child || holder == JointAt(steers_->second).child;
+  }
+
+  /// Of joints whose axes stand upright before the axle, R's y axis. What does not fit is said, and nothing.
+  std::optional<DriveModel::Steering> Steering() {
+    const auto refuse = [this](const std::string& why) {
+      diagnostics_.Warning(where_, "the drive does not steer, since " + why);
+      return std::nullopt;
+    };
+    DriveModel::Steering steering;
+    steering.joints = {steers_->first, steers_->second};
+    constexpr double kMostAngle_rad = std::numbers::pi / 3;  // more would only drag the wheels along
+    double angle_rad = attributes_.Number("steering_limit", 1e-3, std::numbers::pi).value_or(kMostAngle_rad);
+    angle_rad = std::min(angle_rad, kMostAngle_rad);
+    for (const int index : steering.joints) {
+      JointModel& joint = JointAt(index);
+      if (std::abs(joint.axis_R.z()) < 1 - 1e-6)
+        return refuse("the axis of '" + joint.name + "' does not stand upright: write <xyz>0 0 1</xyz>");
+      if (joint.axis_R.z() < 0) {
+        Reverse(index);
+        joint.lower = -std::exchange(joint.upper, -joint.lower);
+      }
+      joint.axis_R = Vector3::UnitZ();
+      joint.damping = joint.friction = joint.stiffness = 0;
+      constexpr double kEffort_nm = 100, kVelocity_rad_s = 10;
+      if (!IsLimit(joint.max_effort, kMaxMotorEffort)) joint.max_effort = kEffort_nm;
+      if (!IsLimit(joint.max_velocity, kMaxMotorVelocity)) joint.max_velocity = kVelocity_rad_s;
+      angle_rad = std::min({angle_rad, -joint.lower, joint.upper});
+    }
+    const Vector3 left = JointAt(steering.joints[0]).p_RJ, right = JointAt(steering.joints[1]).p_RJ;
+    steering.wheelbase_m = left.x();
+    steering.half_track_m = left.y();
+    if (!(left.x() > kSame_m && left.y() > kSame_m) || std::abs(left.x() - right.x()) > kSame_m ||
+        std::abs(left.y() + right.y()) > kSame_m)
+      return refuse(
+          "the axes of its steered wheels do not stand before the axle, left and right of the middle");
+    if (!(angle_rad > 0)) return refuse("its <limit>s leave out straight on");
+    // The inner wheel turns most.
+    const double tangent = portable::Tan(angle_rad);
+    steering.max_curvature_1_m = tangent / (steering.wheelbase_m + steering.half_track_m * tangent);
+    return steering;
+  }
 
   void Leave(const std::string& why) {
     diagnostics_.Warning(where_, "the differential drive has no module 'motors', since " + why);
@@ -221,6 +286,7 @@ class DriveAdopter {
   XmlAttributes attributes_;
   RobotModel& robot_;
   Diagnostics& diagnostics_;
+  std::optional<std::pair<int, int>> steers_;
 };
 
 }  // namespace
@@ -239,7 +305,9 @@ void AdoptJoint(const tinyxml2::XMLElement& element, const std::string& file, Ro
     diagnostics.Warning(attributes.where(), "there is no joint '" + name + "' for its controller plug-in");
     return;
   }
-  if (robot.FindCoupling(static_cast<int>(found - robot.joints.begin())) != nullptr) {
+  const int joint = static_cast<int>(found - robot.joints.begin());
+  if (robot.IsDriven(joint) || !found->has_axis()) return;
+  if (robot.FindCoupling(joint) != nullptr) {
     diagnostics.Warning(attributes.where(), "the controller plug-in of joint '" + name +
                                                 "' is not used: the joint follows another (<mimic>)");
     return;

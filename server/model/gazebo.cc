@@ -14,7 +14,8 @@ namespace coopdyn {
 
 namespace {
 
-constexpr const char* kDriveWords[] = {"diff_drive", "DiffDrive", "diff-drive", "differential_drive"};
+constexpr const char* kDriveWords[] = {"diff_drive",         "DiffDrive", "diff-drive",
+                                       "differential_drive", "ackermann", "Ackermann"};
 constexpr const char* kJointWords[] = {"joint-position-controller",
                                        "JointPositionController",
                                        "joint-controller",
@@ -61,6 +62,7 @@ class Adopter {
     RemoveInitialPose();
     TakeScripts(model_);
     Prune(model_);
+    HoldEndlessly(model_);
     for (const auto& [what, left_out] : left_out_) {
       diagnostics_.Warning(left_out.first,
                            what + " is not used by coopdyn" +
@@ -131,6 +133,19 @@ class Adopter {
     std::erase_if(node.children, [](const XmlNode& one) { return one.name == "script"; });
   }
 
+  /// ODE's word for friction without end is a negative one.
+  void HoldEndlessly(XmlNode& node) {
+    for (XmlNode& child : node.children) {
+      HoldEndlessly(child);
+      const auto mu = child.name == "mu" || child.name == "mu2" ? ParsePlain(child.text) : std::nullopt;
+      if (!mu || *mu >= 0) continue;
+      child.text = "1000";
+      if (!std::exchange(says_endless_, true))
+        diagnostics_.Warning(
+            child.where, "<" + child.name + "> below 0 is taken as 1000, friction that nothing overcomes");
+    }
+  }
+
   /// Where it stands is for the scenario to say.
   void RemoveInitialPose() {
     std::erase_if(model_.children, [this](const XmlNode& one) {
@@ -175,8 +190,8 @@ class Adopter {
   void Translate(const XmlNode& plugin) {
     const std::string what = plugin.Attribute("filename") + " " + plugin.Attribute("name");
     const std::string shown = "plug-in '" + plugin.Attribute("filename") + "'";
-    const std::string left = FirstOf(plugin, {"left_joint", "leftJoint"});
-    const std::string right = FirstOf(plugin, {"right_joint", "rightJoint"});
+    const std::string left = FirstOf(plugin, {"left_joint", "leftJoint", "rear_left_joint"});
+    const std::string right = FirstOf(plugin, {"right_joint", "rightJoint", "rear_right_joint"});
     if (HasWord(what, kDriveWords) && !left.empty() && !right.empty()) {
       if (model_.Child("coopdyn:gazebo_drive") != nullptr) {
         diagnostics_.Warning(plugin.where, "a second differential drive is not used by coopdyn");
@@ -189,7 +204,10 @@ class Adopter {
       drive.Set("other_left_joints", OthersOf(plugin, {"left_joint", "leftJoint"}));
       drive.Set("other_right_joints", OthersOf(plugin, {"right_joint", "rightJoint"}));
       for (const auto& [key, text] :
-           {std::pair("torque", FirstOf(plugin, {"max_wheel_torque", "wheelTorque", "torque"})),
+           {std::pair("steer_left", FirstOf(plugin, {"left_steering_joint"})),
+            std::pair("steer_right", FirstOf(plugin, {"right_steering_joint"})),
+            std::pair("steering_limit", FirstOf(plugin, {"steering_limit", "max_steer"})),
+            std::pair("torque", FirstOf(plugin, {"max_wheel_torque", "wheelTorque", "torque"})),
             std::pair("diameter", FirstOf(plugin, {"wheel_diameter", "wheelDiameter"})),
             std::pair("radius", FirstOf(plugin, {"wheel_radius"}))}) {
         if (!text.empty()) drive.Set(key, text);
@@ -207,13 +225,17 @@ class Adopter {
       const std::string effort = FirstOf(plugin, {"cmd_max"});
       if (!effort.empty()) moved.Set("effort", effort);
     }
-    if (moves) return;
+    // Its joints stand in <ros2_control> or in <transmission>s.
+    const bool is_ros =
+        what.find("ros_control") != std::string::npos || what.find("ros2_control") != std::string::npos;
+    if (moves || (is_ros && model_.Child("coopdyn:gazebo_joint") != nullptr)) return;
     diagnostics_.Warning(plugin.where, shown + " is not used by coopdyn");
   }
 
   XmlNode& model_;
   Diagnostics& diagnostics_;
   std::map<std::string, LeftOut> left_out_;
+  bool says_endless_ = false;
 };
 
 }  // namespace

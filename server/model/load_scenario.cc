@@ -2,6 +2,7 @@
 // Finds the file that a scenario's name means, and reads it by its kind: scenario, world, SDF world,
 // robot or experiment.
 #include <filesystem>
+#include <map>
 #include <system_error>
 #include <utility>
 
@@ -19,9 +20,28 @@ namespace coopdyn {
 
 namespace {
 
+bool IsUrdf(const std::filesystem::path& file) {
+  const std::string extension = ToLower(file.extension().string());
+  return extension == ".urdf" || extension == ".xacro";
+}
+
 /// A world with the robot of a URDF file alone.
 std::string UrdfAsScenario(const std::filesystem::path& file) {
   return "[WORLD]\nfile empty.world\n\n[ROBOT_1]\ntype ./" + file.filename().string() + "\nposition 0 0\n";
+}
+
+/// What an SDF world means, with the lines of the world.
+std::shared_ptr<const Scenario> AsWritten(const Scenario& scenario,
+                                          const std::map<std::string, SourceLine>& places) {
+  auto placed = std::make_shared<Scenario>(scenario);
+  const auto place = [&](auto& all) {
+    for (auto& one : all) {
+      if (const auto found = places.find(one.name); found != places.end()) one.where = found->second;
+    }
+  };
+  place(placed->objects);
+  place(placed->robots);
+  return placed;
 }
 
 /// A .world as a scenario without robots.
@@ -75,7 +95,7 @@ std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibra
   std::shared_ptr<const Scenario> scenario;
   if (text && IsExperiment(*text, file)) {
     scenario = ReadScenario(WithSettings(*text, settings, found), file, robots, false, found, seed);
-  } else if (text && ToLower(path->extension().string()) == ".urdf") {
+  } else if (text && IsUrdf(*path)) {
     scenario =
         ReadScenario(WithSettings(UrdfAsScenario(*path), settings, found), file, robots, false, found, seed);
   } else if (text && Trim(*text).starts_with('<')) {  // Gazebo's worlds may end in .world, too
@@ -83,6 +103,7 @@ std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibra
       for (const auto& [name, model] : world->models) robots.Add(model->type, model);
       scenario =
           ReadScenario(WithSettings(world->scenario, settings, found), file, robots, false, found, seed);
+      if (scenario != nullptr) scenario = AsWritten(*scenario, world->places);
     }
   } else if (text && ToLower(path->extension().string()) == ".world") {
     if (!settings.empty()) {

@@ -32,16 +32,6 @@ std::optional<int> MinorOf(const std::string& version) {
   return static_cast<int>(*minor);
 }
 
-bool HasOwnElements(const XmlNode& node) {
-  if (node.name.starts_with("coopdyn:") || node.Has("coopdyn:color")) return true;
-  return std::ranges::any_of(node.children, HasOwnElements);
-}
-
-bool HasAny(const XmlNode& node, std::string_view name) {
-  return node.name == name ||
-         std::ranges::any_of(node.children, [&](const XmlNode& c) { return HasAny(c, name); });
-}
-
 /// Writes what `<include>` names in its place.
 class Includer {
  public:
@@ -55,7 +45,7 @@ class Includer {
         auto model = Load(child, depth);
         if (!model) continue;
         if (parent.name == "model" && IsMerged(child, *model)) {
-          std::ranges::move(model->children, std::back_inserter(all));
+          std::ranges::move(PartsToMerge(std::move(*model)), std::back_inserter(all));
         } else {
           all.push_back(std::move(*model));
         }
@@ -79,9 +69,11 @@ class Includer {
   /// Whether the parts of `model` become parts of the model that includes it.
   bool IsMerged(const XmlNode& include, const XmlNode& model) {
     if (include.Attribute("merge") != "true" && include.Attribute("merge") != "1") return false;
-    if (model.Child("pose") == nullptr && model.Child("static") == nullptr) return true;
+    const std::string fixed = model.TextOf("static");
+    if (fixed != "1" && fixed != "true" && !model.Has("placement_frame")) return true;
     diagnostics_.Warning(include.where,
-                         "merge of an <include> with <pose> or <static> is not used: its parts are called " +
+                         "merge of an <include> with <static> or placement_frame is not used: its parts are "
+                         "called " +
                              model.Attribute("name") + "::PART");
     return false;
   }
@@ -188,6 +180,16 @@ bool TakeMeshes(std::string& text, MeshTable& table) {
 
 }  // namespace
 
+bool HasOwnElements(const XmlNode& node) {
+  if (node.name.starts_with("coopdyn:") || node.Has("coopdyn:color")) return true;
+  return std::ranges::any_of(node.children, HasOwnElements);
+}
+
+bool HasAny(const XmlNode& node, std::string_view name) {
+  return node.name == name ||
+         std::ranges::any_of(node.children, [&](const XmlNode& c) { return HasAny(c, name); });
+}
+
 namespace {
 
 /// The noise of an <imu> as SDF 1.5 has it: one for the turn rates, one for the accelerations.
@@ -208,21 +210,25 @@ void UpgradeImu(XmlNode& imu) {
   }
 }
 
+/// Writes `inf` as `most`.
+void WriteEndless(XmlNode& node, const std::string& most) {
+  std::string text = ToLower(node.text);
+  const std::string sign = text.starts_with('-') ? "-" : "";
+  if (text.starts_with('-') || text.starts_with('+')) text.erase(0, 1);
+  if (text == "inf" || text == "infinity") node.text = sign + most;
+}
+
 }  // namespace
 
 void Upgrade(XmlNode& node, const std::string& version) {
   if (node.name == "imu") UpgradeImu(node);
   // Without end: further than any sensor sees.
-  if (XmlNode* max = node.name == "range" ? node.Child("max") : nullptr; max != nullptr) {
-    if (ToLower(max->text) == "inf" || ToLower(max->text) == "+inf") max->text = "100000";
-  }
+  if (XmlNode* max = node.name == "range" ? node.Child("max") : nullptr; max != nullptr)
+    WriteEndless(*max, "100000");
   if (node.name == "limit") {
-    for (XmlNode& child : node.children) {
-      const std::string text = ToLower(child.text);
-      if (text == "inf" || text == "+inf") child.text = "1e16";
-      if (text == "-inf") child.text = "-1e16";
-    }
+    for (XmlNode& child : node.children) WriteEndless(child, "1e16");
   }
+  if (node.name == "mu" || node.name == "mu2") WriteEndless(node, "1e16");
   const int minor = MinorOf(version).value_or(9);
   if (node.name == "sdf") node.Set("version", "1.9");
   if (minor < 7) {
@@ -277,16 +283,22 @@ std::optional<ModelSource> ComposeModel(const std::string& given, const std::str
                       "this is a world, not a robot: load it as a scenario (coopdyn serve FILE)");
     return std::nullopt;
   }
-  if (std::ranges::count(root->children, "model", &XmlNode::name) != 1) {
-    diagnostics.Error(root->where, "a robot's file holds exactly one <model>");
+  if (const auto models = std::ranges::count(root->children, "model", &XmlNode::name); models != 1) {
+    diagnostics.Error(root->where, models == 0 ? "a robot's file holds a <model>, and this one has none"
+                                               : "a robot's file holds one <model>, and this one " +
+                                                     std::to_string(models) + ": name one of them, type " +
+                                                     std::filesystem::path(file).filename().string() + "#" +
+                                                     model->Attribute("name") +
+                                                     ", or serve the file itself (coopdyn serve FILE)");
     return std::nullopt;
   }
   source.foreign = root->Attribute("coopdyn:foreign") == "true" || !HasOwnElements(*root);
   source.in_world = root->Attribute("coopdyn:in_world") == "true";
   source.lifts = root->Attribute("coopdyn:lift") == "true";
   const bool plain = !source.foreign && *minor >= 7 && *minor <= 9 && !HasAny(*root, "include") &&
-                     !HasAny(*root, "mesh") && !HasAny(*root, "heightmap") && !HasAny(*root, "pbr") &&
-                     !HasAny(*root, "mimic") && !HasAny(*root, "screw_thread_pitch") && !HasChains(*root);
+                     !HasAny(*root, "mesh") && !HasAny(*root, "heightmap") && !HasAny(*root, "ellipsoid") &&
+                     !HasAny(*root, "cone") && !HasAny(*root, "pbr") && !HasAny(*root, "mimic") &&
+                     !HasAny(*root, "screw_thread_pitch") && !HasChains(*root);
   if (plain && !root->Has("xmlns:coopdyn")) {
     diagnostics.Error(root->where,
                       "write xmlns:coopdyn=\"https://coopdyn.dev/sdf\" in <sdf>: a robot needs elements "
@@ -307,12 +319,14 @@ void ComposeTree(XmlNode root, const Resources* resources, ModelSource& source, 
   ExpandChains(*root.Child("model"), diagnostics);
   GatherMimics(*root.Child("model"));
   FreeNames(*root.Child("model"), diagnostics);
+  if (source.foreign) NumberSensors(*root.Child("model"), diagnostics);
   CheckNames(*root.Child("model"), diagnostics);
   if (source.foreign) {
     root.Set("coopdyn:foreign", "true");
     if (source.in_world) root.Set("coopdyn:in_world", "true");
     AdoptModel(*root.Child("model"), diagnostics);
   }
+  MakeRoundMeshes(*root.Child("model"), source.meshes, diagnostics);
   LoadMeshes(root, resources, source.meshes, diagnostics);
   source.text = PrintXml(root, source.lines);
 }

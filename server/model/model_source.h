@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/base/diagnostics.h"
@@ -37,14 +38,24 @@ std::optional<ModelSource> ComposeModel(const std::string& text, const std::stri
 /// The same of the SDF `root` that has one <model>; source.foreign is given.
 void ComposeTree(XmlNode root, const Resources* resources, ModelSource& source, Diagnostics& diagnostics);
 
+/// Whether `node` or what is in it has elements of ours; elements called `name`.
+bool HasOwnElements(const XmlNode& node);
+bool HasAny(const XmlNode& node, std::string_view name);
+
 /// Loads the meshes, heightmaps and textures that `root` names; each is then a mesh called mesh:1, mesh:2, …
 void LoadMeshes(XmlNode& root, const Resources* resources, MeshTable& table, Diagnostics& diagnostics);
+
+/// Writes the `<ellipsoid>`s and `<cone>`s in `model` as meshes; a link whose first shape is one and that has
+/// a mass and no <inertia> gets that of the solid.
+void MakeRoundMeshes(XmlNode& model, MeshTable& table, Diagnostics& diagnostics);
 
 /// The text that a recording keeps: read again without files, it gives the same model.
 std::string WithMeshes(const ModelSource& source);
 
 /// The models of the world `world` (`<world>`), with what it includes written out.
 void ExpandIncludes(XmlNode& world, const Resources* resources, Diagnostics& diagnostics);
+/// The parts of `model` (`<model>`, with the <pose> of its <include>) as those of a model that merges it.
+std::vector<XmlNode> PartsToMerge(XmlNode model);
 /// Writes elements of an older SDF as those of the newest. `version`: of the file of `root`.
 void Upgrade(XmlNode& root, const std::string& version);
 
@@ -61,8 +72,14 @@ bool HasChains(const XmlNode& node);
 /// Gives what libsdformat refuses other names: joints that are called like a link or `world` (`coopdyn:name`
 /// has what they are called), and shapes of one name in a link. A link `world` is the world itself.
 void FreeNames(XmlNode& model, Diagnostics& diagnostics);
+/// Gives a sensor that is called like another of its link or joint a name of its own, and says so.
+void NumberSensors(XmlNode& model, Diagnostics& diagnostics);
 /// Reports joints that join no links, and names that two have: libsdformat's words have no lines.
 void CheckNames(const XmlNode& model, Diagnostics& diagnostics);
+
+/// `model` (`<model>`) as one model for each body that no joint holds to another: the one with the most
+/// joints first, by its own name, the others called MODEL_LINK. `model` itself if it hangs together.
+std::vector<XmlNode> SplitLoose(const XmlNode& model);
 
 /// The SDF of a URDF `robot` (`<robot>`). Reports what it cannot use.
 XmlNode SdfOfUrdf(const XmlNode& robot, Diagnostics& diagnostics);

@@ -2,6 +2,7 @@
 // Names that older SDF and other programs allow and libsdformat does not.
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <set>
 #include <vector>
 
@@ -102,6 +103,28 @@ void CheckNames(const XmlNode& model, Diagnostics& diagnostics) {
   for (const XmlNode& child : model.children) {
     if (child.name == "joint") CheckJoint(child, names, diagnostics);
     if (child.name == "model") CheckNames(child, diagnostics);
+  }
+}
+
+void NumberSensors(XmlNode& model, Diagnostics& diagnostics) {
+  for (XmlNode& part : model.children) {
+    if (part.name == "model") NumberSensors(part, diagnostics);
+    if (part.name != "link" && part.name != "joint") continue;
+    std::set<std::string> given, taken;
+    std::map<std::string, int> numbers;
+    for (const XmlNode& child : part.children) {
+      if (child.name == "sensor") given.insert(child.Attribute("name"));
+    }
+    for (XmlNode& child : part.children) {
+      const std::string name = child.Attribute("name");
+      if (child.name != "sensor" || name.empty() || taken.insert(name).second) continue;
+      int& number = numbers.emplace(name, 2).first->second;
+      while (given.contains(name + "_" + std::to_string(number))) ++number;
+      child.Set("name", name + "_" + std::to_string(number));
+      given.insert(child.Attribute("name"));
+      diagnostics.Warning(child.where, "another <sensor> here is called '" + name +
+                                           "': this one is called '" + child.Attribute("name") + "'");
+    }
   }
 }
 

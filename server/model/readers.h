@@ -54,7 +54,7 @@ struct SearchPath {
   std::vector<std::string> RobotNames() const;
 };
 
-/// Whether a robot's type is the path of a model: it has a folder or a #, or ends in .sdf or .urdf.
+/// Whether a robot's type is the path of a model: it has a folder or a #, or ends in .sdf, .urdf or .xacro.
 bool IsModelPath(const std::string& type);
 /// WORLD#MODEL, the type of a robot that an SDF world describes, and its MODEL; empty for another type.
 std::string WorldModelType(const std::filesystem::path& world, const std::string& model);

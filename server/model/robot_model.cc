@@ -137,7 +137,8 @@ std::size_t RobotModel::FirstChannel(const ActuatorModel& actuator) const {
 
 bool RobotModel::has_limbs() const {
   const ActuatorModel* drive = drive_actuator();
-  return fixed_base || joints.size() > (drive == nullptr ? 0 : drive->joints.size());
+  const bool has_loose = links.size() > joints.size() + 1;
+  return fixed_base || has_loose || joints.size() > (drive == nullptr ? 0 : drive->joints.size());
 }
 
 bool RobotModel::has_boards() const {

@@ -237,7 +237,7 @@ struct RobotModel {
     const ActuatorModel* actuator = drive_actuator();
     return actuator == nullptr ? nullptr : &std::get<DriveModel>(actuator->kind);
   }
-  /// It has joints other than the wheels of its drive, or is fixed to the world.
+  /// It has joints other than the wheels of its drive, links that hang on none, or is fixed to the world.
   bool has_limbs() const;
   /// All modules, in the order of their ports.
   std::vector<ModuleModel> modules() const;

@@ -63,6 +63,7 @@ struct SimulationOptions {
   Vector3 g_W{0, 0, -9.81};          // gravity: what falls gains this, m/s²
   std::optional<double> watchdog_s;  // of robots that say nothing else, as RobotEntry::watchdog_s
   ControllerChoice supervisor;       // a controller of the world
+  bool overlaps = false;             // what starts inside something is no error: it is pushed out
   /// Names of YARP's readers, or what they begin with ("/my/controller"), for which lockstep waits.
   std::vector<std::string> waits_for;
 };

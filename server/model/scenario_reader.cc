@@ -201,6 +201,7 @@ class ScenarioReader {
       reader.ErrorAt("duration", "'duration' must be above 0 s");
     options.watchdog_s = ReadWatchdog(reader);
     ReadGravity(reader, options);
+    options.overlaps = reader.YesNo("overlaps").value_or(false);
     ambient_light_ = ReadAmbientLight(reader);
     if (ambient_light_) scenario_->ambient_light = *ambient_light_;
     ReadWaitsFor(reader, options);

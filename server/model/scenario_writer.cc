@@ -160,6 +160,7 @@ std::string WriteSimulation(const SimulationOptions& simulation, double ambient_
   } else {
     lines.Add("gravity", {g_W.x(), g_W.y(), g_W.z()});
   }
+  if (simulation.overlaps) lines.Add("overlaps", "yes");
   if (ambient_light > 0) lines.Add("ambient_light", {ambient_light});
   if (!simulation.waits_for.empty()) {
     std::string programs = "yarp";

@@ -32,7 +32,9 @@ constexpr std::pair<std::string_view, std::string_view> kUsed[] = {
     {"inertia", "ixx iyy izz ixy ixz iyz"},
     {"collision", "pose geometry surface"},
     {"visual", "pose geometry material"},
-    {"geometry", "box cylinder sphere capsule plane mesh heightmap"},
+    {"geometry", "box cylinder sphere capsule plane mesh heightmap ellipsoid cone"},
+    {"ellipsoid", "radii"},
+    {"cone", "radius length"},
     {"heightmap", "uri size pos sampling"},
     {"capsule", "radius length"},
     {"plane", "normal size"},
@@ -142,7 +144,7 @@ class Checker {
     } else if (std::string_view(parent.Name()) == "geometry") {
       diagnostics_.Error(where, "the shape <" + name +
                                     "> is not supported: use <box>, <cylinder>, <sphere>, <capsule>, "
-                                    "<plane>, <mesh> or <heightmap>");
+                                    "<ellipsoid>, <cone>, <plane>, <mesh> or <heightmap>");
     } else if (path == "model/static" || path == "sdf/world") {
       diagnostics_.Error(where, "<" + name + "> does not belong into a robot: remove it");
     } else {

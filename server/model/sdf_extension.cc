@@ -161,12 +161,17 @@ class ExtensionReader {
  private:
   /// What Gazebo's plug-ins say.
   void Adopt(const XMLElement& model) {
+    const XMLElement* drive = model.FirstChildElement("coopdyn:gazebo_drive");
+    if (drive != nullptr) AdoptDrive(*drive, file_, robot_, diagnostics_);
     for (const XMLElement* one = model.FirstChildElement("coopdyn:gazebo_joint"); one != nullptr;
          one = one->NextSiblingElement("coopdyn:gazebo_joint")) {
       AdoptJoint(*one, file_, robot_, diagnostics_);
     }
-    const XMLElement* drive = model.FirstChildElement("coopdyn:gazebo_drive");
-    if (drive != nullptr) AdoptDrive(*drive, file_, robot_, diagnostics_);
+    for (const XMLElement* one = model.FirstChildElement("coopdyn:gazebo_group"); one != nullptr;
+         one = one->NextSiblingElement("coopdyn:gazebo_group")) {
+      XmlAttributes attributes(*one, file_, diagnostics_);
+      AdoptGroup(attributes, robot_);
+    }
   }
 
   /// Of what hangs on the world by joints the pose is that of the first link, not of the world's.

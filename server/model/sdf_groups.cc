@@ -95,6 +95,24 @@ void ReadGroup(XmlAttributes& attributes, RobotModel& robot, Diagnostics& diagno
   robot.actuators.push_back({name, std::move(joints), std::move(board)});
 }
 
+void AdoptGroup(XmlAttributes& attributes, RobotModel& robot) {
+  std::vector<int> joints;
+  for (const std::string& name : SplitWords(attributes.Text("joints").value_or(""))) {
+    const auto found = std::ranges::find(robot.joints, name, &JointModel::name);
+    const int joint = static_cast<int>(found - robot.joints.begin());
+    const bool is_free = found != robot.joints.end() && robot.FindCoupling(joint) == nullptr &&
+                         !robot.IsDriven(joint) && HasMotor(*found);
+    if (is_free && std::ranges::count(joints, joint) == 0) joints.push_back(joint);
+  }
+  if (joints.empty()) return;
+  std::string module = ModuleName(attributes.Text("name").value_or(""));
+  const std::string wanted = module;
+  const auto modules = robot.actuator_modules();
+  for (int i = 2; module == "joints" || std::ranges::count(modules, module) > 0; ++i)
+    module = wanted + "_" + std::to_string(i);
+  robot.actuators.push_back({std::move(module), std::move(joints), BoardModel()});
+}
+
 void AddDefaultGroup(RobotModel& robot) {
   // What has no limit in its file, and none by a plug-in.
   for (JointModel& joint : robot.joints) {

@@ -317,7 +317,9 @@ class LinkReader {
       const std::string wrong =
           "the inertia of " + what +
           " is not that of a body: moments must be positive, and no one above the sum of the others";
-      const bool negative = !principal.allFinite() || principal.minCoeff() < -1e-9 || largest > 1e9;
+      // Products that are too large are a slip of somebody's; a moment below 0 is no number to go by.
+      const double least = ToVector(matrix.DiagonalMoments()).minCoeff();
+      const bool negative = !principal.allFinite() || least < -1e-9 || largest > 1e9;
       if (foreign && !negative) return take_solid(wrong);
       reading_.Error(foreign ? inertial_line : line, wrong);
       return;

@@ -75,6 +75,8 @@ struct SdfSensor {
 /// places are not known yet.
 std::vector<SdfSensor> ReadSensorElements(const tinyxml2::XMLElement& model, const std::string& file,
                                           Diagnostics& diagnostics);
+/// What a module is called after something of another program: lower case, other characters as _.
+std::string ModuleName(std::string_view name);
 /// Whether coopdyn has such a `type` of `<sensor>`.
 bool IsUsedSensor(std::string_view type);
 
@@ -107,10 +109,11 @@ struct ModelLines {
 /// welded; what names others is left out.
 std::vector<std::pair<int, int>> TiesOf(const tinyxml2::XMLElement& model, const RobotModel& robot);
 /// Makes one link of those that `fixed` holds together, and the base the first of all: what is fixed to the
-/// world, else the first link that is no joint's child. Reports what does not hang together, be it by `ties`.
-/// `lines`: of `robot` as given.
+/// world, else the first link that is no joint's child. What does not hang together, be it by `ties`, is an
+/// error, in a `foreign` model a warning. `lines`: of `robot` as given.
 void WeldLinks(std::span<const FixedJoint> fixed, std::vector<std::pair<int, int>> ties,
-               const ModelLines& lines, const std::string& file, RobotModel& robot, Diagnostics& diagnostics);
+               const ModelLines& lines, const std::string& file, RobotModel& robot, bool foreign,
+               Diagnostics& diagnostics);
 
 /// A link of the model's file, before fixed joints made it a part of another.
 struct FileLink {
@@ -192,6 +195,8 @@ void AddToModule(XmlAttributes& attributes, JointModel joint, const decltype(Act
 void CheckModuleName(XmlAttributes& attributes, const std::string& name);
 /// Reads a `<coopdyn:group>`: a control board of `robot`, whose joints, links and drive are complete.
 void ReadGroup(XmlAttributes& attributes, RobotModel& robot, Diagnostics& diagnostics);
+/// Makes a control board of those joints that a `<ros2_control>` commands which no other actuator has.
+void AdoptGroup(XmlAttributes& attributes, RobotModel& robot);
 /// Gives a robot without groups the group `joints` of all joints with an effort and a velocity that no drive
 /// has, if there are any.
 void AddDefaultGroup(RobotModel& robot);

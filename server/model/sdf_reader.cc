@@ -16,6 +16,7 @@
 #include "server/model/sdf_description.h"
 #include "server/model/text_file.h"
 #include "server/model/values.h"
+#include "server/model/xacro.h"
 
 namespace coopdyn {
 
@@ -45,7 +46,8 @@ class RobotReader {
     ReadJoints(scopes, reading);
     ReadAssembly(scopes, reading);
     if (!diagnostics_.has_errors())
-      WeldLinks(reading.fixed, TiesOf(xml_model, *robot_), reading.lines, file_, *robot_, diagnostics_);
+      WeldLinks(reading.fixed, TiesOf(xml_model, *robot_), reading.lines, file_, *robot_, source_.foreign,
+                diagnostics_);
     if (!diagnostics_.has_errors()) FindCollisions(*robot_, reading.assembly);
     if (!diagnostics_.has_errors()) MakeHulls(reading);
     if (!diagnostics_.has_errors())
@@ -150,12 +152,18 @@ class RobotReader {
 std::shared_ptr<const RobotModel> ReadRobotModel(const std::filesystem::path& file, const SearchPath& path,
                                                  Diagnostics& diagnostics) {
   const std::string name = file.string();
-  const std::optional<std::string> text = ReadTextFile(name, {name, 0}, diagnostics);
+  std::optional<std::string> text = ReadTextFile(name, {name, 0}, diagnostics);
+  const bool is_xacro = text && IsXacro(*text, file);
+  if (is_xacro) text = ExpandXacro(file, diagnostics);
   if (!text) return nullptr;
   const std::string folder = std::filesystem::absolute(file).parent_path().filename().string();
-  const std::string stem = file.stem().string();
+  std::string stem = file.stem().string();
+  if (is_xacro && stem.ends_with(".urdf")) stem.resize(stem.size() - 5);
   const Resources resources(path, file);
-  return ReadRobotModelText(*text, name, stem == "model" ? folder : stem, diagnostics, &resources);
+  auto robot = ReadRobotModelText(*text, name, stem == "model" ? folder : stem, diagnostics, &resources);
+  if (is_xacro && robot == nullptr)
+    diagnostics.Warning({name, 0}, "the lines are those of what 'xacro " + name + "' writes");
+  return robot;
 }
 
 std::shared_ptr<const RobotModel> ReadRobotModelText(const std::string& text, const std::string& file,

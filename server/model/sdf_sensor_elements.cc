@@ -228,20 +228,6 @@ bool IsOneOf(std::string_view word, const auto& words) {
   return std::ranges::find(words, word) != std::end(words);
 }
 
-/// A name that a module can have.
-std::string ModuleName(std::string_view name) {
-  constexpr std::size_t kMaxSize = 32;
-  std::string out;
-  for (const char c : ToLower(name)) {
-    const bool good = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
-    if (good || (!out.empty() && out.back() != '_')) out += good ? c : '_';
-  }
-  while (out.ends_with('_')) out.pop_back();
-  if (out.empty() || out.front() < 'a') out = "s" + (out.empty() ? "ensor" : "_" + out);
-  out.resize(std::min(out.size(), kMaxSize));
-  return out;
-}
-
 class ElementReader {
  public:
   ElementReader(const std::string& file, Diagnostics& diagnostics) : file_(file), diagnostics_(diagnostics) {}
@@ -333,6 +319,19 @@ class ElementReader {
 bool IsUsedSensor(std::string_view type) {
   return type == "imu" || type == "force_torque" || type == "sonar" || type == "contact" ||
          IsOneOf(type, kLidars) || IsOneOf(type, kCameras);
+}
+
+std::string ModuleName(std::string_view name) {
+  constexpr std::size_t kMaxSize = 32;
+  std::string out;
+  for (const char c : ToLower(name)) {
+    const bool good = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+    if (good || (!out.empty() && out.back() != '_')) out += good ? c : '_';
+  }
+  while (out.ends_with('_')) out.pop_back();
+  if (out.empty() || out.front() < 'a') out = "s" + (out.empty() ? "ensor" : "_" + out);
+  out.resize(std::min(out.size(), kMaxSize));
+  return out;
 }
 
 std::vector<SdfSensor> ReadSensorElements(const XMLElement& model, const std::string& file,

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/model/sdf_parts.h"
+#include "server/model/values.h"
 
 namespace coopdyn {
 
@@ -43,10 +44,11 @@ void Merge(const LinkModel& from, LinkModel& to) {
 class Welder {
  public:
   Welder(ModelLines lines, std::vector<std::pair<int, int>> ties, const std::string& file, RobotModel& robot,
-         Diagnostics& diagnostics)
+         bool foreign, Diagnostics& diagnostics)
       : lines_(std::move(lines)),
         ties_(std::move(ties)),
         file_(file),
+        foreign_(foreign),
         robot_(robot),
         diagnostics_(diagnostics) {}
 
@@ -163,15 +165,24 @@ class Welder {
         reached[Index(from)] = reached[Index(to)] = reached[Index(from)] | reached[Index(to)];
       }
     }
+    std::vector<std::string> loose;
+    int first_line = 0;
     for (std::size_t i = 1; i < reached.size(); ++i) {
       if (reached[i] != 0) continue;
-      Error(lines_.links[i], Link(i) + " hangs on no joint that leads to " + Link(0));
+      if (!foreign_) Error(lines_.links[i], Link(i) + " hangs on no joint that leads to " + Link(0));
+      if (loose.empty()) first_line = lines_.links[i];
+      loose.push_back("'" + robot_.links[i].name + "'");
     }
+    if (!foreign_ || loose.empty()) return;
+    diagnostics_.Warning({file_, first_line},
+                         "no joint leads from " + Link(0) + " to " + JoinNames(loose) +
+                             ": they move on their own, and the robot's pose is that of " + Link(0));
   }
 
   ModelLines lines_;                       // of robot_'s links and joints
   std::vector<std::pair<int, int>> ties_;  // links that a muscle joins
   const std::string& file_;
+  const bool foreign_;
   RobotModel& robot_;
   Diagnostics& diagnostics_;
 };
@@ -179,10 +190,10 @@ class Welder {
 }  // namespace
 
 void WeldLinks(std::span<const FixedJoint> fixed, std::vector<std::pair<int, int>> ties,
-               const ModelLines& lines, const std::string& file, RobotModel& robot,
+               const ModelLines& lines, const std::string& file, RobotModel& robot, bool foreign,
                Diagnostics& diagnostics) {
   if (robot.links.empty()) return;
-  Welder(lines, std::move(ties), file, robot, diagnostics).Weld(fixed);
+  Welder(lines, std::move(ties), file, robot, foreign, diagnostics).Weld(fixed);
 }
 
 }  // namespace coopdyn

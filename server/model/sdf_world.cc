@@ -46,17 +46,22 @@ class WorldConverter {
     auto root = ParseXml(text, file_.string(), diagnostics_);
     if (!root) return std::nullopt;
     XmlNode* world = root->Child("world");
+    // Several models in a file are a world, too, and so are several bodies in a model.
+    if (world == nullptr && IsOneRobot(*root)) return OneRobot();
+    if (world == nullptr && root->Child("model") != nullptr) world = &*root;
     if (root->name != "sdf" || world == nullptr) {
-      if (root->name == "sdf" && root->Child("model") != nullptr) return OneRobot();
       diagnostics_.Error(root->where, "an SDF world starts with <sdf version=\"1.9\"> and holds a <world>");
       return std::nullopt;
     }
     Upgrade(*root, root->Attribute("version"));
+    const bool names_ground = std::ranges::any_of(world->children, [](const XmlNode& child) {
+      return ToLower(child.TextOf("uri")).find("ground") != std::string::npos;
+    });
     ExpandIncludes(*world, &resources_, diagnostics_);
     ReadSimulation(*world);
     for (const XmlNode& child : world->children) {
       if (child.name == "model") {
-        AddModel(child);
+        AddBodies(child);
       } else if (child.name == "light" && child.Attribute("type") == "point") {
         AddLight(child);
       } else if (child.name == "scene" && child.Child("ambient") != nullptr) {
@@ -66,16 +71,29 @@ class WorldConverter {
       }
     }
     if (diagnostics_.has_errors()) return std::nullopt;
-    return SdfWorld{"; The scenario that " + file_.filename().string() + " means.\n[SIMULATION]\n" +
-                        simulation_ + "\n[FLOOR]\n" + (floor_.empty() ? "size 100 100\n" : floor_) + things_ +
-                        lights_ + robots_,
-                    std::move(models_)};
+    if (floor_.empty() && !names_ground && world->name == "world") {
+      diagnostics_.Warning(world->where,
+                           "the world has no ground plane, and gets a floor of 100 x 100 m at z = 0: write "
+                           "<include><uri>model://ground_plane</uri></include> if that is meant");
+    }
+    return SdfWorld{"; The scenario that " + file_.filename().string() +
+                        " means.\n[SIMULATION]\noverlaps yes\n" + simulation_ + "\n[FLOOR]\n" +
+                        (floor_.empty() ? "size 100 100\n" : floor_) + things_ + lights_ + robots_,
+                    std::move(models_), std::move(places_)};
+  }
+
+  /// Whether all that `root` has is one model, one robot.
+  static bool IsOneRobot(const XmlNode& root) {
+    const auto models = std::ranges::count(root.children, "model", &XmlNode::name);
+    if (root.name != "sdf" || models != 1) return false;
+    const XmlNode& model = *root.Child("model");
+    return HasOwnElements(model) || HasAny(model, "include") || SplitLoose(model).size() == 1;
   }
 
  private:
   /// A file with a model alone is a scenario with that robot.
   SdfWorld OneRobot() const {
-    return {"[ROBOT_1]\ntype \"" + file_.filename().string() + "\"\nposition 0 0\n", {}};
+    return {"[ROBOT_1]\ntype \"" + file_.filename().string() + "\"\nposition 0 0\n", {}, {}};
   }
 
   void ReadSimulation(const XmlNode& world) {
@@ -162,9 +180,18 @@ class WorldConverter {
     for (const char* word : {"world", "simulation", "target", "floor", "robot", "swarm", "light"}) {
       if (ToLower(name).starts_with(word)) name = "m_" + name;
     }
+    const std::string word = ToLower(name.substr(0, name.find_first_of("_0123456789")));
+    if (word == "set" || word == "random" || word == "score") name = "m_" + name;
     std::string unique = name;
     for (int i = 2; !names_.insert(ToLower(unique)).second; ++i) unique = name + "_" + std::to_string(i);
     return unique;
+  }
+
+  /// The model, or each of its bodies if no joint holds them together.
+  void AddBodies(const XmlNode& model) {
+    const std::vector<XmlNode> bodies =
+        HasOwnElements(model) ? std::vector<XmlNode>{model} : SplitLoose(model);
+    for (const XmlNode& body : bodies) AddModel(body);
   }
 
   void AddModel(const XmlNode& given) {
@@ -192,15 +219,18 @@ class WorldConverter {
     const auto read = ReadRobotModelTree(std::move(root), file_.string(), type, &resources_, diagnostics_);
     if (read == nullptr) return;
     Pose X_WR = X_WM * Pose{read->p_MR, Quaternion::Identity()};
-    if (AddThings(*read, name, X_WR)) return;
-    const double below_m = -std::min(X_WR.p.z(), LowestOf(*read, X_WR));
+    const bool are_things = AreThings(*read);
+    double below_m = -LowestOf(*read, X_WR);
+    if (!are_things) below_m = std::max(below_m, -X_WR.p.z());
     if (below_m > 0) X_WR.p.z() += below_m;
     if (below_m > 1e-3) {
       diagnostics_.Warning(given.where, "model '" + name + "' stands " +
                                             FormatNumber(std::round(below_m * 1e4) / 1e4) +
                                             " m below the floor: it is put on the floor");
     }
-    models_.emplace(name, read);
+    models_.emplace(name, read);  // a thing, too, may be a robot's type
+    places_.emplace(name, given.where);
+    if (are_things) return AddThings(*read, name, X_WR);
     robots_ += "\n[ROBOT_" + std::to_string(++robot_count_) + "]\ntype " + type + "\nname " + name +
                "\nposition " + Exact(X_WR.p) + "\norientation " + Angles(X_WR.q) + "\n";
     if (!read->has_actuators() && read->sensors.size() <= 1) robots_ += "sockets no\n";
@@ -223,7 +253,7 @@ class WorldConverter {
   }
 
   /// What stands still and is made of simple shapes, or is one simple shape, needs no model.
-  bool AddThings(const RobotModel& model, const std::string& name, const Pose& X_WR) {
+  static bool AreThings(const RobotModel& model) {
     const bool senses = std::ranges::any_of(
         model.sensors, [](const SensorModel& one) { return !std::holds_alternative<PoseModel>(one.kind); });
     if (model.links.size() != 1 || !model.joints.empty() || senses) return false;
@@ -236,13 +266,18 @@ class WorldConverter {
     if (!simple || link.collisions.empty() || (!model.fixed_base && link.collisions.size() != 1))
       return false;
     // A mesh that is drawn needs the model.
-    if (std::ranges::any_of(link.visuals, [](const LinkShape& one) { return one.shape.index() > 2; }))
-      return false;
+    return std::ranges::none_of(link.visuals, [](const LinkShape& one) { return one.shape.index() > 2; });
+  }
+
+  void AddThings(const RobotModel& model, const std::string& name, const Pose& X_WR) {
+    const LinkModel& link = model.links.front();
     int number = 0;
     for (const LinkShape& shape : link.collisions) {
       const Pose X_WG = X_WR * link.X_RL * shape.X_LG;
       const Color color = link.visuals.empty() ? Color() : link.visuals.front().color;
-      things_ += "\n[" + (++number == 1 ? name : NewName(name + "_" + std::to_string(number))) + "]\n";
+      const std::string part = ++number == 1 ? name : NewName(name + "_" + std::to_string(number));
+      places_.emplace(part, places_.at(name));
+      things_ += "\n[" + part + "]\n";
       if (const auto* box = std::get_if<Box>(&shape.shape)) {
         things_ += "type box\nsize " + Exact(box->size_m) + "\n";
       } else if (const auto* cylinder = std::get_if<Cylinder>(&shape.shape)) {
@@ -258,7 +293,6 @@ class WorldConverter {
         things_ += "rolling_friction " + Exact(shape.rolling_friction_m) + "\n";
       if (!model.fixed_base) things_ += "mass " + Exact(link.mass_kg) + "\n";
     }
-    return true;
   }
 
   const std::filesystem::path file_;
@@ -266,11 +300,19 @@ class WorldConverter {
   Diagnostics& diagnostics_;
   std::string simulation_, floor_, things_, lights_, robots_;
   std::map<std::string, std::shared_ptr<const RobotModel>> models_;  // by their new names
+  std::map<std::string, SourceLine> places_;
   std::set<std::string> names_;
   int robot_count_ = 0, light_count_ = 0;
 };
 
 }  // namespace
+
+bool IsOneSdfModel(const std::string& text) {
+  Diagnostics ignored;
+  const auto root = ParseXml(text, "", ignored);
+  if (!root || root->Child("world") != nullptr) return !root;
+  return WorldConverter::IsOneRobot(*root) || root->Child("model") == nullptr;
+}
 
 std::optional<SdfWorld> ReadSdfWorld(const std::filesystem::path& file, const SearchPath& path,
                                      Diagnostics& diagnostics) {

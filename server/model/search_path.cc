@@ -156,7 +156,7 @@ std::optional<fs::path> SearchPath::FindScenario(const std::string& name) const 
     if (auto found = ExistingFile(file)) return found;
   }
   for (const std::string& candidate :
-       WithExtensions(file, {".scenario", ".world", ".sdf", ".xml", ".urdf"})) {
+       WithExtensions(file, {".scenario", ".world", ".sdf", ".xml", ".urdf", ".xacro"})) {
     if (const auto found = ExistingFile(candidate)) return found;
     if (absolute) continue;
     if (const auto found = ExistingFile(folders, {".", "scenarios", "worlds"}, candidate)) return found;
@@ -230,7 +230,7 @@ std::vector<std::string> SearchPath::RobotNames() const {
 bool IsModelPath(const std::string& type) {
   const std::string lower = ToLower(type);
   return type.find_first_of("/\\#") != std::string::npos || lower.ends_with(".sdf") ||
-         lower.ends_with(".urdf");
+         lower.ends_with(".urdf") || lower.ends_with(".xacro");
 }
 
 std::string WorldModelType(const fs::path& world, const std::string& model) {

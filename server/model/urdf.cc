@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // URDF as SDF, element by element, so that messages have the lines of the URDF.
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -42,8 +43,10 @@ class UrdfConverter {
     ReportExtras();
     // Many models call the world so, to fix their base in it.
     links_.erase("world");
+    FindFreeRoots();
+    if (!HasOwnElements(robot_)) sdf.Set("coopdyn:foreign", "true");
     for (const XmlNode& child : robot_.children) {
-      if (child.name == "link" && child.Attribute("name") == "world") {
+      if (child.name == "link" && IsWorld(child.Attribute("name"))) {
         if (!child.children.empty()) {
           Warn(child, "the link 'world' is the world itself: what it has is left out; give it another name");
         }
@@ -55,10 +58,13 @@ class UrdfConverter {
         if (!child.Has("reference")) {
           for (const XmlNode& inner : child.children) model.children.push_back(inner);
         }
+      } else if (child.name == "transmission" || child.name == "ros2_control") {
+        AddCommanded(child, model);
       } else if (child.name != "material") {
         Warn(child, "<" + child.name + "> in <robot> is not used by coopdyn");
       }
     }
+    ReportSafety();
     return sdf;
   }
 
@@ -89,6 +95,54 @@ class UrdfConverter {
     }
   }
 
+  /// An empty link on which a robot floats is the world by another name.
+  void FindFreeRoots() {
+    for (const XmlNode& child : robot_.children) {
+      const std::string name = child.Attribute("name");
+      if (child.name != "link" || !child.children.empty() || parents_.contains(name)) continue;
+      bool floats = false, holds = false;
+      for (const auto& [link, joint] : parents_) {
+        if (TextOfEnd(*joint, "parent") != name) continue;
+        (joint->Attribute("type") == "floating" ? floats : holds) = true;
+      }
+      if (!floats || holds) continue;
+      free_roots_.insert(name);
+      links_.erase(name);
+    }
+  }
+  bool IsWorld(const std::string& link) const { return link == "world" || free_roots_.contains(link); }
+
+  /// A link whose joint is no joint of SDF's stands where that joint puts it in its parent.
+  static bool IsDropped(const XmlNode& joint) {
+    return joint.Attribute("type") == "floating" || joint.Attribute("type") == "planar";
+  }
+
+  /// Joints that controllers of ROS command get motors; if there are several <ros2_control>, each is a group.
+  void AddCommanded(const XmlNode& given, XmlNode& model) {
+    std::string names;
+    for (const XmlNode& child : given.children) {
+      const std::string name = child.Attribute("name");
+      const bool commanded = given.name == "transmission" || child.Child("command_interface") != nullptr;
+      if (child.name != "joint" || !commanded || !joints_.contains(name)) continue;
+      XmlNode& moved = model.children.emplace_back(At("coopdyn:gazebo_joint", child));
+      moved.Set("joint", name);
+      names += name + " ";
+    }
+    const auto controls = std::ranges::count(robot_.children, "ros2_control", &XmlNode::name);
+    if (given.name == "transmission" || controls < 2 || names.empty()) return;
+    XmlNode& group = model.children.emplace_back(At("coopdyn:gazebo_group", given));
+    group.Set("name", given.Attribute("name"));
+    group.Set("joints", names);
+  }
+
+  void ReportSafety() {
+    for (const XmlNode& child : robot_.children) {
+      const XmlNode* safety = child.name == "joint" ? child.Child("safety_controller") : nullptr;
+      if (safety != nullptr)
+        return Warn(*safety, "<safety_controller> is not used by coopdyn: joints stop at their <limit>");
+    }
+  }
+
   static std::string TextOfEnd(const XmlNode& joint, const char* end) {
     const XmlNode* found = joint.Child(end);
     return found == nullptr ? "" : found->Attribute("link");
@@ -110,8 +164,14 @@ class UrdfConverter {
     out.Set("name", name);
     if (const auto parent = parents_.find(name); parent != parents_.end()) {
       // A link's frame is that of the joint that holds it.
-      out.Add("pose").Set("relative_to", ids_.at(parent->second));
-      out.children.back().text = "0 0 0 0 0 0";
+      XmlNode& pose = out.Add("pose", "0 0 0 0 0 0");
+      const std::string above = TextOfEnd(*parent->second, "parent");
+      if (IsDropped(*parent->second)) pose.text = PoseOf(*parent->second);
+      if (!IsDropped(*parent->second)) {
+        pose.Set("relative_to", ids_.at(parent->second));
+      } else if (!IsWorld(above)) {
+        pose.Set("relative_to", above);
+      }
     }
     int shapes = 0;
     for (const XmlNode& child : link.children) {
@@ -256,13 +316,7 @@ class UrdfConverter {
       return std::nullopt;
     }
     if (type == "spherical") type = "ball";  // Bullet's word
-    if (type == "planar") {
-      Warn(joint,
-           "joint '" + name +
-               "' of type planar is not supported, and is taken as fixed: write two prismatic joints and a "
-               "continuous one");
-      type = "fixed";
-    }
+    if (type == "planar") return Planar(joint);
     XmlNode out = At("joint", joint);
     out.Set("name", ids_.at(&joint));
     if (ids_.at(&joint) != name) out.Set("coopdyn:name", name);
@@ -284,6 +338,42 @@ class UrdfConverter {
       for (const XmlNode& inner : extra->children) {
         if (inner.name == "sensor") out.children.push_back(inner);
       }
+    }
+    return out;
+  }
+
+  /// Two ways in the plane and a turn about its normal.
+  XmlNode Planar(const XmlNode& joint) {
+    const std::string name = joint.Attribute("name");
+    Warn(joint, "joint '" + name + "' of type planar is three: '" + name + ".x', '" + name + ".y' and '" +
+                    name + ".rz'");
+    Vector3 normal = Vector3::UnitX();  // URDF's default
+    const XmlNode* axis = joint.Child("axis");
+    const std::vector<std::string> words = SplitWords(axis == nullptr ? "" : axis->Attribute("xyz"));
+    for (std::size_t i = 0; i < 3 && words.size() == 3; ++i)
+      normal[static_cast<Eigen::Index>(i)] = ParsePlain(words[i]).value_or(0);
+    if (!(normal.norm() > 1e-9 && normal.norm() < 1e9)) {
+      Error(joint, "the <axis> of joint '" + name + "' is the normal of its plane: write xyz=\"0 0 1\"");
+      normal = Vector3::UnitZ();
+    }
+    normal.normalize();
+    const Vector3 other = std::abs(normal.x()) < 0.9 ? Vector3::UnitX() : Vector3::UnitY();
+    const Vector3 along = (other - other.dot(normal) * normal).normalized();
+    XmlNode out = At("coopdyn:six_axis", joint);
+    out.Set("name", name);
+    const std::string parent = TextOfEnd(joint, "parent");
+    out.Set("parent", IsWorld(parent) ? "world" : parent);
+    out.Set("child", TextOfEnd(joint, "child"));
+    const XmlNode* limit = joint.Child("limit");
+    const Vector3 across = normal.cross(along);
+    for (const auto& [key, direction] : {std::pair("x", along), {"y", across}, {"rz", normal}}) {
+      XmlNode& one = out.Add("coopdyn:axis");
+      one.Set("name", key);
+      one.Set("xyz", FormatNumber(direction.x()) + " " + FormatNumber(direction.y()) + " " +
+                         FormatNumber(direction.z()));
+      if (limit == nullptr || !limit->Has("effort") || !limit->Has("velocity")) continue;
+      one.Set("max_effort", limit->Attribute("effort"));
+      one.Set("max_velocity", limit->Attribute("velocity"));
     }
     return out;
   }
@@ -329,6 +419,7 @@ class UrdfConverter {
   std::map<const XmlNode*, std::string> ids_;      // of joints
   std::map<std::string, std::vector<const XmlNode*>> extras_;
   std::set<std::string> links_, joints_;
+  std::set<std::string> free_roots_;  // links that are the world
 };
 
 }  // namespace

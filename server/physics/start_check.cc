@@ -141,6 +141,12 @@ std::string WhyNotThere(const Scene& scene, const Things& things, std::span<cons
 }
 
 void CheckStart(const Scene& scene, const Things& things, Diagnostics& diagnostics) {
+  const bool overlaps = scene.scenario->simulation.overlaps;
+  const auto say = [&](const Thing& thing, const std::string& text, const char* otherwise) {
+    const std::string whole = TitleOf(scene, thing) + " starts " + text;
+    overlaps ? diagnostics.Warning(WhereOf(scene, thing), whole + ": it is pushed out slowly")
+             : diagnostics.Error(WhereOf(scene, thing), whole + ": " + otherwise);
+  };
   BroadPhase broad_phase(things, things.bodies);
   Collider collider;
   for (std::size_t i = 0; i < things.first_static; ++i) {
@@ -151,8 +157,7 @@ void CheckStart(const Scene& scene, const Things& things, Diagnostics& diagnosti
     }
     const double below = DepthBelowFloor(actor);
     if (below > kTolerance_m) {
-      diagnostics.Error(WhereOf(scene, thing), TitleOf(scene, thing) + " starts " + Metres(below) +
-                                                   " below the floor (z = 0): move it up");
+      say(thing, Metres(below) + " below the floor (z = 0)", "move it up");
     }
   }
   const std::vector<std::uint8_t> all(things.first_static, 1);
@@ -164,8 +169,7 @@ void CheckStart(const Scene& scene, const Things& things, Diagnostics& diagnosti
     const bool static_b = b >= things.first_static;
     const Thing& moved = things.all[static_b ? a : b];
     const Thing& other = things.all[static_b ? b : a];
-    diagnostics.Error(WhereOf(scene, moved), TitleOf(scene, moved) + " starts " + Metres(depth) + " inside " +
-                                                 NameOf(scene, other) + ": move it");
+    say(moved, Metres(depth) + " inside " + NameOf(scene, other), "move it");
   }
 }
 

@@ -35,6 +35,7 @@ export const GRAMMAR = {
     duration: ['the run ends then, s', 'duration 60'],
     watchdog,
     gravity: ['downwards, m/s²; 0: none, below 0: up; or x y z', 'gravity 9.81'],
+    overlaps: ['what starts inside something is pushed out', 'overlaps yes', YES_NO],
     ambient_light: ['what light sensors read without lamps', 'ambient_light 0.2'],
     angles: ['unit of angles without one', 'angles deg', ['rad', 'deg']],
     supervisor: ['a loaded controller of the world', 'supervisor referee rounds=5'],

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -129,6 +130,58 @@ TEST(AdoptedDriveTest, ADriveWhoseWheelsHaveNoLimitsHasSensibleOnes) {
   ASSERT_NE(robot->drive(), nullptr) << messages;
   EXPECT_NEAR(robot->drive()->max_wheel_speed_rad_s, 40, 1e-9);
   EXPECT_LT(robot->drive()->max_torque_nm, 10);
+}
+
+/// A front wheel on a fork that turns about `axis`; `limit` of the fork.
+std::string SteeredWheel(const std::string& name, double y, const std::string& axis = "0 0 1") {
+  const std::string at = "0.3 " + std::to_string(y) + " 0.05 0 0 0";
+  std::string wheel = Wheel(name, 0.3, y);
+  wheel.replace(wheel.find("<parent>base"), 12, "<parent>" + name + "_fork");
+  return SdfLink(name + "_fork", at, "<box><size>0.01 0.01 0.01</size></box>") + "<joint name=\"" + name +
+         "_s\" type=\"revolute\"><parent>base</parent><child>" + name + "_fork</child><axis><xyz>" + axis +
+         "</xyz><limit><lower>-0.5</lower><upper>0.6</upper></limit></axis></joint>\n" + wheel;
+}
+ForeignAnswer ReadAckermann(const std::string& axis) {
+  return ReadSdf(
+      SdfLink("base", "0 0 0.15 0 0 0", kSdfBox) + SteeredWheel("fl", 0.2, axis) +
+      SteeredWheel("fr", -0.2, axis) + Wheel("rl", -0.1, 0.2) + Wheel("rr", -0.1, -0.2) +
+      "<plugin filename=\"gz-sim-ackermann-steering-system\" name=\"gz::sim::systems::AckermannSteering\">"
+      "<left_joint>fl_j</left_joint><left_joint>rl_j</left_joint><right_joint>fr_j</right_joint>"
+      "<right_joint>rr_j</right_joint><left_steering_joint>fl_s</left_steering_joint>"
+      "<right_steering_joint>fr_s</right_steering_joint><wheel_base>0.4</wheel_base></plugin>\n");
+}
+
+TEST(AdoptedDriveTest, AnAckermannDriveSteersItsFrontWheels) {
+  const auto [robot, messages] = ReadAckermann("0 0 1");
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_NE(robot->drive(), nullptr) << messages;
+  const auto& steering = robot->drive()->steering;
+  ASSERT_TRUE(steering) << messages;
+  EXPECT_EQ(robot->joints[static_cast<std::size_t>(steering->joints[0])].name, "fl_s");
+  EXPECT_NEAR(steering->wheelbase_m, 0.4, 1e-9);
+  EXPECT_NEAR(steering->half_track_m, 0.2, 1e-9);
+  // Of the stop at 0.5 rad, at the inner wheel.
+  EXPECT_NEAR(steering->max_curvature_1_m, std::tan(0.5) / (0.4 + 0.2 * std::tan(0.5)), 1e-9);
+  EXPECT_TRUE(robot->couplings.empty());  // the front wheels roll freely
+}
+
+TEST(AdoptedDriveTest, ASteeredWheelWhoseAxisPointsDownCountsTheOtherWay) {
+  const auto [robot, messages] = ReadAckermann("0 0 -1");
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_TRUE(robot->drive() != nullptr && robot->drive()->steering) << messages;
+  const JointModel& joint = robot->joints[static_cast<std::size_t>(robot->drive()->steering->joints[0])];
+  EXPECT_EQ(joint.axis_R, Vector3::UnitZ());
+  EXPECT_EQ(joint.lower, -0.6);
+  EXPECT_EQ(joint.upper, 0.5);
+}
+
+TEST(AdoptedDriveTest, AWheelThatDoesNotStandUprightDoesNotSteerAndThatIsSaid) {
+  const auto [robot, messages] = ReadAckermann("1 0 0");
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_NE(robot->drive(), nullptr) << messages;
+  EXPECT_FALSE(robot->drive()->steering);
+  EXPECT_THAT(messages,
+              HasSubstr("the drive does not steer, since the axis of 'fl_s' does not stand upright"));
 }
 
 }  // namespace

@@ -72,6 +72,45 @@ TEST(UrdfTest, AJointMayBeCalledLikeALink) {
   EXPECT_NEAR(robot->links[1].X_RL.p.z() - robot->links[0].X_RL.p.z(), 0.5, 1e-12);
 }
 
+TEST(ForeignModelTest, LinksThatHangOnNoJointMoveOnTheirOwn) {
+  const auto [robot, messages] =
+      ReadSdf(SdfLink("a", "0 0 0.1 0 0 0", kSdfBox) + SdfLink("b", "1 0 0.1 0 0 0", kSdfBox) +
+              SdfLink("c", "2 0 0.1 0 0 0", kSdfBox));
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_EQ(robot->links.size(), 3u);
+  EXPECT_TRUE(robot->has_limbs());
+  EXPECT_THAT(messages,
+              HasSubstr("warning: no joint leads from link 'a' to 'b' and 'c': they move on their own"));
+}
+
+TEST(ForeignModelTest, ASensorCalledLikeAnotherGetsANameOfItsOwn) {
+  const auto [robot, messages] = ReadSdf(
+      "<link name=\"l\"><inertial><mass>1</mass></inertial><collision name=\"c\"><geometry>" + kSdfBox +
+      "</geometry></collision><sensor name=\"s\" type=\"imu\"/>\n<sensor name=\"s\" type=\"imu\"/>"
+      "<sensor name=\"s_2\" type=\"imu\"/></link>");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_THAT(messages,
+              HasSubstr("model.sdf:3: warning: another <sensor> here is called 's': this one is called "
+                        "'s_3'"));
+  EXPECT_NE(robot->Find<ImuModel>(2), nullptr);
+}
+
+TEST(ForeignModelTest, EndlessFrictionAndLimitsAreNumbers) {
+  const auto [robot, messages] = ReadSdf(
+      "<link name=\"a\"><inertial><mass>1</mass></inertial><collision name=\"c\"><geometry>" + kSdfBox +
+      "</geometry><surface><friction><ode><mu>inf</mu><mu2>-1</mu2></ode></friction></surface></collision>"
+      "</link>" +
+      SdfLink("b", "0 0 1 0 0 0", kSdfBox) +
+      "<joint name=\"j\" type=\"revolute\"><parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz><limit>"
+      "<lower>-inf</lower><upper>Infinity</upper><effort>5</effort><velocity>+Inf</velocity></limit></axis>"
+      "</joint>");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_EQ(robot->links[0].collisions[0].friction, 1000);
+  EXPECT_FALSE(robot->joints[0].has_stop());
+  EXPECT_THAT(messages, HasSubstr("<mu2> below 0 is taken as 1000"));
+  EXPECT_EQ(ReadSdf("<link name=\"a\"><inertial><mass>nan</mass></inertial></link>").robot, nullptr);
+}
+
 TEST(UrdfTest, AJointWithoutItsLinkIsAnError) {
   const auto [robot, messages] = ReadUrdf(UrdfBox("base") +
                                           "<joint name=\"turn\" type=\"continuous\"><parent link=\"base\"/>"

@@ -54,10 +54,41 @@ TEST(IncludeMergeTest, WithoutItTheyAreAModelInside) {
   EXPECT_EQ(answer.robot->links.at(0).name, "part::body");
 }
 
-TEST(IncludeMergeTest, WithAPoseItIsSaidThatItIsNotUsed) {
-  const MergeAnswer answer = ReadMerged("merge=\"true\"", "<pose>0 0 1 0 0 0</pose>");
-  EXPECT_THAT(answer.messages,
-              HasSubstr("model.sdf:2: warning: merge of an <include> with <pose> or <static> is not used"));
+TEST(IncludeMergeTest, APoseMovesThePartsThatMerge) {
+  const MergeAnswer answer = ReadMerged("merge=\"true\"", "<pose>0.3 0 1 0 0 1.5707963267948966</pose>");
+  ASSERT_NE(answer.robot, nullptr) << answer.messages;
+  EXPECT_EQ(answer.messages, "");
+  const LinkModel& link = answer.robot->links.at(0);
+  EXPECT_EQ(link.name, "body");
+  EXPECT_NEAR((link.X_RL.p - Vector3(0.3, 0, 1.5)).norm(), 0, 1e-12);
+  EXPECT_NEAR((link.X_RL.q * Vector3::UnitX() - Vector3::UnitY()).norm(), 0, 1e-12);
+}
+
+TEST(IncludeMergeTest, WhatIsStaticIsNotMergedAndThatIsSaid) {
+  const MergeAnswer answer = ReadMerged("merge=\"true\"", "<static>true</static>");
+  EXPECT_THAT(answer.messages, HasSubstr("model.sdf:2: warning: merge of an <include> with <static> or "
+                                         "placement_frame is not used"));
+}
+
+TEST(IncludeMergeTest, AxesAndFramesOfTheModelTurnWithIt) {
+  const TempFolder folder;
+  const std::string body =
+      "<inertial><mass>1</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia></inertial>";
+  folder.Write("part/model.sdf",
+               "<sdf version=\"1.9\"><model name=\"part\"><pose>0 0 2 0 0 1.5707963267948966</pose>"
+               "<frame name=\"f\"><pose>1 0 0 0 0 0</pose></frame><link name=\"a\">" +
+                   body + "</link><link name=\"b\"><pose relative_to=\"f\">0 0 0 0 0 0</pose>" + body +
+                   "</link><joint name=\"j\" type=\"revolute\"><parent>a</parent><child>b</child><axis><xyz "
+                   "expressed_in=\"__model__\">1 0 0</xyz></axis></joint></model></sdf>");
+  const auto file = folder.Write("whole/model.sdf",
+                                 "<sdf version=\"1.9\"><model name=\"whole\"><include merge=\"true\">"
+                                 "<uri>model://part</uri></include></model></sdf>");
+  Diagnostics diagnostics;
+  const auto robot = ReadRobotModel(file, SearchPath{{folder.path()}}, diagnostics);
+  ASSERT_NE(robot, nullptr) << diagnostics.ToString();
+  ASSERT_EQ(robot->links.size(), 2u);
+  EXPECT_NEAR((robot->links[1].X_RL.p - robot->links[0].X_RL.p - Vector3(0, 1, 0)).norm(), 0, 1e-12);
+  EXPECT_NEAR((robot->joints.at(0).axis_R - Vector3::UnitY()).norm(), 0, 1e-12);
 }
 
 TEST(IncludeMergeTest, ARecordingsTextNeedsNoFiles) {

@@ -222,10 +222,15 @@ TEST(RobotModelTest, OnlyASolidNeedsNoInertia) {
 
 TEST(RobotModelTest, OtherShapesAreErrors) {
   EXPECT_THAT(
-      ReadChanged("<sphere><radius>0.025</radius></sphere>", "<ellipsoid><radii>1 1 1</radii></ellipsoid>"),
-      HasSubstr(
-          "the shape <ellipsoid> is not supported: use <box>, <cylinder>, <sphere>, <capsule>, <plane>, "
-          "<mesh> or <heightmap>"));
+      ReadChanged("<sphere><radius>0.025</radius></sphere>", "<polyline><height>1</height></polyline>"),
+      HasSubstr("the shape <polyline> is not supported: use <box>, <cylinder>, <sphere>, <capsule>, "
+                "<ellipsoid>, <cone>, <plane>, <mesh> or <heightmap>"));
+}
+
+TEST(RobotModelTest, TwoSensorsOfOneNameInALinkAreAnErrorWithItsLine) {
+  const std::string sensor = "<sensor name=\"s\" type=\"imu\"/>";
+  EXPECT_THAT(ReadChanged("<link name=\"chassis\">", "<link name=\"chassis\">" + sensor + sensor),
+              testing::ContainsRegex(":[0-9]+: error: another <sensor> here is called 's'"));
 }
 
 TEST(RobotModelTest, WhatIsNotUsedDrawsAWarning) {

@@ -301,12 +301,6 @@ TEST(SdfSensorsTest, WrongValuesAreSaidAllAtOnceWithTheirLines) {
   EXPECT_THAT(answer.messages, HasSubstr("rig.sdf:9: error: sensor 'e': needs <range><max>, in m"));
 }
 
-TEST(SdfSensorsTest, TwoOfOneNameInALinkAreAnErrorWithItsLine) {
-  const auto answer = ReadHead("<sensor name=\"s\" type=\"imu\"/>\n<sensor name=\"s\" type=\"imu\"/>");
-  EXPECT_EQ(answer.robot, nullptr);
-  EXPECT_THAT(answer.messages, testing::ContainsRegex(":[0-9]+: error: another <sensor> here is called 's'"));
-}
-
 TEST(SdfSensorsTest, SensorsOfUrdfStandInGazeboElements) {
   const std::string link =
       "\"><inertial><mass value=\"1\"/><inertia ixx=\"0.01\" iyy=\"0.01\" izz=\"0.01\" ixy=\"0\" ixz=\"0\" "

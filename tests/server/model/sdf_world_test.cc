@@ -19,7 +19,11 @@ class SdfWorldTest : public ::testing::Test {
  protected:
   /// The scenario of a world that holds `inside`; messages() has what was said.
   std::shared_ptr<const Scenario> Load(const std::string& inside) {
-    folder_.Write("lab.sdf", "<sdf version=\"1.9\"><world name=\"lab\">\n" + inside + "</world></sdf>");
+    const std::string ground = "<include><uri>model://ground_plane</uri></include>";
+    return LoadText("<sdf version=\"1.9\"><world name=\"lab\">" + ground + "\n" + inside + "</world></sdf>");
+  }
+  std::shared_ptr<const Scenario> LoadText(const std::string& text) {
+    folder_.Write("lab.sdf", text);
     RobotLibrary library(SearchPath{{folder_.path().string()}});
     Diagnostics diagnostics;
     auto scenario = LoadScenario((folder_.path() / "lab.sdf").string(), library, diagnostics);
@@ -66,6 +70,73 @@ TEST_F(SdfWorldTest, WhatHasJointsIsARobotAndWhatIsSimpleAThing) {
   EXPECT_EQ(scenario->objects[0].mass_kg, 0);
   EXPECT_NEAR(scenario->objects[0].X_WO.p.z(), 0.5, 1e-9);
   EXPECT_EQ(scenario->objects[1].mass_kg, 2);
+}
+
+TEST_F(SdfWorldTest, AWorldWithoutAGroundPlaneIsToldWhatToWrite) {
+  LoadText("<sdf version=\"1.9\">\n<world name=\"lab\">" + Model("arm", kArm) + "</world></sdf>");
+  EXPECT_THAT(messages(),
+              HasSubstr("lab.sdf:2: warning: the world has no ground plane, and gets a floor of 100 x "
+                        "100 m at z = 0: write <include><uri>model://ground_plane</uri></include>"));
+}
+
+TEST_F(SdfWorldTest, BodiesThatNoJointHoldsTogetherAreThingsAndRobotsOfTheirOwn) {
+  const auto scenario = Load(
+      Model("set", Link("cube", "0 3 0.1 0 0 0") + kArm + Link("block", "0 -3 0.1 0 0 0"), "1 0 0 0 0 0"));
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_EQ(messages(), "");
+  ASSERT_EQ(scenario->robots.size(), 1u);
+  EXPECT_EQ(scenario->robots[0].name, "m_set");  // [SET] is a section of its own
+  ASSERT_EQ(scenario->objects.size(), 2u);
+  EXPECT_EQ(scenario->objects[0].name, "m_set_cube");
+  EXPECT_NEAR((scenario->objects[0].X_WO.p - Vector3(1, 3, 0.1)).norm(), 0, 1e-9);
+  EXPECT_EQ(scenario->objects[1].name, "m_set_block");
+}
+
+TEST_F(SdfWorldTest, WhatJointsHoldTogetherInAnyOrderIsOneRobot) {
+  const auto joint = [](const std::string& child) {
+    return "<joint name=\"" + child + "_j\" type=\"ball\"><parent>base</parent><child>" + child +
+           "</child></joint>";
+  };
+  const auto scenario =
+      Load(Model("hand", Link("base", "0 0 0.1 0 0 0") + Link("left", "0 1 0.1 0 0 0") +
+                             Link("right", "0 -1 0.1 0 0 0") + joint("left") + joint("right")));
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_EQ(messages(), "");
+  EXPECT_EQ(scenario->robots.size(), 1u);
+  EXPECT_TRUE(scenario->objects.empty());
+}
+
+TEST_F(SdfWorldTest, SeveralModelsInAFileAreAWorld) {
+  const auto scenario = LoadText("<sdf version=\"1.6\">" + Model("one", kArm, "1 0 0 0 0 0") +
+                                 Model("two", kArm, "3 0 0 0 0 0") + "</sdf>");
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_EQ(messages(), "");
+  ASSERT_EQ(scenario->robots.size(), 2u);
+  EXPECT_EQ(scenario->robots[1].name, "two");
+  EXPECT_NEAR(scenario->robots[1].X_WR.p.x(), 3, 1e-9);
+}
+
+TEST_F(SdfWorldTest, AnyModelOfAFileIsARobotsTypeByItsName) {
+  LoadText("<sdf version=\"1.6\">" + Model("one", kArm) + Model("two", Link("l", "0 0 0.1 0 0 0")) +
+           "</sdf>");
+  const auto file = folder().Write("mine.scenario", "[ROBOT_1]\ntype lab.sdf#two\nposition 0 0\n");
+  RobotLibrary library(SearchPath{});
+  Diagnostics diagnostics;
+  EXPECT_NE(LoadScenario(file, library, diagnostics), nullptr) << diagnostics.ToString();
+  folder().Write("mine.scenario", "[ROBOT_1]\ntype ./lab.sdf\nposition 0 0\n");
+  EXPECT_EQ(LoadScenario(file, library, diagnostics), nullptr);
+  EXPECT_THAT(diagnostics.ToString(),
+              HasSubstr("a robot's file holds one <model>, and this one 2: name one of them, "
+                        "type lab.sdf#one, or serve the file itself"));
+}
+
+TEST_F(SdfWorldTest, WhatOverlapsIsPushedOutAndAThingInTheFloorIsPutOnIt) {
+  const auto scenario = Load(Model("crate", Link("l", "0 0 0 0 0 0"), "0 -2 0 0 0 0"));
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_TRUE(scenario->simulation.overlaps);
+  EXPECT_EQ(scenario->objects.at(0).where.line, 2);  // of the world, in whose second line the crate stands
+  EXPECT_NEAR(scenario->objects.at(0).X_WO.p.z(), 0.1, 1e-9);
+  EXPECT_THAT(messages(), HasSubstr("model 'crate' stands 0.1 m below the floor: it is put on the floor"));
 }
 
 TEST_F(SdfWorldTest, AModelInTheAirStaysThere) {

@@ -76,8 +76,8 @@ TEST(SurfaceReaderTest, RobotsHaveNoRollingFrictionOfTheirOwn) {
 }
 
 TEST(SurfaceReaderTest, NumbersBelowZeroAreErrors) {
-  EXPECT_THAT(ReadFriction("<ode><mu>-1</mu></ode>").messages,
-              HasSubstr("model.sdf:4: error: <mu> cannot be '-1'"));
+  EXPECT_THAT(ReadFriction("<torsional><coefficient>-1</coefficient></torsional>").messages,
+              HasSubstr("model.sdf:4: error: <coefficient> "));
   EXPECT_THAT(ReadFriction("<bullet><rolling_friction>-1</rolling_friction></bullet>").messages,
               HasSubstr("<rolling_friction> must be a number from 0 to 1000"));
 }

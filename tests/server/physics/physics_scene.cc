@@ -160,6 +160,11 @@ PhysicsScene& PhysicsScene::SetGravity(const Vector3& g_W) {
   return *this;
 }
 
+PhysicsScene& PhysicsScene::AllowOverlaps() {
+  scenario_.simulation.overlaps = true;
+  return *this;
+}
+
 void PhysicsScene::Build() {
   scene_ = MakeScene(std::make_shared<const Scenario>(scenario_));
   world_ = PhysicsWorld::Build(scene_, 1, diagnostics_, pool);

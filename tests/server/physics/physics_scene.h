@@ -43,6 +43,8 @@ class PhysicsScene {
   PhysicsScene& SetFloorFriction(double friction);
   PhysicsScene& SetGravity(double down_m_s2) { return SetGravity(Vector3(0, 0, -down_m_s2)); }
   PhysicsScene& SetGravity(const Vector3& g_W);
+  /// As `overlaps yes` of a scenario.
+  PhysicsScene& AllowOverlaps();
 
   /// Builds physics. Called by the first use; a test calls it to see the diagnostics.
   void Build();

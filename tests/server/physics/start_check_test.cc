@@ -64,5 +64,27 @@ TEST(StartCheck, StaticThingsMayOverlap) {
   EXPECT_TRUE(scene.built());
 }
 
+TEST(StartCheck, WhatMayOverlapIsPushedOutSlowlyWithAWarning) {
+  PhysicsScene scene;
+  scene.Add(Box{Vector3(0.2, 4, 0.5)}, At(1, 0, 0.25)).Add(kBlock, At(0.82, 0, 0.2), 1);
+  scene.Add(kBlock, At(-3, 0, 0.2), 1).Add(kBlock, At(-3, 0, 0.5), 1).Add(kBlock, At(3, 0, 0.1), 1);
+  scene.AllowOverlaps().Build();
+  ASSERT_TRUE(scene.built()) << scene.diagnostics().ToString();
+  EXPECT_EQ(scene.diagnostics().errors(), 0);
+  EXPECT_THAT(
+      scene.diagnostics().ToString(),
+      HasSubstr("test.world:2: warning: box THING_2 starts 0.12 m inside THING_1: it is pushed out slowly"));
+  double fastest_m_s = 0;
+  for (int i = 0; i < 400; ++i) {
+    scene.Run(1);
+    for (const int k : {1, 2, 3, 4}) fastest_m_s = std::max(fastest_m_s, scene.object_body(k).v_WB.norm());
+  }
+  EXPECT_LT(fastest_m_s, 0.5);
+  EXPECT_NEAR(scene.object(1).p.x(), 0.7, 2e-3);
+  EXPECT_NEAR(scene.object(2).p.z(), 0.2, 2e-3);
+  EXPECT_NEAR(scene.object(3).p.z(), 0.6, 4e-3);
+  EXPECT_NEAR(scene.object(4).p.z(), 0.2, 2e-3);
+}
+
 }  // namespace
 }  // namespace coopdyn

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+// Models of a world whose links no joint holds together: each body becomes a model of its own.
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "server/model/model_source.h"
+
+namespace coopdyn {
+
+namespace {
+
+bool IsNamedPart(const XmlNode& node) {
+  return node.name == "link" || node.name == "joint" || node.name == "frame" || node.name == "model";
+}
+
+/// Which parts of a model belong together, by what they name.
+class Grouper {
+ public:
+  explicit Grouper(const XmlNode& model) : model_(model), groups_(model.children.size()) {
+    std::iota(groups_.begin(), groups_.end(), std::size_t{0});
+    for (std::size_t i = 0; i < model.children.size(); ++i) {
+      if (IsNamedPart(model.children[i])) parts_.emplace(model.children[i].Attribute("name"), i);
+    }
+    for (std::size_t i = 0; i < model.children.size(); ++i) {
+      if (IsNamedPart(model.children[i])) JoinAll(model.children[i], i);
+    }
+  }
+
+  /// The groups that have a link or a model, the one with the most joints first.
+  std::vector<std::size_t> Bodies() const {
+    std::vector<std::size_t> bodies;
+    std::map<std::size_t, int> joints;
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+      const std::string& name = model_.children[i].name;
+      if (name == "joint") ++joints[groups_[i]];
+      if ((name == "link" || name == "model") && std::ranges::count(bodies, groups_[i]) == 0)
+        bodies.push_back(groups_[i]);
+    }
+    std::ranges::stable_sort(bodies, std::greater(), [&](std::size_t group) { return joints[group]; });
+    return bodies;
+  }
+  std::size_t GroupOf(std::size_t child) const { return groups_[child]; }
+
+ private:
+  void Join(const std::string& name, std::size_t to) {
+    if (name == "world") parts_.emplace(name, to);  // what is fixed to it is one body
+    const auto found = parts_.find(name.substr(0, name.find("::")));
+    if (found == parts_.end()) return;
+    const std::size_t from = groups_[found->second], into = groups_[to];
+    if (from != into) std::ranges::replace(groups_, from, into);
+  }
+
+  void JoinAll(const XmlNode& node, std::size_t part) {
+    for (const char* key : {"relative_to", "attached_to", "expressed_in"}) Join(node.Attribute(key), part);
+    for (const XmlNode& child : node.children) {
+      if (child.name == "parent" || child.name == "child" || child.name == "gearbox_reference_body")
+        Join(child.text, part);
+      if (child.name == "mimic") Join(child.Attribute("joint"), part);
+      if (child.name != "link" && child.name != "joint") JoinAll(child, part);
+    }
+  }
+
+  const XmlNode& model_;
+  std::map<std::string, std::size_t> parts_;
+  std::vector<std::size_t> groups_;  // by child
+};
+
+}  // namespace
+
+std::vector<XmlNode> SplitLoose(const XmlNode& model) {
+  const std::string fixed = model.TextOf("static");
+  if (fixed == "1" || fixed == "true") return {model};
+  const Grouper grouper(model);
+  const std::vector<std::size_t> bodies = grouper.Bodies();
+  if (bodies.size() <= 1) return {model};
+  std::vector<XmlNode> models(bodies.size());
+  std::map<std::size_t, std::size_t> places;  // by group
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    places[bodies[i]] = i;
+    models[i].name = model.name;
+    models[i].where = model.where;
+    models[i].attributes = model.attributes;
+    const XmlNode* pose = model.Child("pose");
+    if (pose != nullptr) models[i].children.push_back(*pose);
+  }
+  for (std::size_t i = 0; i < model.children.size(); ++i) {
+    const XmlNode& child = model.children[i];
+    if (child.name == "pose") continue;
+    // What is not said of a part, or of a part without a body, belongs to the first body.
+    const auto place = IsNamedPart(child) ? places.find(grouper.GroupOf(i)) : places.end();
+    XmlNode& one = models[place == places.end() ? 0 : place->second];
+    const bool names = child.name == "link" || child.name == "model";
+    if (names && &one != models.data() && one.Attribute("name") == model.Attribute("name"))
+      one.Set("name", model.Attribute("name") + "_" + child.Attribute("name"));
+    one.children.push_back(child);
+  }
+  return models;
+}
+
+}  // namespace coopdyn
