@@ -42,17 +42,14 @@ std::uint32_t PlaneSolver::Add(const Actor& actor, std::span<const ChannelState>
   const Mechanism& mechanism = *actor.thing.mechanism;
   const OneBodyDrive& drive = *mechanism.drive;
   Robot robot;
-  robot.x = robot.x_before = body.v_WB.x();
-  robot.y = robot.y_before = body.v_WB.y();
+  robot.x = body.v_WB.x();
+  robot.y = body.v_WB.y();
   robot.turn = body.w_WB.z();
   robot.per_mass = 1 / drive.mass_kg;
   robot.per_yaw = 1 / mechanism.bodies.front().inertia_kg_m2(2, 2);
   robot.p_x_m = body.p_WB.x();
   robot.p_y_m = body.p_WB.y();
-  robot.height_m = drive.p_RB.z();
   robot.rest_z_m = actor.thing.rest_z_m;
-  robot.drive = &drive;
-  robot.is_planar = mechanism.planar();
   // The robot turns on while it rolls.
   const auto [s, c] = portable::SinCos(robot.turn * dt_s / 2);
   robot.c = body.R_WB[0] * c - body.R_WB[3] * s;
@@ -99,7 +96,6 @@ void PlaneSolver::Join(std::span<const FoundContact> found, std::uint32_t a, std
     contact.least_m_s =
         point.depth_m < 0 ? point.depth_m / dt_s : std::min(kErp * point.depth_m / dt_s, kMaxPushOut_m_s);
     contact.friction = std::min(one.a->friction, one.b->friction);
-    contact.height_m = point.p_W.z();
     contacts_.push_back(contact);
   }
 }
@@ -154,36 +150,18 @@ double PlaneSolver::SolveContact(Contact& contact) {
   return (std::abs(more_ns) + std::abs(rubs_more_ns)) * a.per_mass;
 }
 
-bool PlaneSolver::Step(double dt_s) {
+bool PlaneSolver::Step() {
   double most = 1;
   for (int round = 0; round < kMostRounds && most > kFound_m_s; ++round) {
     most = 0;
     for (Robot& robot : robots_) most = std::max(most, SolveWheels(robot));
     for (Contact& contact : contacts_) most = std::max(most, SolveContact(contact));
   }
-  for (const Contact& contact : contacts_) {
-    const double x = contact.push_ns * contact.n_x - contact.rub_ns * contact.n_y;
-    const double y = contact.push_ns * contact.n_y + contact.rub_ns * contact.n_x;
-    robots_[contact.a].lean_x += x * contact.height_m;
-    robots_[contact.a].lean_y += y * contact.height_m;
-    if (contact.b == kStill) continue;
-    robots_[contact.b].lean_x -= x * contact.height_m;
-    robots_[contact.b].lean_y -= y * contact.height_m;
-  }
-  return std::ranges::all_of(robots_, [&](const Robot& robot) { return Stands(robot, dt_s); });
-}
-
-bool PlaneSolver::Stands(const Robot& robot, double dt_s) const {
-  // Written so that nan does not stand.
-  if (!(robot.x * robot.x + robot.y * robot.y < kMaxSpeed_m_s * kMaxSpeed_m_s)) return false;
-  if (!(std::abs(robot.turn) < kMaxTurnRate_rad_s)) return false;
-  if (robot.is_planar) return true;
-  // The acceleration on bare wheels that would lean on them as much as its own and the pushes do together.
-  const double share = robot.per_mass / robot.height_m;
-  const double x = (robot.lean_x * share - (robot.x - robot.x_before)) / dt_s;
-  const double y = (robot.lean_y * share - (robot.y - robot.y_before)) / dt_s;
-  const double along = std::abs(x * robot.c + y * robot.s), across = std::abs(y * robot.c - x * robot.s);
-  return along / robot.drive->max_along_m_s2 + across / robot.drive->max_across_m_s2 <= 1;
+  // Written so that nan is not sane.
+  return std::ranges::all_of(robots_, [](const Robot& robot) {
+    return robot.x * robot.x + robot.y * robot.y < kMaxSpeed_m_s * kMaxSpeed_m_s &&
+           std::abs(robot.turn) < kMaxTurnRate_rad_s;
+  });
 }
 
 void PlaneSolver::Move(std::uint32_t number, double dt_s, BodyState& body) const {

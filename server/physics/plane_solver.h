@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Robots of fidelity rolling and planar that push each other, or walls, on a level floor. As long as none of
-// them lifts a wheel they move in the plane: three rates each, and no rows for what carries them.
+// Robots of fidelity planar that push each other, or walls: three rates each, and no rows for what carries
+// them.
 // Only server/physics includes this file.
 #pragma once
 
@@ -32,38 +32,32 @@ class PlaneSolver {
   std::uint32_t Add(const Actor& robot, std::span<const ChannelState> channels, double dt_s);
   /// Adds contacts of A with B, by their numbers. @pre Takes(found), and one of them moves.
   void Join(std::span<const FoundContact> found, std::uint32_t a, std::uint32_t b, double dt_s);
-  /// Finds the rates at the end of the substep. False: a robot would lift a wheel or caster, or get insane;
-  /// then nothing is to be read.
-  bool Step(double dt_s);
+  /// Finds the rates at the end of the substep. False: a robot would get insane; then nothing is to be read.
+  bool Step();
   /// Moves the robot's body on.
   void Move(std::uint32_t number, double dt_s, BodyState& body) const;
 
  private:
   struct Robot {
     double x = 0, y = 0, turn = 0;  // rates: of the centre of mass, m/s; rad/s
-    double x_before = 0, y_before = 0;
     double per_mass = 0, per_yaw = 0;
-    double p_x_m = 0, p_y_m = 0, height_m = 0;  // centre of mass
+    double p_x_m = 0, p_y_m = 0;  // centre of mass
     double rest_z_m = 0;
     double c = 1, s = 0;  // heading at mid-step
-    const OneBodyDrive* drive = nullptr;
-    bool is_planar = false;
     // Of left wheel, right wheel, and both sideways.
     double arm_m[3]{}, wanted_m_s[3]{}, most_ns[3]{}, push_ns[3]{}, mass_kg[3]{};
-    double lean_x = 0, lean_y = 0;  // Σ force × height of contacts, N s m
   };
   struct Contact {
     std::uint32_t a = 0, b = kStill;
     double n_x = 0, n_y = 0;  // the normal, towards A; the tangent is (-n_y, n_x)
     double arm_an = 0, arm_at = 0, arm_bn = 0, arm_bt = 0;
     double mass_n_kg = 0, mass_t_kg = 0;
-    double least_m_s = 0, friction = 0, height_m = 0;
+    double least_m_s = 0, friction = 0;
     double push_ns = 0, rub_ns = 0;
   };
 
   double SolveWheels(Robot& robot);
   double SolveContact(Contact& contact);
-  bool Stands(const Robot& robot, double dt_s) const;
 
   std::vector<Robot> robots_;
   std::vector<Contact> contacts_;

@@ -116,7 +116,6 @@ void PhysicsWorld::Substep(Nanoseconds dt, int left) {
   Sort();
   if (!active_.empty()) {
     Touch(dt_s);
-    FreeUntouched();
     MakeIslands();
     MakeBatches();
     sweep_.Begin(things_, active_, bodies_, dt_s);

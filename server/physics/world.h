@@ -87,7 +87,7 @@ class PhysicsWorld {
   };
   enum class Method { kDirect, kIterative, kLimbs, kPile, kPlane };
   /// Islands that are solved together; by kLimbs one, of bodies with limbs or an object in flight; by kPile
-  /// one, of objects; by kPlane one, of robots that stay upright.
+  /// one, of objects; by kPlane one, of robots of fidelity planar.
   struct Batch {
     Method method = Method::kDirect;
     std::vector<std::uint32_t> members;                         // things, island by island
@@ -115,8 +115,6 @@ class PhysicsWorld {
   bool FindPairContacts(double dt_s);
   void Wake(std::uint32_t thing, double dt_s);
   std::span<const FoundContact> ContactsOf(std::size_t pair) const;
-  /// Robots that are near others but touch none move in closed form after all.
-  void FreeUntouched();
   /// Groups who is handed to ODE into islands, and islands into batches.
   void MakeIslands();
   void MakeBatches();
@@ -126,7 +124,7 @@ class PhysicsWorld {
   bool IsPile(std::uint32_t root);
   /// It is an object that touches nothing.
   bool Flies(std::uint32_t root) { return root < things_.first_robot && islands_.RowsOf(root) == 0; }
-  /// It is of robots that stand, and of which no forces are wanted.
+  /// It is of planar robots of which no forces are wanted.
   bool IsPlane(std::uint32_t root) const;
   /// PlaneSolver takes these contacts, and both things.
   bool FitsPlane(std::size_t pair) const;

@@ -76,27 +76,6 @@ void PhysicsWorld::Wake(std::uint32_t thing, double dt_s) {
   if (robot >= 0) PlanRobot(static_cast<std::size_t>(robot), dt_s);
 }
 
-void PhysicsWorld::FreeUntouched() {
-  const std::size_t count = dynamic_count(), base = things_.first_robot;
-  // Contacts across a gap are found only beside upright cylinders: with others it may collide in the step.
-  const auto is_foreseen = [&](std::uint32_t thing) {
-    const Mechanism& mechanism = *things_.all[thing].mechanism;
-    return mechanism.one_body() && mechanism.shell >= 0;
-  };
-  std::fill(near_.begin(), near_.end(), std::uint8_t{0});
-  for (std::size_t k = 0; k < pairs_.size(); ++k) {
-    const auto [a, b] = pairs_[k];
-    if (ContactsOf(k).empty() && is_foreseen(a) && is_foreseen(b)) continue;
-    near_[a] = 1;
-    if (b < count) near_[b] = 1;
-  }
-  std::erase_if(active_, [&](std::uint32_t i) {
-    const bool closed = i >= base && !near_[i] && plans_[i - base].closed;
-    if (closed) in_ode_[i] = 0;
-    return closed;
-  });
-}
-
 void PhysicsWorld::MakeIslands() {
   const std::size_t count = dynamic_count();
   std::vector<FoundContact> floor;
@@ -178,7 +157,8 @@ bool PhysicsWorld::IsPlane(std::uint32_t root) const {
   for (std::uint32_t i = islands_.FirstOf(root); i != Islands::kNone; i = islands_.NextOf(i)) {
     const Thing& thing = things_.all[i];
     const std::optional<OneBodyDrive>& drive = thing.mechanism->drive;
-    if (!drive || !drive->stands || measures_.Wants(i) || !StandsUpright(FirstBody(i), thing.rest_z_m))
+    if (!thing.mechanism->planar() || !drive || !drive->stands || measures_.Wants(i) ||
+        !StandsUpright(FirstBody(i), thing.rest_z_m))
       return false;
   }
   return true;
@@ -252,7 +232,7 @@ void PhysicsWorld::SolvePlane(Batch& batch, PlaneSolver& solver, double dt_s) {
     const auto [a, b] = pairs_[pair];
     solver.Join(ContactsOf(pair), number(a), number(b), dt_s);
   }
-  batch.is_solved = solver.Step(dt_s);
+  batch.is_solved = solver.Step();
   if (!batch.is_solved) return;
   for (std::uint32_t i = 0; i < batch.members.size(); ++i) {
     const std::uint32_t thing = batch.members[i];
