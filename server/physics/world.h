@@ -20,6 +20,7 @@
 #include "server/physics/limb_solver.h"
 #include "server/physics/measures.h"
 #include "server/physics/pile_solver.h"
+#include "server/physics/plane_solver.h"
 #include "server/physics/rest.h"
 #include "server/physics/sweep.h"
 #include "server/physics/wheel_drive.h"
@@ -82,10 +83,11 @@ class PhysicsWorld {
     Lane lane;
     LimbSolver limbs;
     PileSolver pile;
+    PlaneSolver plane;
   };
-  enum class Method { kDirect, kIterative, kLimbs, kPile };
+  enum class Method { kDirect, kIterative, kLimbs, kPile, kPlane };
   /// Islands that are solved together; by kLimbs one, of bodies with limbs or an object in flight; by kPile
-  /// one, of objects.
+  /// one, of objects; by kPlane one, of robots of fidelity planar.
   struct Batch {
     Method method = Method::kDirect;
     std::vector<std::uint32_t> members;                         // things, island by island
@@ -93,6 +95,7 @@ class PhysicsWorld {
     std::vector<std::pair<std::uint32_t, std::string>> frozen;  // in this substep: thing and why
     std::vector<MeasuredContact> measured;
     bool unsolved = false;
+    bool is_solved = false;
     bool is_for_ode() const { return method == Method::kDirect || method == Method::kIterative; }
   };
 
@@ -121,7 +124,17 @@ class PhysicsWorld {
   bool IsPile(std::uint32_t root);
   /// It is an object that touches nothing.
   bool Flies(std::uint32_t root) { return root < things_.first_robot && islands_.RowsOf(root) == 0; }
+  /// It is of planar robots of which no forces are wanted.
+  bool IsPlane(std::uint32_t root) const;
+  /// PlaneSolver takes these contacts, and both things.
+  bool FitsPlane(std::size_t pair) const;
+  /// Solves what stays in the plane; the others become batches of ODE.
+  void SolvePlanes(double dt_s);
+  void SolvePlane(Batch& batch, PlaneSolver& solver, double dt_s);
   void SolveAll(double dt_s);
+  /// Calls work(index, solvers) for the batches after the first, on all threads if that pays.
+  template <typename Work>
+  void ForBatches(const Work& work);
   /// Solves a batch; if that fails, again without the body that was fastest.
   void SolveBatch(Batch& batch, Solvers& solvers, double dt_s);
   /// Why it failed.
@@ -135,6 +148,8 @@ class PhysicsWorld {
   void ReadBatch(Batch& batch, const Solver& solver, double dt_s);
   template <typename Solver>
   void ReadChannels(std::uint32_t thing, const Solver& solver, double dt_s);
+  /// Wheels of a robot of one body that a solver has moved.
+  void TurnWheels(std::uint32_t thing, double dt_s);
   /// Lists the joints of control boards.
   void FitBoards();
   /// Takes the set-points of a step; who gets other ones wakes.

@@ -113,7 +113,7 @@ PhysicsWorld::Batch& PhysicsWorld::NextBatch(Method method) {
   batch.pairs.clear();
   batch.frozen.clear();
   batch.measured.clear();
-  batch.unsolved = false;
+  batch.unsolved = batch.is_solved = false;
   return batch;
 }
 
@@ -129,6 +129,9 @@ void PhysicsWorld::MakeBatches() {
     } else if (IsPile(root)) {
       at = batch_count_;
       NextBatch(Method::kPile);
+    } else if (IsPlane(root)) {
+      at = batch_count_;
+      NextBatch(Method::kPlane);
     } else if (islands_.RowsOf(root) <= kMaxDirectRows) {
       if (open == 0 || batches_[open].members.size() >= kBatchThings) {
         open = batch_count_;
@@ -148,6 +151,26 @@ void PhysicsWorld::MakeBatches() {
     if ((!in_a && !in_b) || ContactsOf(k).empty()) continue;
     batches_[batch_of_[islands_.RootOf(in_a ? a : b)]].pairs.push_back(static_cast<std::uint32_t>(k));
   }
+}
+
+bool PhysicsWorld::IsPlane(std::uint32_t root) const {
+  for (std::uint32_t i = islands_.FirstOf(root); i != Islands::kNone; i = islands_.NextOf(i)) {
+    const Thing& thing = things_.all[i];
+    const std::optional<OneBodyDrive>& drive = thing.mechanism->drive;
+    if (!thing.mechanism->planar() || !drive || !drive->stands || measures_.Wants(i) ||
+        !StandsUpright(FirstBody(i), thing.rest_z_m))
+      return false;
+  }
+  return true;
+}
+
+bool PhysicsWorld::FitsPlane(std::size_t pair) const {
+  const auto fits = [&](std::uint32_t thing) {
+    const Thing& info = things_.all[thing];
+    return info.robot >= 0 ? info.mechanism->one_body() : info.body_count() == 0;
+  };
+  const auto [a, b] = pairs_[pair];
+  return fits(a) && fits(b) && PlaneSolver::Takes(ContactsOf(pair));
 }
 
 bool PhysicsWorld::HasLimbs(std::uint32_t root) const {
@@ -172,7 +195,70 @@ bool PhysicsWorld::IsPile(std::uint32_t root) {
   return count <= (is_calm ? kMost : kFew) && islands_.RowsOf(root) <= kMostRows;
 }
 
+template <typename Work>
+void PhysicsWorld::ForBatches(const Work& work) {
+  const std::size_t small = batch_count_ - 1;
+  const auto some = [&](std::size_t first, std::size_t end, Solvers& solvers) {
+    for (std::size_t i = first; i < end; ++i) work(1 + i, solvers);
+  };
+  constexpr std::size_t kParallelFrom = 4;  // batches: some 100 µs
+  if (pool_ == nullptr || small < kParallelFrom) {
+    some(0, small, *solvers_.front());
+    return;
+  }
+  // Whichever thread comes first takes the next solvers: all give the same bits.
+  const std::size_t count = solvers_.size(), each = (small + 4 * count - 1) / (4 * count);
+  std::vector<std::atomic_flag> taken(count);
+  pool_->For(small, each, [&](std::size_t first, std::size_t end) {
+    std::size_t mine = 0;
+    while (taken[mine].test_and_set(std::memory_order_acquire)) mine = (mine + 1) % count;
+    some(first, end, *solvers_[mine]);
+    taken[mine].clear(std::memory_order_release);
+  });
+}
+
+void PhysicsWorld::SolvePlane(Batch& batch, PlaneSolver& solver, double dt_s) {
+  if (!std::ranges::all_of(batch.pairs, [&](std::uint32_t pair) { return FitsPlane(pair); })) return;
+  solver.Begin();
+  for (const std::uint32_t thing : batch.members) {
+    solver.Add(ActorOf(thing), ChannelsOf(things_.all[thing]), dt_s);
+  }
+  const auto number = [&](std::uint32_t thing) {
+    const auto at = std::ranges::lower_bound(batch.members, thing);
+    if (at == batch.members.end() || *at != thing) return PlaneSolver::kStill;
+    return static_cast<std::uint32_t>(at - batch.members.begin());
+  };
+  for (const std::uint32_t pair : batch.pairs) {
+    const auto [a, b] = pairs_[pair];
+    solver.Join(ContactsOf(pair), number(a), number(b), dt_s);
+  }
+  batch.is_solved = solver.Step();
+  if (!batch.is_solved) return;
+  for (std::uint32_t i = 0; i < batch.members.size(); ++i) {
+    const std::uint32_t thing = batch.members[i];
+    solver.Move(i, dt_s, BodiesOf(thing).front());
+    TurnWheels(thing, dt_s);
+  }
+}
+
+void PhysicsWorld::SolvePlanes(double dt_s) {
+  ForBatches([&](std::size_t i, Solvers& solvers) {
+    if (batches_[i].method == Method::kPlane) SolvePlane(batches_[i], solvers.plane, dt_s);
+  });
+  Batch& large = batches_.front();
+  for (std::size_t i = 1; i < batch_count_; ++i) {
+    Batch& batch = batches_[i];
+    if (batch.method != Method::kPlane || batch.is_solved) continue;
+    batch.method = Method::kDirect;
+    if (islands_.RowsOf(batch.members.front()) <= kMaxDirectRows) continue;
+    large.members.insert(large.members.end(), batch.members.begin(), batch.members.end());
+    large.pairs.insert(large.pairs.end(), batch.pairs.begin(), batch.pairs.end());
+    batch.is_solved = true;
+  }
+}
+
 void PhysicsWorld::SolveAll(double dt_s) {
+  SolvePlanes(dt_s);
   Batch& large = batches_.front();
   if (!large.members.empty()) {
     // The iterative solver draws from ODE's only random generator, so it works alone.
@@ -180,24 +266,9 @@ void PhysicsWorld::SolveAll(double dt_s) {
     SolveBatch(large, *solvers_.front(), dt_s);
     solver_seed_ = dRandGetSeed();
   }
-  const std::size_t small = batch_count_ - 1;
-  const auto solve = [&](std::size_t first, std::size_t end, Solvers& solvers) {
-    for (std::size_t i = first; i < end; ++i) SolveBatch(batches_[1 + i], solvers, dt_s);
-  };
-  constexpr std::size_t kParallelFrom = 4;  // batches: some 100 µs
-  if (pool_ == nullptr || small < kParallelFrom) {
-    solve(0, small, *solvers_.front());
-  } else {
-    // Whichever thread comes first takes the next solvers: all give the same bits.
-    const std::size_t count = solvers_.size(), each = (small + 4 * count - 1) / (4 * count);
-    std::vector<std::atomic_flag> taken(count);
-    pool_->For(small, each, [&](std::size_t first, std::size_t end) {
-      std::size_t mine = 0;
-      while (taken[mine].test_and_set(std::memory_order_acquire)) mine = (mine + 1) % count;
-      solve(first, end, *solvers_[mine]);
-      taken[mine].clear(std::memory_order_release);
-    });
-  }
+  ForBatches([&](std::size_t i, Solvers& solvers) {
+    if (!batches_[i].is_solved) SolveBatch(batches_[i], solvers, dt_s);
+  });
   for (std::size_t k = 0; k < batch_count_; ++k) {
     if (!batches_[k].measured.empty()) measures_.Add(batches_[k].measured, share_);
     for (auto& [thing, why] : batches_[k].frozen) {
@@ -357,11 +428,17 @@ void PhysicsWorld::ReadChannels(std::uint32_t thing, const Solver& solver, doubl
       FinishTrain(info.first_control + static_cast<std::size_t>(joint.control), channel.effort, dt_s);
     }
   } else if (info.mechanism->drive) {
-    const OneBodyDrive& drive = *info.mechanism->drive;
-    const WheelSpeeds rates_rad_s = TurnedWheels(drive, FirstBody(thing), drive.SpeedsOf(channels));
-    const std::span<ChannelState> wheels = drive.ChannelsOf(channels);
-    for (std::size_t wheel = 0; wheel < wheels.size(); ++wheel) Turn(wheels[wheel], rates_rad_s[wheel], dt_s);
+    TurnWheels(thing, dt_s);
   }
+}
+
+void PhysicsWorld::TurnWheels(std::uint32_t thing, double dt_s) {
+  const Thing& info = things_.all[thing];
+  const OneBodyDrive& drive = *info.mechanism->drive;
+  const std::span<ChannelState> channels = ChannelsOf(info);
+  const WheelSpeeds rates_rad_s = TurnedWheels(drive, FirstBody(thing), drive.SpeedsOf(channels));
+  const std::span<ChannelState> wheels = drive.ChannelsOf(channels);
+  for (std::size_t wheel = 0; wheel < wheels.size(); ++wheel) Turn(wheels[wheel], rates_rad_s[wheel], dt_s);
 }
 
 void PhysicsWorld::Freeze(std::uint32_t thing, std::string why, Batch& batch) {
