@@ -15,6 +15,7 @@ namespace {
 
 // Rates that change by less in a round are found.
 constexpr double kFound_m_s = 1e-6;
+constexpr double kNear_m_s = 0.01;
 constexpr int kMostRounds = 100;
 
 bool IsPlain(const Part& part) {
@@ -150,7 +151,7 @@ double PlaneSolver::SolveContact(Contact& contact) {
   return (std::abs(more_ns) + std::abs(rubs_more_ns)) * a.per_mass;
 }
 
-bool PlaneSolver::Step() {
+PlaneSolver::Outcome PlaneSolver::Step() {
   double most = 1;
   for (int round = 0; round < kMostRounds && most > kFound_m_s; ++round) {
     most = 0;
@@ -158,10 +159,12 @@ bool PlaneSolver::Step() {
     for (Contact& contact : contacts_) most = std::max(most, SolveContact(contact));
   }
   // Written so that nan is not sane.
-  return std::ranges::all_of(robots_, [](const Robot& robot) {
+  const bool is_sane = std::ranges::all_of(robots_, [](const Robot& robot) {
     return robot.x * robot.x + robot.y * robot.y < kMaxSpeed_m_s * kMaxSpeed_m_s &&
            std::abs(robot.turn) < kMaxTurnRate_rad_s;
   });
+  if (!is_sane) return Outcome::kInsane;
+  return most < kNear_m_s ? Outcome::kSolved : Outcome::kNear;
 }
 
 void PlaneSolver::Move(std::uint32_t number, double dt_s, BodyState& body) const {

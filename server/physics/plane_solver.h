@@ -32,8 +32,10 @@ class PlaneSolver {
   std::uint32_t Add(const Actor& robot, std::span<const ChannelState> channels, double dt_s);
   /// Adds contacts of A with B, by their numbers. @pre Takes(found), and one of them moves.
   void Join(std::span<const FoundContact> found, std::uint32_t a, std::uint32_t b, double dt_s);
-  /// Finds the rates at the end of the substep. False: a robot would get insane; then nothing is to be read.
-  bool Step();
+  /// kNear: rates still changed by more than 1 cm/s in the last round. kInsane: nothing is to be read.
+  enum class Outcome { kSolved, kNear, kInsane };
+  /// Finds the rates at the end of the substep.
+  Outcome Step();
   /// Moves the robot's body on.
   void Move(std::uint32_t number, double dt_s, BodyState& body) const;
 

@@ -232,8 +232,10 @@ void PhysicsWorld::SolvePlane(Batch& batch, PlaneSolver& solver, double dt_s) {
     const auto [a, b] = pairs_[pair];
     solver.Join(ContactsOf(pair), number(a), number(b), dt_s);
   }
-  batch.is_solved = solver.Step();
-  if (!batch.is_solved) return;
+  const PlaneSolver::Outcome outcome = solver.Step();
+  if (outcome == PlaneSolver::Outcome::kInsane) return;
+  batch.is_solved = true;
+  batch.unsolved = outcome == PlaneSolver::Outcome::kNear;
   for (std::uint32_t i = 0; i < batch.members.size(); ++i) {
     const std::uint32_t thing = batch.members[i];
     solver.Move(i, dt_s, BodiesOf(thing).front());
