@@ -71,6 +71,13 @@ std::string WithoutFind(const std::string& uri) {
   return uri;
 }
 
+/// Without spaces and line ends around it.
+std::string Trimmed(const std::string& uri) {
+  constexpr const char* kSpaces = " \t\r\n";
+  const std::size_t first = uri.find_first_not_of(kSpaces);
+  return first == std::string::npos ? "" : uri.substr(first, uri.find_last_not_of(kSpaces) - first + 1);
+}
+
 bool IsByName(const std::string& scheme) {
   return scheme == "model" || scheme == "package";
 }
@@ -143,7 +150,10 @@ void Resources::AddNamed(const std::string& path, const fs::path& folder, std::v
     }
     // A neighbour of the package or model.
     const bool is_name = name != "." && name != ".." && name != "/";
-    if (is_near && is_name && HasMark(up / name)) places.push_back({up / path, Canonical(up / name)});
+    for (const fs::path& beside : {up, up / "models"}) {
+      if (is_near && is_name && HasMark(beside / name))
+        places.push_back({beside / path, Canonical(beside / name)});
+    }
   }
   if (package_) places.push_back({*package_ / inner, {}});
   places.push_back({folder / path, {}});  // as PyBullet has it
@@ -188,8 +198,9 @@ std::string Resources::WhereLooked(const fs::path& folder, bool by_name) const {
   return text;
 }
 
-std::optional<fs::path> Resources::Find(const std::string& given, const fs::path& from,
+std::optional<fs::path> Resources::Find(const std::string& written, const fs::path& from,
                                         std::string& why) const {
+  const std::string given = Trimmed(written);
   const auto [scheme, rest] = Split(WithoutFind(given));
   const bool by_name = IsByName(scheme);
   std::vector<Place> tried;
@@ -211,6 +222,7 @@ std::optional<fs::path> Resources::Find(const std::string& given, const fs::path
       tried.push_back({folder / rest, package});
       for (const fs::path& one : folders_) tried.push_back({one / rest, {}});
       if (package_) tried.push_back({*package_ / rest, {}});
+      if (scheme.empty()) AddNamed(rest, folder, tried);  // a model's bare name, as PX4 has it
     }
   } else {
     return FindFuel(given, why);

@@ -137,7 +137,6 @@ std::size_t RobotModel::FirstChannel(const ActuatorModel& actuator) const {
 
 bool RobotModel::has_limbs() const {
   const ActuatorModel* drive = drive_actuator();
-  const bool has_loose = links.size() > joints.size() + 1;
   return fixed_base || has_loose || joints.size() > (drive == nullptr ? 0 : drive->joints.size());
 }
 

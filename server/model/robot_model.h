@@ -210,6 +210,7 @@ struct RobotModel {
   std::vector<std::shared_ptr<const MeshData>> meshes;  // those that its shapes name
   std::vector<LinkModel> links;                         // links[0] is the chassis, the base of an arm
   bool fixed_base = false;                              // links[0] is fixed to the world
+  bool has_loose = false;                               // some links hang on no joint that leads to links[0]
   std::vector<JointModel> joints;
   std::vector<CouplingModel> couplings;  // at most one of each follower
   std::vector<FrameModel> frames;

@@ -174,6 +174,7 @@ class Welder {
       loose.push_back("'" + robot_.links[i].name + "'");
     }
     if (!foreign_ || loose.empty()) return;
+    robot_.has_loose = true;
     diagnostics_.Warning({file_, first_line},
                          "no joint leads from " + Link(0) + " to " + JoinNames(loose) +
                              ": they move on their own, and the robot's pose is that of " + Link(0));

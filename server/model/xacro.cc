@@ -53,7 +53,17 @@ std::string LastLine(std::string_view text) {
 }  // namespace
 
 bool IsXacro(std::string_view text, const std::filesystem::path& file) {
-  return file.extension() == ".xacro" || text.find("<xacro:") != std::string_view::npos;
+  if (file.extension() == ".xacro") return true;
+  constexpr std::string_view kBegin = "<!--", kEnd = "-->";
+  while (!text.empty()) {
+    const std::size_t comment = text.find(kBegin);
+    if (text.substr(0, comment).find("<xacro:") != std::string_view::npos) return true;
+    if (comment == std::string_view::npos) break;
+    const std::size_t end = text.find(kEnd, comment + kBegin.size());
+    if (end == std::string_view::npos) break;
+    text.remove_prefix(end + kEnd.size());
+  }
+  return false;
 }
 
 std::optional<std::string> ExpandXacro(const std::filesystem::path& file, Diagnostics& diagnostics) {

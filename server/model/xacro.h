@@ -11,7 +11,7 @@
 
 namespace coopdyn {
 
-/// Whether `text` has elements of xacro, or `file` ends in .xacro.
+/// Whether `text` has elements of xacro, or `file` ends in .xacro. What xacro has written keeps the comments.
 bool IsXacro(std::string_view text, const std::filesystem::path& file);
 
 /// What `xacro FILE` writes. Nothing, with an error at `file`, if there is no such program, it fails, or

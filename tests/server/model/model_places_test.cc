@@ -67,6 +67,17 @@ TEST(ModelPlacesTest, ANeighbourIsFoundIfItIsAPackageOrAModel) {
   EXPECT_NE(ReadWith(folder, "arms/robots/r.urdf", uri).robot, nullptr);
 }
 
+TEST(ModelPlacesTest, ModelsLieInTheFolderModelsBesideThatOfWorlds) {
+  const TempFolder folder;
+  folder.Write("models/hand/meshes/m.obj", kWedge);
+  folder.Write("models/hand/model.config", "<model/>");
+  for (const char* uri :
+       {"model://hand/meshes/m.obj", "\n  model://hand/meshes/m.obj  \n", "hand/meshes/m.obj"}) {
+    const auto [robot, messages] = ReadWith(folder, "worlds/r.urdf", uri);
+    EXPECT_NE(robot, nullptr) << uri << "\n" << messages;
+  }
+}
+
 TEST(ModelPlacesTest, FoldersFarAboveAreNoPackages) {
   const TempFolder folder;
   folder.Write("far/meshes/m.obj", kWedge);

@@ -125,6 +125,13 @@ TEST(UrdfJointsTest, ASafetyControllerIsSaidOnce) {
   EXPECT_EQ(messages.find("<safety_controller>", first + 1), std::string::npos);
 }
 
+TEST(UrdfJointsTest, WhatXacroHasWrittenIsNoXacro) {
+  const TempFolder folder;
+  folder.Write("rig.urdf", "<robot name=\"rig\"><!-- <xacro:if value=\"${a}\"> -->" + Body("base") +
+                               "<!-- <xacro:b/> --></robot>");
+  EXPECT_NE(ReadFile(folder, "rig.urdf").robot, nullptr);
+}
+
 TEST(UrdfJointsTest, XacroNeedsItsProgramAndFindsIt) {
   const TempFolder folder;
   folder.Write(
