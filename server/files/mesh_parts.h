@@ -13,7 +13,7 @@
 
 namespace coopdyn {
 
-inline constexpr std::size_t kMaxMeshTriangles = 200'000;    // of one mesh: of more, so many are left
+inline constexpr std::size_t kMaxMeshTriangles = 200'000;    // of one mesh: a larger one is reduced to these
 inline constexpr std::size_t kMaxReadTriangles = 2'000'000;  // of a file
 inline constexpr double kMaxVertex_m = 1e4;                  // from the origin, along each axis
 

@@ -19,7 +19,7 @@ struct ReducedMesh {
 /// rendering complex scenes", 1993, section 3. @pre good indices, finite vertices, most > 0
 ReducedMesh Reduce(MeshParts parts, std::size_t most);
 
-/// What a user is told of a mesh that had `count` triangles.
+/// The warning about a mesh that had `count` triangles.
 std::string ReductionText(std::size_t count, const ReducedMesh& reduced);
 
 }  // namespace coopdyn
