@@ -190,7 +190,7 @@ void PageServices::Check(const WebFile& file, const WebFiles::Done& done) {
       const Checked checked = CheckScenarioText(file.text, name, robots, diagnostics);
       return JsonAnswer(JsonText(Report(checked, diagnostics, name, name)));
     }
-    if (const std::string objection = Uploads::Objection(file.name); !objection.empty())
+    if (const std::string objection = Uploads::Objection(file.name, file.text); !objection.empty())
       return ErrorAnswer(400, objection);
     const std::string scratch = uploads_.Scratch(file.name, file.text).string();
     if (scratch.empty()) return ErrorAnswer(507, "there is no room to look into the file");

@@ -13,6 +13,7 @@
 #include "protocol/ascii.h"
 #include "server/base/printable.h"
 #include "server/model/values.h"
+#include "server/model/xacro.h"
 
 namespace coopdyn {
 
@@ -48,7 +49,7 @@ Uploads::~Uploads() {
   if (!folder_.empty()) fs::remove_all(folder_, ignored);
 }
 
-std::string Uploads::Objection(const std::string& name) {
+std::string Uploads::Objection(const std::string& name, const std::string& text) {
   const std::string extension = ToLower(fs::path(name).extension().string());
   const bool bare = !name.empty() && name.size() <= kMaxName && name.front() != '.' && name.front() != '-' &&
                     std::all_of(name.begin(), name.end(), IsNameCharacter);
@@ -58,6 +59,8 @@ std::string Uploads::Objection(const std::string& name) {
         "characters: not '{}'",
         kMaxName, Printable(name));
   }
+  if (IsXacro(text, name))  // it may name any file of this machine
+    return "xacro that is sent is not expanded here: send what 'xacro FILE' writes";
   if (extension == ".world" || extension == ".sdf" || extension == ".urdf") return {};
   if (extension == ".scenario" || extension == ".xml")
     return "a scenario needs no upload: send its text to /simulation with load_scenario";
@@ -86,7 +89,7 @@ bool Uploads::Write(const fs::path& file, const std::string& text) {
 }
 
 Upload Uploads::Keep(const std::string& name, const std::string& text) {
-  if (std::string objection = Objection(name); !objection.empty()) return {400, std::move(objection)};
+  if (std::string objection = Objection(name, text); !objection.empty()) return {400, std::move(objection)};
   if (files_ >= kMaxFiles || bytes_ + text.size() > kMaxBytes) {
     return {413, fmt::format("this daemon keeps at most {} files and {} MiB of uploads: put the files into a "
                              "folder and start it with --scenarios FOLDER",
@@ -119,7 +122,7 @@ void Uploads::Remove(const Upload& upload) {
 }
 
 fs::path Uploads::Scratch(const std::string& name, const std::string& text) {
-  if (folder_.empty() || !Objection(name).empty()) return {};
+  if (folder_.empty() || !Objection(name, text).empty()) return {};
   const fs::path file = folder_ / "checked" / "now" / name;
   return Write(file, text) ? file : fs::path();
 }

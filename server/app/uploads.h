@@ -44,8 +44,8 @@ class Uploads {
   /// Writes `text` into a file called `name` outside the path, to be looked into; empty: it cannot be.
   std::filesystem::path Scratch(const std::string& name, const std::string& text);
 
-  /// Why a file must not be called `name`; empty if it may be.
-  static std::string Objection(const std::string& name);
+  /// Why a file `name` with this text is not taken; empty if it is.
+  static std::string Objection(const std::string& name, const std::string& text);
 
  private:
   /// The first of NAME, NAME_2, … that is free.
