@@ -49,6 +49,15 @@ TEST_F(UploadsTest, AModelBecomesARobotsType) {
   EXPECT_FALSE(path.FindRobot("arm"));
 }
 
+TEST_F(UploadsTest, XacroIsRefused) {
+  const std::string text = "<robot name=\"r\"><xacro:include filename=\"/etc/hostname\"/></robot>";
+  const Upload upload = uploads.Keep("r.urdf", text);
+  EXPECT_EQ(upload.status, 400U);
+  EXPECT_THAT(upload.text, HasSubstr("send what 'xacro FILE' writes"));
+  EXPECT_TRUE(uploads.Scratch("r.urdf", text).empty());
+  EXPECT_EQ(uploads.Keep("s.urdf", "<robot name=\"s\"><!-- <xacro:a/> --></robot>").status, 200U);
+}
+
 TEST_F(UploadsTest, TheFolderIsForThisUserAloneAndGoesAtTheEnd) {
   {
     Uploads kept(folder, path);
