@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -44,6 +45,42 @@ void TakeMimics(XmlNode& model, const std::string& prefix, std::vector<XmlNode>&
   }
 }
 
+/// The joints in `model`, by their names. `prefix`: of names in it.
+void FindJoints(XmlNode& model, const std::string& prefix, std::map<std::string, XmlNode*>& found) {
+  for (XmlNode& child : model.children) {
+    if (child.name == "model") FindJoints(child, prefix + child.Attribute("name") + "::", found);
+    if (child.name == "joint") found.emplace(prefix + child.Attribute("name"), &child);
+  }
+}
+
+/// Fixes the joints that follow fixed ones, whose `mimics` go: models with a part of the joints of another
+/// have them.
+void FixFollowers(XmlNode& model, std::vector<XmlNode>& mimics, Diagnostics& diagnostics) {
+  std::map<std::string, XmlNode*> joints;
+  FindJoints(model, "", joints);
+  const auto is_fixed = [&](const std::string& joint) {
+    const auto found = joints.find(joint);
+    return found != joints.end() && found->second->Attribute("type") == "fixed";
+  };
+  const auto fix = [&](const XmlNode& mimic) {
+    const std::string follower = mimic.Attribute("follower"), leader = mimic.Attribute("leader");
+    if (is_fixed(follower)) {
+      diagnostics.Warning(mimic.where,
+                          "<mimic> of joint '" + follower + "' is left out: a fixed joint follows nobody");
+      return true;
+    }
+    if (!is_fixed(leader) || !joints.contains(follower)) return false;
+    diagnostics.Warning(mimic.where, "joint '" + follower + "' follows the fixed joint '" + leader +
+                                         "': it is taken as fixed, where the model is written");
+    joints[follower]->Set("type", "fixed");
+    std::erase_if(joints[follower]->children,
+                  [](const XmlNode& one) { return one.name == "axis" || one.name == "axis2"; });
+    return true;
+  };
+  while (std::erase_if(mimics, fix) > 0) {
+  }
+}
+
 void WritePitch(XmlNode& model) {
   for (XmlNode& child : model.children) {
     if (child.name == "model") WritePitch(child);
@@ -62,9 +99,9 @@ void WritePitch(XmlNode& model) {
 
 class CouplingReader {
  public:
-  CouplingReader(std::span<const FixedJoint> fixed, const std::string& file, RobotModel& robot,
-                 Diagnostics& diagnostics)
-      : fixed_(fixed), file_(file), robot_(robot), diagnostics_(diagnostics) {}
+  CouplingReader(std::span<const FixedJoint> fixed, bool is_foreign, const std::string& file,
+                 RobotModel& robot, Diagnostics& diagnostics)
+      : fixed_(fixed), is_foreign_(is_foreign), file_(file), robot_(robot), diagnostics_(diagnostics) {}
 
   void Read(const tinyxml2::XMLElement& model, std::span<const Gearbox> gearboxes) {
     for (const auto* mimic = model.FirstChildElement("coopdyn:mimic"); mimic != nullptr;
@@ -72,9 +109,8 @@ class CouplingReader {
       ReadMimic(*mimic);
     }
     for (const Gearbox& gearbox : gearboxes) ReadGearbox(gearbox);
-    for (Coupling& coupling : couplings_) {
-      if (!Resolve(coupling)) return;
-    }
+    const std::size_t looped = std::erase_if(couplings_, [this](Coupling& one) { return !Resolve(one); });
+    if (looped > 0 && !is_foreign_) return;
     for (const Coupling& coupling : couplings_) robot_.couplings.push_back(coupling.resolved);
   }
 
@@ -84,7 +120,11 @@ class CouplingReader {
     int line = 0;
   };
 
-  void Error(int line, std::string text) { diagnostics_.Error({file_, line}, std::move(text)); }
+  /// Of models made for other programs a warning: the coupling is left out.
+  void Error(int line, std::string text) {
+    if (is_foreign_) return diagnostics_.Warning({file_, line}, text + ". It moves on its own until then");
+    diagnostics_.Error({file_, line}, std::move(text));
+  }
   const JointModel& Joint(int index) const { return robot_.joints[static_cast<std::size_t>(index)]; }
 
   /// The joint called `name`, which has one axis; nothing, and reported, for any other.
@@ -231,6 +271,7 @@ class CouplingReader {
   static constexpr double kMost = 1e6;
 
   std::span<const FixedJoint> fixed_;
+  const bool is_foreign_;
   const std::string& file_;
   RobotModel& robot_;
   Diagnostics& diagnostics_;
@@ -239,17 +280,18 @@ class CouplingReader {
 
 }  // namespace
 
-void GatherMimics(XmlNode& model) {
+void GatherMimics(XmlNode& model, bool is_foreign, Diagnostics& diagnostics) {
   std::vector<XmlNode> found;
   TakeMimics(model, "", found);
+  if (is_foreign) FixFollowers(model, found, diagnostics);
   for (XmlNode& mimic : found) model.children.push_back(std::move(mimic));
   WritePitch(model);
 }
 
 void ReadCouplings(const tinyxml2::XMLElement& model, std::span<const Gearbox> gearboxes,
-                   std::span<const FixedJoint> fixed, const std::string& file, RobotModel& robot,
-                   Diagnostics& diagnostics) {
-  CouplingReader(fixed, file, robot, diagnostics).Read(model, gearboxes);
+                   std::span<const FixedJoint> fixed, bool is_foreign, const std::string& file,
+                   RobotModel& robot, Diagnostics& diagnostics) {
+  CouplingReader(fixed, is_foreign, file, robot, diagnostics).Read(model, gearboxes);
 }
 
 }  // namespace coopdyn

@@ -108,6 +108,7 @@ class Includer {
     auto root = ParseXml(*text, file, diagnostics_);
     if (!root) return std::nullopt;
     if (root->name == "robot") root = SdfOfUrdf(*root, diagnostics_);
+    if (root->Child("include") != nullptr) Expand(*root, depth + 1);
     XmlNode* model = root->Child("model");
     if (root->name == "sdf" && model == nullptr && root->Child("light") != nullptr) {
       diagnostics_.Warning(include.where,
@@ -277,6 +278,11 @@ std::optional<ModelSource> ComposeModel(const std::string& given, const std::str
     diagnostics.Error(root->where, "SDF version '" + version + "' is not supported: write version=\"1.9\"");
     return std::nullopt;
   }
+  if (root->Child("include") != nullptr) {
+    Upgrade(*root, version);
+    ExpandIncludes(*root, resources, diagnostics);
+    if (diagnostics.has_errors()) return std::nullopt;
+  }
   XmlNode* model = root->Child("model");
   if (model == nullptr && root->Child("world") != nullptr) {
     diagnostics.Error(root->Child("world")->where,
@@ -317,7 +323,7 @@ void ComposeTree(XmlNode root, const Resources* resources, ModelSource& source, 
   root.Set("xmlns:coopdyn", "https://coopdyn.dev/sdf");
   ExpandIncludes(root, resources, diagnostics);
   ExpandChains(*root.Child("model"), diagnostics);
-  GatherMimics(*root.Child("model"));
+  GatherMimics(*root.Child("model"), source.foreign, diagnostics);
   FreeNames(*root.Child("model"), diagnostics);
   if (source.foreign) NumberSensors(*root.Child("model"), diagnostics);
   CheckNames(*root.Child("model"), diagnostics);

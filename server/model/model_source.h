@@ -60,9 +60,9 @@ std::vector<XmlNode> PartsToMerge(XmlNode model);
 void Upgrade(XmlNode& root, const std::string& version);
 
 /// Writes what libsdformat does not know of the joints of `model` (`<model>`) in other words: a `<mimic>` as
-/// a
-/// `<coopdyn:mimic>` of the model, `<screw_thread_pitch>` as the older `<thread_pitch>`.
-void GatherMimics(XmlNode& model);
+/// a `<coopdyn:mimic>` of the model, `<screw_thread_pitch>` as the older `<thread_pitch>`. `is_foreign`: joints
+/// that follow fixed ones become fixed, which is said.
+void GatherMimics(XmlNode& model, bool is_foreign, Diagnostics& diagnostics);
 
 /// Writes joints of several axes in `model` (`<model>`) as chains of joints with one axis each:
 /// `<coopdyn:six_axis>`, and SDF's revolute2. Between them stand links without shapes (`coopdyn:carrier`).

@@ -97,9 +97,10 @@ struct Gearbox {
 };
 /// Reads the couplings of `robot`: the `<mimic>`s of `model` (`<model>`), as GatherMimics() writes them, and
 /// `gearboxes`. `robot` has its links, joints and frames. `fixed`: joints that cannot move.
+/// `is_foreign`: what is wrong is left out, with a warning.
 void ReadCouplings(const tinyxml2::XMLElement& model, std::span<const Gearbox> gearboxes,
-                   std::span<const FixedJoint> fixed, const std::string& file, RobotModel& robot,
-                   Diagnostics& diagnostics);
+                   std::span<const FixedJoint> fixed, bool is_foreign, const std::string& file,
+                   RobotModel& robot, Diagnostics& diagnostics);
 
 /// Where a model's links and joints stand in its file.
 struct ModelLines {

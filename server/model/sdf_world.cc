@@ -48,7 +48,7 @@ class WorldConverter {
     XmlNode* world = root->Child("world");
     // Several models in a file are a world, too, and so are several bodies in a model.
     if (world == nullptr && IsOneRobot(*root)) return OneRobot();
-    if (world == nullptr && root->Child("model") != nullptr) world = &*root;
+    if (world == nullptr && CountModels(*root) > 0) world = &*root;
     if (root->name != "sdf" || world == nullptr) {
       diagnostics_.Error(root->where, "an SDF world starts with <sdf version=\"1.9\"> and holds a <world>");
       return std::nullopt;
@@ -84,10 +84,16 @@ class WorldConverter {
 
   /// Whether all that `root` has is one model, one robot.
   static bool IsOneRobot(const XmlNode& root) {
-    const auto models = std::ranges::count(root.children, "model", &XmlNode::name);
-    if (root.name != "sdf" || models != 1) return false;
-    const XmlNode& model = *root.Child("model");
-    return HasOwnElements(model) || HasAny(model, "include") || SplitLoose(model).size() == 1;
+    if (root.name != "sdf" || CountModels(root) != 1) return false;
+    const XmlNode* model = root.Child("model");
+    return model == nullptr || HasOwnElements(*model) || HasAny(*model, "include") ||
+           SplitLoose(*model).size() == 1;
+  }
+
+  /// Those that stand beside each other in `root`, written out or included.
+  static std::ptrdiff_t CountModels(const XmlNode& root) {
+    return std::ranges::count(root.children, "model", &XmlNode::name) +
+           std::ranges::count(root.children, "include", &XmlNode::name);
   }
 
  private:
@@ -311,7 +317,7 @@ bool IsOneSdfModel(const std::string& text) {
   Diagnostics ignored;
   const auto root = ParseXml(text, "", ignored);
   if (!root || root->Child("world") != nullptr) return !root;
-  return WorldConverter::IsOneRobot(*root) || root->Child("model") == nullptr;
+  return WorldConverter::IsOneRobot(*root) || WorldConverter::CountModels(*root) == 0;
 }
 
 std::optional<SdfWorld> ReadSdfWorld(const std::filesystem::path& file, const SearchPath& path,

@@ -45,13 +45,34 @@ TEST(UrdfTest, LinksStandWhereTheirJointsPutThem) {
   EXPECT_THAT(messages, HasSubstr("0.1 m below its origin"));
 }
 
-TEST(UrdfTest, AMimicOfNothingIsAnErrorWithItsLine) {
+TEST(UrdfTest, AMimicOfNothingIsLeftOutWithItsLine) {
   const auto [robot, messages] = ReadUrdf(UrdfBox("base") + UrdfBox("arm") +
                                           "<joint name=\"turn\" type=\"continuous\"><parent link=\"base\"/>"
                                           "<child link=\"arm\"/>\n<mimic joint=\"tun\"/></joint>\n");
-  EXPECT_EQ(robot, nullptr);
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_EQ(robot->joints.size(), 1u);
+  EXPECT_TRUE(robot->couplings.empty());
   EXPECT_THAT(messages,
-              HasSubstr("rig.urdf:7: error: <mimic> of joint 'turn' names no joint of this robot: 'tun'"));
+              HasSubstr("rig.urdf:7: warning: <mimic> of joint 'turn' names no joint of this robot: 'tun'"));
+}
+
+TEST(UrdfTest, JointsThatFollowAFixedOneAreFixed) {
+  const auto joint = [](const std::string& name, const std::string& type, const std::string& parent,
+                        const std::string& child, const std::string& leader) {
+    return "<joint name=\"" + name + "\" type=\"" + type + "\"><parent link=\"" + parent +
+           "\"/><child link=\"" + child + "\"/>" +
+           (leader.empty() ? "" : "<mimic joint=\"" + leader + "\"/>") + "</joint>\n";
+  };
+  const auto [robot, messages] =
+      ReadUrdf(UrdfBox("base") + UrdfBox("a") + UrdfBox("b") + UrdfBox("c") + UrdfBox("d") +
+               joint("second", "continuous", "base", "c", "first") +
+               joint("first", "continuous", "base", "b", "held") + joint("held", "fixed", "base", "a", "") +
+               joint("free", "continuous", "base", "d", ""));
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_EQ(robot->joints.size(), 1u);
+  EXPECT_EQ(robot->joints[0].name, "free");
+  EXPECT_THAT(messages, HasSubstr("joint 'first' follows the fixed joint 'held': it is taken as fixed"));
+  EXPECT_THAT(messages, HasSubstr("joint 'second' follows the fixed joint 'first'"));
 }
 
 TEST(UrdfTest, ALinkCalledWorldIsTheWorld) {
@@ -251,6 +272,21 @@ TEST(IncludeTest, ANestedCopyHasItsOwnNames) {
   ASSERT_EQ(robot->links.size(), 1u);
   ASSERT_EQ(robot->links[0].collisions.size(), 3u);
   EXPECT_NEAR(robot->links[0].X_LI.p.x(), 1, 1e-9);  // of three equal masses at 0, 1 and 2 m
+}
+
+TEST(IncludeTest, AFileMayHoldAnIncludeAlone) {
+  const TempFolder folder;
+  folder.Write("part/model.sdf", "<sdf version=\"1.9\"><model name=\"part\">\n" +
+                                     SdfLink("body", "0 0 0.1 0 0 0", kSdfBox) + "</model></sdf>");
+  const std::string include = "<include><uri>part</uri></include>";
+  folder.Write("robot.sdf", "<sdf version=\"1.4\">" + include + "</sdf>");
+  folder.Write("outer.sdf", "<sdf version=\"1.9\"><include><uri>robot.sdf</uri></include></sdf>");
+  for (const char* file : {"robot.sdf", "outer.sdf"}) {
+    const auto [robot, messages] = ReadFile(folder, file);
+    ASSERT_NE(robot, nullptr) << messages;
+    ASSERT_EQ(robot->links.size(), 1u);
+    EXPECT_EQ(robot->links[0].name, "body");
+  }
 }
 
 TEST(IncludeTest, AModelThatIncludesItselfIsAnError) {
