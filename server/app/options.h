@@ -97,7 +97,8 @@ SearchPath DataPath(const std::vector<std::string>& given);
 void AddModelFolders(SearchPath& path);
 
 inline constexpr const char* kStrictHelp =
-    "A mesh that collides and is not there is an error, also in models of other programs";
+    "In files of other programs, too, what is named and is not there is an error: a mesh that collides, an "
+    "<include> of a world";
 
 inline constexpr const char* kVersion = "0.1.0";
 

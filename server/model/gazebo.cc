@@ -164,7 +164,10 @@ class Adopter {
     std::erase_if(node.children, [&](const XmlNode& child) {
       if (child.name.starts_with("coopdyn:")) return false;
       const bool nested_model = node.name == "model" && child.name == "pose";
-      const bool unused_sensor = child.name == "sensor" && !IsUsedSensor(child.Attribute("type"));
+      // One of a wrench belongs into a joint, all others into links.
+      const std::string type = child.Attribute("type");
+      const bool unused_sensor = child.name == "sensor" &&
+                                 (!IsUsedSensor(type) || (node.name == "joint") != (type == "force_torque"));
       if (nested_model || (IsUsedElement(node.name, child.name) && !unused_sensor)) return false;
       std::string what = "<" + child.name;
       if (child.Has("type")) what += " type=\"" + child.Attribute("type") + "\"";

@@ -97,6 +97,13 @@ std::vector<XmlNode> SplitLoose(const XmlNode& model) {
       one.Set("name", model.Attribute("name") + "_" + child.Attribute("name"));
     one.children.push_back(child);
   }
+  for (XmlNode& one : models) {
+    const std::string first = one.Attribute("canonical_link");
+    const bool has = std::ranges::any_of(one.children, [&](const XmlNode& part) {
+      return IsNamedPart(part) && part.Attribute("name") == first.substr(0, first.find("::"));
+    });
+    if (!has) one.Remove("canonical_link");
+  }
   return models;
 }
 

@@ -20,23 +20,17 @@ namespace {
 
 constexpr std::string_view kMeshMark = "<!--coopdyn:mesh ";
 constexpr std::string_view kTextureKey = "texture";  // instead of a mesh's key
-constexpr int kMaxIncludes = 200;
+constexpr int kMaxIncludes = 1000;
 constexpr int kMaxDepth = 10;  // of includes in includes
-
-/// Minor number of an SDF version 1.x; nothing for anything else.
-std::optional<int> MinorOf(const std::string& version) {
-  if (!version.starts_with("1.") || version.size() > 4) return std::nullopt;
-  const auto minor = ParsePlain(version.substr(2));
-  if (!minor || *minor < 0 || version.find_first_not_of("0123456789.") != std::string::npos)
-    return std::nullopt;
-  return static_cast<int>(*minor);
-}
 
 /// Writes what `<include>` names in its place.
 class Includer {
  public:
-  Includer(const Resources* resources, Diagnostics& diagnostics)
-      : resources_(resources), diagnostics_(diagnostics) {}
+  /// `leaves_out`: what is not there is left out, with a warning.
+  Includer(const Resources* resources, bool leaves_out, Diagnostics& diagnostics)
+      : resources_(resources), leaves_out_(leaves_out), diagnostics_(diagnostics) {}
+
+  bool has_left_out() const { return leaves_out_ && !missing_.empty(); }
 
   void Expand(XmlNode& parent, int depth) {
     std::vector<XmlNode> all;
@@ -99,7 +93,13 @@ class Includer {
     }
     if (!path) {
       // A world may include it a hundred times.
-      if (!IsLightOrFloor(uri) && missing_.insert(uri).second) Error(include, "<include>: " + why);
+      if (IsLightOrFloor(uri) || !missing_.insert(uri).second) return std::nullopt;
+      if (leaves_out_) {
+        diagnostics_.Warning(include.where, "<include>: " + why +
+                                                "; until then it is left out (--strict makes this an error)");
+      } else {
+        Error(include, "<include>: " + why);
+      }
       return std::nullopt;
     }
     const std::string file = path->string();
@@ -141,6 +141,7 @@ class Includer {
   }
 
   const Resources* resources_;
+  const bool leaves_out_;
   Diagnostics& diagnostics_;
   int count_ = 0;
   std::set<std::string> missing_;
@@ -191,68 +192,12 @@ bool HasAny(const XmlNode& node, std::string_view name) {
          std::ranges::any_of(node.children, [&](const XmlNode& c) { return HasAny(c, name); });
 }
 
-namespace {
-
-/// The noise of an <imu> as SDF 1.5 has it: one for the turn rates, one for the accelerations.
-void UpgradeImu(XmlNode& imu) {
-  const XmlNode* noise = imu.Child("noise");
-  if (noise == nullptr) return;
-  const XmlNode old = *noise;
-  std::erase_if(imu.children, [](const XmlNode& one) { return one.name == "noise" || one.name == "topic"; });
-  for (const auto& [from, to] : {std::pair("rate", "angular_velocity"), {"accel", "linear_acceleration"}}) {
-    const XmlNode* values = old.Child(from);
-    if (values == nullptr) continue;
-    XmlNode& made = imu.Add(to);
-    for (const char* axis : {"x", "y", "z"}) {
-      XmlNode& one = made.Add(axis).Add("noise");
-      one.Set("type", old.TextOf("type").empty() ? "gaussian" : old.TextOf("type"));
-      one.children = values->children;
-    }
-  }
-}
-
-/// Writes `inf` as `most`.
-void WriteEndless(XmlNode& node, const std::string& most) {
-  std::string text = ToLower(node.text);
-  const std::string sign = text.starts_with('-') ? "-" : "";
-  if (text.starts_with('-') || text.starts_with('+')) text.erase(0, 1);
-  if (text == "inf" || text == "infinity") node.text = sign + most;
-}
-
-}  // namespace
-
-void Upgrade(XmlNode& node, const std::string& version) {
-  if (node.name == "imu") UpgradeImu(node);
-  // Without end: further than any sensor sees.
-  if (XmlNode* max = node.name == "range" ? node.Child("max") : nullptr; max != nullptr)
-    WriteEndless(*max, "100000");
-  if (node.name == "limit") {
-    for (XmlNode& child : node.children) WriteEndless(child, "1e16");
-  }
-  if (node.name == "mu" || node.name == "mu2") WriteEndless(node, "1e16");
-  const int minor = MinorOf(version).value_or(9);
-  if (node.name == "sdf") node.Set("version", "1.9");
-  if (minor < 7) {
-    if (node.Has("frame") && node.name == "pose") {
-      const std::string frame = node.Attribute("frame");
-      node.Remove("frame");
-      if (!frame.empty()) node.Set("relative_to", frame);
-    }
-    if (node.name == "axis" || node.name == "axis2") {
-      const std::string flag = node.TextOf("use_parent_model_frame");
-      const bool in_model = minor < 5 || flag == "1" || flag == "true";
-      std::erase_if(node.children, [](const XmlNode& one) {
-        return one.name == "use_parent_model_frame" || one.name == "initial_position";
-      });
-      XmlNode* xyz = node.Child("xyz");
-      if (in_model && xyz != nullptr) xyz->Set("expressed_in", "__model__");
-    }
-  }
-  for (XmlNode& child : node.children) Upgrade(child, version);
-}
-
-void ExpandIncludes(XmlNode& world, const Resources* resources, Diagnostics& diagnostics) {
-  Includer(resources, diagnostics).Expand(world, 0);
+void ExpandIncludes(XmlNode& root, const Resources* resources, Diagnostics& diagnostics) {
+  const bool is_strict = resources == nullptr || resources->is_strict() || HasOwnElements(root);
+  Includer includer(resources, root.name == "world" && !is_strict, diagnostics);
+  includer.Expand(root, 0);
+  if (includer.has_left_out() && root.Child("model") == nullptr)
+    diagnostics.Error(root.where, "nothing that this world includes is there: see the warnings above");
 }
 
 std::optional<ModelSource> ComposeModel(const std::string& given, const std::string& file,

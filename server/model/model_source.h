@@ -52,11 +52,14 @@ void MakeRoundMeshes(XmlNode& model, MeshTable& table, Diagnostics& diagnostics)
 /// The text that a recording keeps: read again without files, it gives the same model.
 std::string WithMeshes(const ModelSource& source);
 
-/// The models of the world `world` (`<world>`), with what it includes written out.
-void ExpandIncludes(XmlNode& world, const Resources* resources, Diagnostics& diagnostics);
+/// The models of `root` (`<world>` or `<sdf>`), with what it includes written out. Of what a world of other
+/// programs includes and is not there, only a warning is left, unless that is all of it.
+void ExpandIncludes(XmlNode& root, const Resources* resources, Diagnostics& diagnostics);
 /// The parts of `model` (`<model>`, with the <pose> of its <include>) as those of a model that merges it.
 std::vector<XmlNode> PartsToMerge(XmlNode model);
-/// Writes elements of an older SDF as those of the newest. `version`: of the file of `root`.
+/// Minor number of an SDF version 1.x; nothing for anything else.
+std::optional<int> MinorOf(const std::string& version);
+/// Writes elements of older and newer SDF as those of 1.9. `version`: of the file of `root`.
 void Upgrade(XmlNode& root, const std::string& version);
 
 /// Writes what libsdformat does not know of the joints of `model` (`<model>`) in other words: a `<mimic>` as

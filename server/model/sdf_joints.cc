@@ -308,9 +308,6 @@ class JointReader {
         reading_.Error(line, std::string("<") + name + "> of " + what + " must be a number from 0 to 1e9");
       }
     }
-    if (out.friction > 0 && (out.damping > 0 || out.stiffness > 0)) {
-      reading_.Warn(line, "<friction> of " + what + " is not used beside a damper or a spring");
-    }
     if (!(std::abs(out.rest) <= kFar))
       reading_.Error(line, "<spring_reference> of " + what + " must be at most 1e6");
   }

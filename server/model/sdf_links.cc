@@ -34,6 +34,8 @@ struct PlacedShape {
   std::optional<Color> color;  // its own
 };
 
+constexpr double kLight_kg = 0.01;  // of a link without a mass
+
 class LinkReader {
  public:
   explicit LinkReader(ModelReading& reading) : reading_(reading) {}
@@ -76,7 +78,12 @@ class LinkReader {
       out.is_carrier = xml_link != nullptr && xml_link->Attribute("coopdyn:carrier") != nullptr;
       const tinyxml2::XMLElement* inertial =
           xml_link == nullptr ? nullptr : xml_link->FirstChildElement("inertial");
-      ReadInertial(link, inertial != nullptr && inertial->BoolAttribute("coopdyn:solid"), out);
+      const char* const densities = inertial == nullptr ? nullptr : inertial->Attribute("coopdyn:densities");
+      if (densities != nullptr) {
+        Weigh(densities, inertial->GetLineNum(), out);
+      } else {
+        ReadInertial(link, inertial != nullptr && inertial->BoolAttribute("coopdyn:solid"), out);
+      }
       reading_.robot.links.push_back(std::move(out));
       reading_.assembly.links.push_back({reading_.robot.links.back().name, names});
       if (xml_link != nullptr) xml_link = xml_link->NextSiblingElement("link");
@@ -127,30 +134,29 @@ class LinkReader {
 
   std::optional<PlacedShape> ToShape(const sdf::Geometry& geometry, int line, const std::string& what,
                                      bool is_visual = false) {
-    const auto good = [](double size) {
-      return std::isfinite(size) && size >= kMinLength_m && size <= kMaxSize_m;
+    // Other programs collide with points, and with floors of many kilometres.
+    bool fine = true, fits = !is_visual && reading_.source.foreign;
+    const auto fit = [&](double size) {
+      const bool good = size >= kMinLength_m && size <= kMaxSize_m;
+      fine = fine && good;
+      fits = fits && size >= 0;
+      return good ? size : std::clamp(size, kMinLength_m, kMaxSize_m);
     };
     PlacedShape placed;
-    bool fine = false;
     if (const sdf::Box* box = geometry.BoxShape()) {
       const Vector3 size = ToVector(box->Size());
-      placed.shape = Box{size};
-      fine = good(size.x()) && good(size.y()) && good(size.z());
+      placed.shape = Box{{fit(size.x()), fit(size.y()), fit(size.z())}};
     } else if (const sdf::Cylinder* cylinder = geometry.CylinderShape()) {
-      placed.shape = Cylinder{cylinder->Radius(), cylinder->Length()};
-      fine = good(cylinder->Radius()) && good(cylinder->Length());
+      placed.shape = Cylinder{fit(cylinder->Radius()), fit(cylinder->Length())};
     } else if (const sdf::Sphere* sphere = geometry.SphereShape()) {
-      placed.shape = Sphere{sphere->Radius()};
-      fine = good(sphere->Radius());
+      placed.shape = Sphere{fit(sphere->Radius())};
     } else if (const sdf::Capsule* capsule = geometry.CapsuleShape()) {
-      placed.shape = Capsule{capsule->Radius(), capsule->Length()};
-      fine = good(capsule->Radius()) && good(capsule->Length());
+      placed.shape = Capsule{fit(capsule->Radius()), fit(capsule->Length())};
     } else if (const sdf::Plane* plane = geometry.PlaneShape()) {
       constexpr double kDepth_m = 0.1;
       const Vector3 normal = ToVector(plane->Normal());
-      const Vector3 size(plane->Size().X(), plane->Size().Y(), kDepth_m);
-      fine = good(size.x()) && good(size.y()) && normal.allFinite() && normal.norm() > 1e-9;
-      placed.shape = Box{size};
+      placed.shape = Box{{fit(plane->Size().X()), fit(plane->Size().Y()), kDepth_m}};
+      if (!normal.allFinite() || normal.norm() <= 1e-9) fine = fits = false;
       if (fine) placed.X_PG.q = Quaternion::FromTwoVectors(Vector3::UnitZ(), normal);
       placed.X_PG.p = placed.X_PG.q * Vector3(0, 0, -kDepth_m / 2);
     } else if (const sdf::Mesh* mesh = geometry.MeshShape()) {
@@ -164,6 +170,7 @@ class LinkReader {
       placed.X_PG.p = known->second.middle;
       if (data.color) placed.color = Color{(*data.color)[0], (*data.color)[1], (*data.color)[2]};
       fine = data.radius_m >= kMinLength_m && data.radius_m <= kMaxSize_m;
+      fits = false;
     } else {
       reading_.Error(
           line, what + " needs a <geometry> with <box>, <cylinder>, <sphere>, <capsule>, <plane> or <mesh>");
@@ -171,6 +178,10 @@ class LinkReader {
     }
     if (!fine) {
       const std::string wrong = "the sizes of " + what + " must lie between 0.1 mm and 1 km";
+      if (fits) {
+        reading_.Warn(line, wrong + ": it collides with the nearest size that may be");
+        return placed;
+      }
       if (is_visual) {
         reading_.Complain(line, wrong, "it is not drawn");
       } else {
@@ -264,13 +275,31 @@ class LinkReader {
     out.inertia_kg_m2 = SolidInertia(shape, mass_kg).cwiseMax(1e-7 * mass_kg);
   }
 
+  /// Mass by the densities of its collisions, kg/m³; of a mesh about the middle of its box.
+  void Weigh(const std::string& densities, int line, LinkModel& out) {
+    constexpr double kMost = 1e5;
+    std::size_t i = 0;
+    for (const std::string& word : SplitWords(densities)) {
+      const auto density = ParsePlain(word);
+      if (!density || !(*density > 0 && *density <= kMost))
+        return reading_.Error(
+            line, "<density> must be a number above 0 and at most 100000 (kg/m³), not '" + word + "'");
+      if (i == out.collisions.size()) break;
+      const LinkShape& solid = out.collisions[i++];
+      const double mass_kg = *density * Volume(solid.shape);
+      if (mass_kg > 0) AddMass(mass_kg, SolidInertia(solid.shape, mass_kg), solid.X_LG, out);
+    }
+    if (out.mass_kg > 0) return;
+    reading_.Complain(line, "link '" + out.name + "' has no shape that gives it a mass", "it gets 10 g");
+    GiveMass(kLight_kg, out);
+  }
+
   /// `is_solid`: its moments are those of its first shape.
   void ReadInertial(const sdf::Link& link, bool is_solid, LinkModel& out) {
     const std::string what = "link '" + out.name + "'";
     const int line = LineOf(link.Element());
     const bool foreign = reading_.source.foreign;
     const bool welded = welded_.contains(out.name);
-    constexpr double kLight_kg = 0.01;
     if (!link.Element()->HasElement("inertial")) {
       if (welded) return;  // a frame, or a shape without mass
       if (foreign && still_.contains(out.name)) return GiveMass(1, out);
@@ -282,14 +311,15 @@ class LinkReader {
     const ignition::math::Inertiald& inertial = link.Inertial();
     const auto& matrix = inertial.MassMatrix();
     out.mass_kg = matrix.Mass();
-    if (foreign && out.mass_kg == 0) {
+    constexpr double kLeast_kg = 1e-9;
+    if (foreign && out.mass_kg >= 0 && out.mass_kg < kLeast_kg) {
       out.mass_kg = 0;
       if (welded) return;
       if (still_.contains(out.name)) return GiveMass(1, out);
       reading_.Warn(inertial_line, what + " has no mass: it gets 10 g; write <mass> above 0");
       return GiveMass(kLight_kg, out);
     }
-    if (!std::isfinite(out.mass_kg) || out.mass_kg < (foreign || out.is_carrier ? 1e-9 : 1e-6) ||
+    if (!std::isfinite(out.mass_kg) || out.mass_kg < (foreign || out.is_carrier ? kLeast_kg : 1e-6) ||
         out.mass_kg > 1e6) {
       reading_.Error(foreign ? inertial_line : line,
                      "the mass of " + what + " must be a positive number of kg, at most 1e6");

@@ -106,6 +106,8 @@ void ReadCouplings(const tinyxml2::XMLElement& model, std::span<const Gearbox> g
 struct ModelLines {
   std::vector<int> links, joints;
 };
+/// Adds to the mass of `to` that of a body: `inertia_kg_m2` about its centre of mass, along the axes of X_LI.
+void AddMass(double added_kg, const Vector3& inertia_kg_m2, const Pose& X_LI, LinkModel& to);
 /// The two links of each muscle in `model` (`<model>`), index into the links of `robot`, before they are
 /// welded; what names others is left out.
 std::vector<std::pair<int, int>> TiesOf(const tinyxml2::XMLElement& model, const RobotModel& robot);

@@ -51,7 +51,8 @@ class RobotReader {
     if (!diagnostics_.has_errors()) FindCollisions(*robot_, reading.assembly);
     if (!diagnostics_.has_errors()) MakeHulls(reading);
     if (!diagnostics_.has_errors())
-      ReadCouplings(xml_model, reading.gearboxes, reading.fixed, source_.foreign, file_, *robot_, diagnostics_);
+      ReadCouplings(xml_model, reading.gearboxes, reading.fixed, source_.foreign, file_, *robot_,
+                    diagnostics_);
     if (!diagnostics_.has_errors()) MoveToStart(reading);
     if (!diagnostics_.has_errors()) ReadExtension(xml_model, file_, reading.assembly, *robot_, diagnostics_);
     if (!diagnostics_.has_errors()) CheckStops(reading);

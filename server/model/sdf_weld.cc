@@ -24,21 +24,7 @@ void Merge(const LinkModel& from, LinkModel& to) {
   add(from.collisions, to.collisions);
   add(from.visuals, to.visuals);
   if (from.mass_kg <= 0) return;
-  const Pose X_TI = X_TF * from.X_LI;
-  const double mass_kg = to.mass_kg + from.mass_kg;
-  const Vector3 p = (to.mass_kg * to.X_LI.p + from.mass_kg * X_TI.p) / mass_kg;
-  const auto about = [&p](const LinkModel& link, const Pose& X_TI) -> Matrix3 {
-    const Matrix3 R = X_TI.q.toRotationMatrix();
-    const Vector3 d = X_TI.p - p;
-    return R * link.inertia_kg_m2.asDiagonal() * R.transpose() +
-           link.mass_kg * (d.squaredNorm() * Matrix3::Identity() - d * d.transpose());
-  };
-  const Eigen::SelfAdjointEigenSolver<Matrix3> moments(about(to, to.X_LI) + about(from, X_TI));
-  Matrix3 axes = moments.eigenvectors();
-  if (axes.determinant() < 0) axes.col(0) *= -1;
-  to.mass_kg = mass_kg;
-  to.X_LI = {p, Quaternion(axes).normalized()};
-  to.inertia_kg_m2 = moments.eigenvalues();
+  AddMass(from.mass_kg, from.inertia_kg_m2, X_TF * from.X_LI, to);
 }
 
 class Welder {
@@ -189,6 +175,24 @@ class Welder {
 };
 
 }  // namespace
+
+void AddMass(double added_kg, const Vector3& inertia_kg_m2, const Pose& X_LI, LinkModel& to) {
+  const double mass_kg = to.mass_kg + added_kg;
+  const Vector3 p = (to.mass_kg * to.X_LI.p + added_kg * X_LI.p) / mass_kg;
+  const auto about = [&p](double part_kg, const Vector3& inertia, const Pose& X) -> Matrix3 {
+    const Matrix3 R = X.q.toRotationMatrix();
+    const Vector3 d = X.p - p;
+    return R * inertia.asDiagonal() * R.transpose() +
+           part_kg * (d.squaredNorm() * Matrix3::Identity() - d * d.transpose());
+  };
+  const Eigen::SelfAdjointEigenSolver<Matrix3> moments(about(to.mass_kg, to.inertia_kg_m2, to.X_LI) +
+                                                       about(added_kg, inertia_kg_m2, X_LI));
+  Matrix3 axes = moments.eigenvectors();
+  if (axes.determinant() < 0) axes.col(0) *= -1;
+  to.mass_kg = mass_kg;
+  to.X_LI = {p, Quaternion(axes).normalized()};
+  to.inertia_kg_m2 = moments.eigenvalues();
+}
 
 void WeldLinks(std::span<const FixedJoint> fixed, std::vector<std::pair<int, int>> ties,
                const ModelLines& lines, const std::string& file, RobotModel& robot, bool foreign,

@@ -112,7 +112,7 @@ JointRow StopRow(const JointModel& joint, const JointPlace& place, int stop, dou
   return row;
 }
 
-/// An effort, with what the joint itself resists: its damper and spring, else its friction.
+/// An effort, with what the joint itself resists: its damper, spring and friction.
 JointRow EffortRow(const JointModel& joint, const JointPlace& place, int stop, double effort, double dt_s) {
   const double total = std::clamp(effort + place.load, -joint.max_effort, joint.max_effort);
   const double resistance = joint.damping + dt_s * joint.stiffness;
@@ -125,6 +125,7 @@ JointRow EffortRow(const JointModel& joint, const JointPlace& place, int stop, d
     JointRow row{(total + spring) / resistance, JointModel::kInfinity, 1 / resistance};
     row.stiffness = joint.stiffness;
     row.damping = joint.damping;
+    row.friction = joint.friction;
     return row;
   }
   if (std::abs(total) <= joint.friction) return {0, joint.friction - std::abs(total)};

@@ -36,6 +36,7 @@ struct JointRow {
   double effort = 0;    // besides, whatever the velocity
   /// Of the spring and damper in velocity and softness, whose forces there are those of the substep's end.
   double stiffness = 0, damping = 0;
+  double friction = 0;  // against the motion, besides
   /// Of a joint with a drive train, instead of all the above; empty: it has none.
   std::span<const CouplingShare> shares = {};
 };

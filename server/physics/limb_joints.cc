@@ -173,6 +173,7 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
         if (motors_.size() > first && std::abs(effort) > kGivenIn * row.max_effort)
           motors_.back().gives_in = effort > 0 ? 1 : -1;
       }
+      if (row.friction > 0) AddMotor(member, index, 0, 0, -row.friction * dt_s, row.friction * dt_s, true);
       // The row's stop is that of the whole step's beginning.
       if (flies_) {
         const double last = member.channels[static_cast<std::size_t>(joint.channel)].position;

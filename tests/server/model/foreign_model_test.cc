@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <variant>
 
 #include "tests/cpu.h"
 #include "tests/server/model/foreign_rig.h"
@@ -253,6 +254,57 @@ TEST(ForeignModelTest, AStaticModelStandsFixed) {
   const auto [robot, messages] = ReadSdf("<static>1</static>" + SdfLink("base", "0 0 1 0 0 0", kSdfBox));
   ASSERT_NE(robot, nullptr) << messages;
   EXPECT_TRUE(robot->fixed_base);
+}
+
+TEST(ForeignModelTest, PointsAndEndlessFloorsCollideAtTheNearestSizeThatMayBe) {
+  const auto [robot, messages] =
+      ReadSdf(SdfLink("point", "0 0 1 0 0 0", "<sphere><radius>0</radius></sphere>"));
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_EQ(std::get<Sphere>(robot->links[0].collisions[0].shape).radius_m, 1e-4);
+  EXPECT_THAT(messages, HasSubstr("it collides with the nearest size that may be"));
+  const auto negative = ReadSdf(SdfLink("point", "0 0 1 0 0 0", "<sphere><radius>-1</radius></sphere>"));
+  EXPECT_EQ(negative.robot, nullptr);
+}
+
+TEST(ForeignModelTest, AMassOfNearlyNothingIsNoMass) {
+  const auto [robot, messages] = ReadSdf(
+      "<link name=\"l\"><inertial><mass>4e-15</mass><inertia><ixx>1e-27</ixx><iyy>1e-27</iyy><izz>1e-27</izz>"
+      "</inertia></inertial><collision name=\"c\"><geometry>" +
+      kSdfBox + "</geometry></collision></link>");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_EQ(robot->links[0].mass_kg, 0.01);
+  EXPECT_THAT(messages, HasSubstr("it gets 10 g"));
+}
+
+TEST(ForeignModelTest, ASensorInTheWrongPlaceIsLeftOut) {
+  const auto [robot, messages] =
+      ReadSdf("<link name=\"l\"><sensor name=\"ft\" type=\"force_torque\"/>" +
+              SdfLink("", "0 0 1 0 0 0", kSdfBox).substr(std::string("<link name=\"\">").size()));
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_THAT(messages, HasSubstr("<sensor type=\"force_torque\"> in <link> is not used by coopdyn"));
+}
+
+TEST(ForeignModelTest, AutoInertiaIsThatOfTheShapesByTheirDensities) {
+  // Two cubes of 0.2 m, 0.4 m apart: 8 kg of the link's density, and 4 kg of its own.
+  const std::string cube = "<geometry>" + kSdfBox + "</geometry>";
+  const std::string shapes = "<collision name=\"a\">" + cube + "</collision>" +
+                             "<collision name=\"b\"><pose>0.4 0 0 0 0 0</pose><density>500</density>" + cube +
+                             "</collision></link>";
+  const auto [robot, messages] =
+      ReadSdf("<link name=\"l\"><pose>0 0 1 0 0 0</pose><inertial auto=\"true\"/>" + shapes, "1.11");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_EQ(messages, "");
+  const LinkModel& link = robot->links[0];
+  EXPECT_NEAR(link.mass_kg, 12, 1e-9);
+  EXPECT_NEAR(link.X_LI.p.x(), 0.4 / 3, 1e-9);
+  const double own = 12 * 0.04 / 6, across = own + 8 * 4 / 12.0 * 0.16;
+  EXPECT_NEAR(link.inertia_kg_m2.minCoeff(), own, 1e-9);
+  EXPECT_NEAR(link.inertia_kg_m2.maxCoeff(), across, 1e-9);
+
+  const auto dense =
+      ReadSdf("<link name=\"l\"><inertial auto=\"true\"><density>2000</density></inertial>" + shapes, "1.11");
+  ASSERT_NE(dense.robot, nullptr) << dense.messages;
+  EXPECT_NEAR(dense.robot->links[0].mass_kg, 20, 1e-9);
 }
 
 TEST(IncludeTest, ANestedCopyHasItsOwnNames) {

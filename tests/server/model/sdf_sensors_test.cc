@@ -297,7 +297,7 @@ TEST(SdfSensorsTest, WrongValuesAreSaidAllAtOnceWithTheirLines) {
       answer.messages,
       HasSubstr("rig.sdf:7: error: sensor 'c': <update_rate> must be a number from 0 to 1000000, not '-1'"));
   EXPECT_THAT(answer.messages,
-              HasSubstr("rig.sdf:8: error: sensor 'd': a force_torque sensor belongs into a <joint>"));
+              HasSubstr("rig.sdf:8: warning: <sensor type=\"force_torque\"> in <link> is not used"));
   EXPECT_THAT(answer.messages, HasSubstr("rig.sdf:9: error: sensor 'e': needs <range><max>, in m"));
 }
 

@@ -24,17 +24,21 @@ class SdfWorldTest : public ::testing::Test {
   }
   std::shared_ptr<const Scenario> LoadText(const std::string& text) {
     folder_.Write("lab.sdf", text);
-    RobotLibrary library(SearchPath{{folder_.path().string()}});
+    SearchPath path{{folder_.path().string()}};
+    path.is_strict = is_strict_;
+    RobotLibrary library(path);
     Diagnostics diagnostics;
     auto scenario = LoadScenario((folder_.path() / "lab.sdf").string(), library, diagnostics);
     messages_ = diagnostics.ToString();
     return scenario;
   }
+  void MakeStrict() { is_strict_ = true; }
   const TempFolder& folder() const { return folder_; }
   const std::string& messages() const { return messages_; }
 
  private:
   TempFolder folder_;
+  bool is_strict_ = false;
   std::string messages_;
 };
 
@@ -277,14 +281,42 @@ TEST_F(SdfWorldTest, IncludesHaveTheirOwnNamesAndPoses) {
   EXPECT_EQ(scenario->robots[1].X_WR.p.y(), 5);
 }
 
-TEST_F(SdfWorldTest, AMissingIncludeIsAnErrorWithItsLine) {
-  EXPECT_EQ(Load(Model("arm", kArm) + "<include><uri>model://nowhere</uri></include>\n"), nullptr);
+TEST_F(SdfWorldTest, AMissingIncludeIsLeftOutAndSaidWithItsLine) {
+  const std::string world = Model("arm", kArm) + "<include><uri>model://nowhere</uri></include>\n";
+  const auto scenario = Load(world);
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_EQ(scenario->robots.size(), 1u);
+  EXPECT_THAT(messages(), HasSubstr("warning: <include>: there is no 'model://nowhere'"));
+  EXPECT_THAT(messages(), HasSubstr("until then it is left out"));
+  MakeStrict();
+  EXPECT_EQ(Load(world), nullptr);
   EXPECT_THAT(messages(), HasSubstr("error: <include>: there is no 'model://nowhere'"));
+}
+
+TEST_F(SdfWorldTest, AWorldOfWhichNothingIsThereIsAnError) {
+  EXPECT_EQ(Load("<include><uri>model://nowhere</uri></include>\n"), nullptr);
+  EXPECT_THAT(messages(), HasSubstr("error: nothing that this world includes is there"));
+}
+
+TEST_F(SdfWorldTest, SeveralIncludesInAFileAreAWorld) {
+  folder().Write("arm/model.sdf", "<sdf version=\"1.9\">" + Model("arm", kArm) + "</sdf>");
+  const auto scenario = LoadText(
+      "<sdf version=\"1.9\"><include><uri>model://arm</uri></include>\n<include><uri>model://arm</uri>"
+      "<name>second</name><pose>0 5 0 0 0 0</pose></include></sdf>");
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_EQ(scenario->robots.size(), 2u);
+}
+
+TEST_F(SdfWorldTest, LooseLinksNeedNoCanonicalOne) {
+  const auto scenario = Load("<model name=\"two\" canonical_link=\"b\">" + Link("a", "0 0 0.5 0 0 0") +
+                             Link("b", "2 0 0.5 0 0 0") + "</model>");
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_EQ(scenario->objects.size(), 2u);
 }
 
 TEST_F(SdfWorldTest, AMissingIncludeIsSaidOnce) {
   const std::string include = "<include><uri>model://nowhere</uri></include>\n";
-  EXPECT_EQ(Load(Model("arm", kArm) + include + include), nullptr);
+  EXPECT_NE(Load(Model("arm", kArm) + include + include), nullptr);
   EXPECT_EQ(messages().find("nowhere"), messages().rfind("nowhere")) << messages();
 }
 

@@ -178,6 +178,19 @@ TEST_P(BoardTest, AnEffortAcceleratesByTheInertia) {
   EXPECT_NEAR(channel().effort, 0.5, 1e-9);
 }
 
+TEST_P(BoardTest, ADamperAndFrictionBothResistAnEffort) {
+  RobotModel model = Turntable();
+  model.joints[0].damping = 2;
+  model.joints[0].friction = 1;
+  Add(std::move(model));
+  Command(ControlMode::kEffort, 0.9);
+  scene_.RunFor(1);
+  EXPECT_NEAR(position(), 0, 1e-6);
+  Command(ControlMode::kEffort, 3);
+  scene_.RunFor(4);
+  EXPECT_NEAR(velocity(), (3.0 - 1) / 2, 1e-3);
+}
+
 TEST_P(BoardTest, AnIdleJointSwings) {
   Add(Rig());
   Command(ControlMode::kIdle, 0);
