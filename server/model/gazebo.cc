@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// What models made for Gazebo or ROS say in its own way: plug-ins for drives and joints, `<static>`, and the
-// rest that coopdyn leaves out and reports.
+// What models made for Gazebo or ROS say in its own way: `<static>`, materials, and the rest that coopdyn
+// leaves out and reports. What their plug-ins say: gazebo_plugins.cc.
 #include <algorithm>
 #include <map>
-#include <set>
 #include <string_view>
 
+#include "server/model/gazebo_plugins.h"
 #include "server/model/model_source.h"
 #include "server/model/sdf_parts.h"
 #include "server/model/values.h"
@@ -14,48 +14,14 @@ namespace coopdyn {
 
 namespace {
 
-constexpr const char* kDriveWords[] = {"diff_drive",         "DiffDrive", "diff-drive",
-                                       "differential_drive", "ackermann", "Ackermann"};
-constexpr const char* kJointWords[] = {"joint-position-controller",
-                                       "JointPositionController",
-                                       "joint-controller",
-                                       "JointController",
-                                       "joint_position",
-                                       "joint_pose_trajectory",
-                                       "JointTrajectoryController",
-                                       "joint-trajectory-controller"};
-
-template <typename Words>
-bool HasWord(const std::string& text, const Words& words) {
-  return std::ranges::any_of(words, [&](const char* word) { return text.find(word) != std::string::npos; });
-}
-
-/// The text of the first of these elements that is there.
-std::string FirstOf(const XmlNode& node, std::initializer_list<const char*> names) {
-  for (const char* name : names) {
-    if (!node.TextOf(name).empty()) return node.TextOf(name);
-  }
-  return {};
-}
-
-/// Of the elements with these names the texts behind the first one, with blanks between.
-std::string OthersOf(const XmlNode& node, std::initializer_list<std::string_view> names) {
-  std::string others;
-  bool first = true;
-  for (const XmlNode& child : node.children) {
-    const bool named = std::ranges::find(names, child.name) != names.end() && !child.text.empty();
-    if (named && !std::exchange(first, false)) others += " " + child.text;
-  }
-  return others;
-}
-
 class Adopter {
  public:
-  Adopter(XmlNode& model, Diagnostics& diagnostics) : model_(model), diagnostics_(diagnostics) {}
+  Adopter(XmlNode& model, const Resources* resources, Diagnostics& diagnostics)
+      : model_(model), resources_(resources), diagnostics_(diagnostics) {}
 
   void Adopt() {
-    std::vector<XmlNode> plugins;
-    TakePlugins(model_, plugins);
+    std::vector<GazeboPlugin> plugins;
+    TakePlugins(model_, "", plugins);
     const std::string fixed = model_.TextOf("static");
     if (fixed == "1" || fixed == "true") MakeStatic();
     std::erase_if(model_.children, [](const XmlNode& one) { return one.name == "static"; });
@@ -64,13 +30,9 @@ class Adopter {
     Prune(model_);
     HoldEndlessly(model_);
     for (const auto& [what, left_out] : left_out_) {
-      diagnostics_.Warning(left_out.first,
-                           what + " is not used by coopdyn" +
-                               (left_out.count > 1 ? " (also " + std::to_string(left_out.count - 1) +
-                                                         (left_out.count > 2 ? " more times)" : " more time)")
-                                                   : ""));
+      diagnostics_.Warning(left_out.first, what + " is not used by coopdyn" + MoreTimes(left_out.count));
     }
-    for (const XmlNode& plugin : plugins) Translate(plugin);
+    TranslatePlugins(plugins, resources_, model_, needless_, diagnostics_);
   }
 
  private:
@@ -84,10 +46,10 @@ class Adopter {
     if (entry.count++ == 0) entry.first = node.where;
   }
 
-  static void TakePlugins(XmlNode& model, std::vector<XmlNode>& plugins) {
+  static void TakePlugins(XmlNode& model, const std::string& scope, std::vector<GazeboPlugin>& plugins) {
     for (XmlNode& child : model.children) {
-      if (child.name == "plugin") plugins.push_back(child);
-      if (child.name == "model") TakePlugins(child, plugins);
+      if (child.name == "plugin") plugins.push_back({child, scope});
+      if (child.name == "model") TakePlugins(child, scope + child.Attribute("name") + "::", plugins);
     }
     std::erase_if(model.children, [](const XmlNode& one) { return one.name == "plugin"; });
   }
@@ -163,6 +125,7 @@ class Adopter {
   void Prune(XmlNode& node) {
     std::erase_if(node.children, [&](const XmlNode& child) {
       if (child.name.starts_with("coopdyn:")) return false;
+      if (child.name == "plugin" && needless_.Take(child)) return true;
       const bool nested_model = node.name == "model" && child.name == "pose";
       // One of a wrench belongs into a joint, all others into links.
       const std::string type = child.Attribute("type");
@@ -190,53 +153,10 @@ class Adopter {
     });
   }
 
-  void Translate(const XmlNode& plugin) {
-    const std::string what = plugin.Attribute("filename") + " " + plugin.Attribute("name");
-    const std::string shown = "plug-in '" + plugin.Attribute("filename") + "'";
-    const std::string left = FirstOf(plugin, {"left_joint", "leftJoint", "rear_left_joint"});
-    const std::string right = FirstOf(plugin, {"right_joint", "rightJoint", "rear_right_joint"});
-    if (HasWord(what, kDriveWords) && !left.empty() && !right.empty()) {
-      if (model_.Child("coopdyn:gazebo_drive") != nullptr) {
-        diagnostics_.Warning(plugin.where, "a second differential drive is not used by coopdyn");
-        return;
-      }
-      XmlNode& drive = model_.Add("coopdyn:gazebo_drive");
-      drive.where = plugin.where;
-      drive.Set("left_joint", left);
-      drive.Set("right_joint", right);
-      drive.Set("other_left_joints", OthersOf(plugin, {"left_joint", "leftJoint"}));
-      drive.Set("other_right_joints", OthersOf(plugin, {"right_joint", "rightJoint"}));
-      for (const auto& [key, text] :
-           {std::pair("steer_left", FirstOf(plugin, {"left_steering_joint"})),
-            std::pair("steer_right", FirstOf(plugin, {"right_steering_joint"})),
-            std::pair("steering_limit", FirstOf(plugin, {"steering_limit", "max_steer"})),
-            std::pair("torque", FirstOf(plugin, {"max_wheel_torque", "wheelTorque", "torque"})),
-            std::pair("diameter", FirstOf(plugin, {"wheel_diameter", "wheelDiameter"})),
-            std::pair("radius", FirstOf(plugin, {"wheel_radius"}))}) {
-        if (!text.empty()) drive.Set(key, text);
-      }
-      return;
-    }
-    bool moves = false;
-    for (const XmlNode& named : plugin.children) {
-      const bool names = named.name == "joint_name" || named.name == "jointName" || named.name == "joint";
-      if (!HasWord(what, kJointWords) || !names || named.text.empty()) continue;
-      moves = true;
-      XmlNode& moved = model_.Add("coopdyn:gazebo_joint");
-      moved.where = plugin.where;
-      moved.Set("joint", named.text);
-      const std::string effort = FirstOf(plugin, {"cmd_max"});
-      if (!effort.empty()) moved.Set("effort", effort);
-    }
-    // Its joints stand in <ros2_control> or in <transmission>s.
-    const bool is_ros =
-        what.find("ros_control") != std::string::npos || what.find("ros2_control") != std::string::npos;
-    if (moves || (is_ros && model_.Child("coopdyn:gazebo_joint") != nullptr)) return;
-    diagnostics_.Warning(plugin.where, shown + " is not used by coopdyn");
-  }
-
   XmlNode& model_;
+  const Resources* resources_;
   Diagnostics& diagnostics_;
+  NeedlessPlugins needless_;
   std::map<std::string, LeftOut> left_out_;
   bool says_endless_ = false;
 };
@@ -256,8 +176,8 @@ std::optional<std::string> GazeboColor(const std::string& material) {
   return FormatNumber(color->r) + " " + FormatNumber(color->g) + " " + FormatNumber(color->b) + " 1";
 }
 
-void AdoptModel(XmlNode& model, Diagnostics& diagnostics) {
-  Adopter(model, diagnostics).Adopt();
+void AdoptModel(XmlNode& model, const Resources* resources, Diagnostics& diagnostics) {
+  Adopter(model, resources, diagnostics).Adopt();
 }
 
 }  // namespace coopdyn

@@ -287,6 +287,7 @@ class MeshLoader {
     const XmlNode* flow = pbr->Child("metal") != nullptr ? pbr->Child("metal") : pbr->Child("specular");
     const XmlNode* map = flow == nullptr ? nullptr : flow->Child("albedo_map");
     if (map != nullptr && !map->text.empty()) texture_ = TextureOf(*map);
+    const SourceLine where = map == nullptr ? SourceLine() : map->where;  // its element goes
     tint_ = {1, 1, 1};
     const std::vector<std::string> diffuse = SplitWords(material->TextOf("diffuse"));
     for (std::size_t c = 0; c < 3 && diffuse.size() >= 3; ++c)
@@ -299,8 +300,7 @@ class MeshLoader {
     XmlNode& shape = geometry->children.front();
     if (shape.name == "mesh" || shape.name == "heightmap") return;
     if (shape.name != "box") {
-      diagnostics_.Warning(map->where,
-                           "textures are drawn on meshes and boxes, and not on <" + shape.name + ">");
+      diagnostics_.Warning(where, "textures are drawn on meshes and boxes, and not on <" + shape.name + ">");
       XmlNode& plain = material->Add("diffuse");
       const auto color = TexturedMaterial(texture_, tint_).color;
       plain.text =

@@ -275,7 +275,7 @@ void ComposeTree(XmlNode root, const Resources* resources, ModelSource& source, 
   if (source.foreign) {
     root.Set("coopdyn:foreign", "true");
     if (source.in_world) root.Set("coopdyn:in_world", "true");
-    AdoptModel(*root.Child("model"), diagnostics);
+    AdoptModel(*root.Child("model"), resources, diagnostics);
   }
   MakeRoundMeshes(*root.Child("model"), source.meshes, diagnostics);
   LoadMeshes(root, resources, source.meshes, diagnostics);

@@ -88,8 +88,8 @@ std::vector<XmlNode> SplitLoose(const XmlNode& model);
 XmlNode SdfOfUrdf(const XmlNode& robot, Diagnostics& diagnostics);
 
 /// Makes `model` (`<model>`) one that coopdyn reads: Gazebo's plug-ins become our elements, and the rest that
-/// is not used is left out, each said once.
-void AdoptModel(XmlNode& model, Diagnostics& diagnostics);
+/// is not used is left out, each said once. `resources`: where the files are that plug-ins name; may be null.
+void AdoptModel(XmlNode& model, const Resources* resources, Diagnostics& diagnostics);
 
 /// The "r g b a" of a material of Gazebo's that is one colour, as Gazebo/Red; nothing for any other.
 std::optional<std::string> GazeboColor(const std::string& material);

@@ -30,8 +30,11 @@ struct LinkShape {
   double friction = 1;             // Coulomb; 0 for casters
   bool takes_robot_color = false;  // visuals: drawn in the robot's own colour
   double restitution = 0;          // of the speed of an impact that stays: 0…1
-  /// If not zero: the direction, in G, in which `friction` counts; across it the other one does.
+  /// If not zero: the direction, in G, in which `friction` counts; across it the other one does. With a
+  /// `friction_frame`, an index into RobotModel::frames, it is one of that link, and turns with it: the
+  /// rollers of a Mecanum wheel stand so where they touch the floor.
   Vector3 friction_along_G = Vector3::Zero();
+  int friction_frame = -1;
   double friction_across = 1;
   /// Torque against rolling (where it is round) and against spinning about the normal, N m per N of load.
   double rolling_friction_m = 0, spinning_friction_m = 0;
@@ -79,7 +82,8 @@ struct JointModel {
   double friction = 0;   // Coulomb: effort
   double stiffness = 0;  // of a spring: effort per way from `rest`
   double rest = 0;
-  double pitch_m_rad = 0;                                     // of a screw: way along the axis per radian
+  double pitch_m_rad = 0;         // of a screw: way along the axis per radian
+  double torque_per_force_m = 0;  // of a force: about its axis, as a propeller has
   std::optional<DriveTrainModel> drive_train = std::nullopt;  // of a hinge of a control board
 
   std::optional<MuscleModel> muscle = std::nullopt;  // if it is one

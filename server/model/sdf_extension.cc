@@ -172,6 +172,10 @@ class ExtensionReader {
       XmlAttributes attributes(*one, file_, diagnostics_);
       AdoptGroup(attributes, robot_);
     }
+    for (const XMLElement* one = model.FirstChildElement("coopdyn:gazebo_rotor"); one != nullptr;
+         one = one->NextSiblingElement("coopdyn:gazebo_rotor")) {
+      AdoptRotor(*one, file_, robot_, diagnostics_);
+    }
   }
 
   /// Of what hangs on the world by joints the pose is that of the first link, not of the world's.

@@ -41,7 +41,11 @@ class LinkReader {
   explicit LinkReader(ModelReading& reading) : reading_(reading) {}
 
   void Read(const std::vector<ModelScope>& scopes) {
-    for (const ModelScope& scope : scopes) FindWelded(scope);
+    for (const ModelScope& scope : scopes) {
+      FindWelded(scope);
+      for (std::size_t i = 0; i < scope.model.LinkCount(); ++i)
+        names_.push_back(scope.prefix + scope.model.LinkByIndex(i)->Name());
+    }
     for (const ModelScope& scope : scopes) ReadScope(scope);
     if (reading_.robot.links.empty())
       reading_.Error(scopes.front().xml.GetLineNum(), "the model has no <link>: the first is the chassis");
@@ -73,6 +77,7 @@ class LinkReader {
                                                "link '" + out.name + "'");
       if (std::ranges::count(reading_.robot.links, out.name, &LinkModel::name) > 0)
         reading_.Error(line, "there are two links '" + out.name + "': give one another name");
+      prefix_ = scope.prefix;
       const std::vector<std::string> names = ReadCollisions(link, out);
       ReadVisuals(link, xml_link, out);
       out.is_carrier = xml_link != nullptr && xml_link->Attribute("coopdyn:carrier") != nullptr;
@@ -221,8 +226,23 @@ class LinkReader {
                         ("friction is " + FormatNumber(out.friction)) + " in all directions");
       return;
     }
-    out.friction_along_G = q_CG.conjugate() * along.normalized();
     out.friction_across = across;
+    out.friction_frame = FrameOf(element->GetElement("fdir1"));
+    out.friction_along_G =
+        out.friction_frame < 0 ? Vector3(q_CG.conjugate() * along.normalized()) : along.normalized();
+  }
+
+  /// The link that carries an <fdir1>, among those of the file; -1: its own.
+  int FrameOf(const sdf::ElementPtr& fdir1) {
+    for (const char* key : {"gz:expressed_in", "ignition:expressed_in"}) {
+      if (!fdir1->HasAttribute(key)) continue;
+      const std::string name = fdir1->GetAttribute(key)->GetAsString();
+      const auto found = std::ranges::find(names_, prefix_ + name);
+      if (found != names_.end()) return static_cast<int>(found - names_.begin());
+      reading_.Warn(LineOf(fdir1), std::string(key) + " of <fdir1> names no link, '" + name +
+                                       "': the direction turns with the collision");
+    }
+    return -1;
   }
 
   /// Of a round patch that is pressed as Hertz says: 3π/16 of its radius (K. L. Johnson (1985), Contact
@@ -361,8 +381,10 @@ class LinkReader {
   }
 
   ModelReading& reading_;
-  std::set<std::string> welded_;  // links that fixed joints hold to others
-  std::set<std::string> still_;   // links that are fixed to the world
+  std::vector<std::string> names_;  // of all links of the file, in their order
+  std::string prefix_;              // of the names in the model that is read
+  std::set<std::string> welded_;    // links that fixed joints hold to others
+  std::set<std::string> still_;     // links that are fixed to the world
 };
 
 }  // namespace

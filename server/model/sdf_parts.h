@@ -160,6 +160,10 @@ void ReadMuscle(const tinyxml2::XMLElement& element, const std::string& file, Ro
 /// Reads a `<coopdyn:thruster>`, likewise.
 void ReadThruster(const tinyxml2::XMLElement& element, const std::string& file, RobotModel& robot,
                   Diagnostics& diagnostics);
+/// Makes a thruster of the rotor of a plug-in of Gazebo. What does not fit is a warning.
+void AdoptRotor(const tinyxml2::XMLElement& element, const std::string& file, RobotModel& robot,
+                Diagnostics& diagnostics);
+
 /// The attributes of one XML element, each asked for by name; what nobody asked for is reported. `element`
 /// and `diagnostics` outlive it. One thread.
 class XmlAttributes {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "server/base/portable_math.h"
+#include "server/model/gazebo_plugins.h"
 #include "server/model/model_source.h"
 #include "server/model/resources.h"
 #include "server/model/sdf_body.h"
@@ -66,10 +67,13 @@ class WorldConverter {
         AddLight(child);
       } else if (child.name == "scene" && child.Child("ambient") != nullptr) {
         ReadAmbient(child);
+      } else if (child.name == "plugin" && needless_.Take(child)) {
+        // Told below.
       } else if (child.name != "physics" && child.name != "gravity") {
         diagnostics_.Warning(child.where, "<" + child.name + "> in <world> is not used by coopdyn");
       }
     }
+    needless_.Say(diagnostics_);
     if (diagnostics_.has_errors()) return std::nullopt;
     if (floor_.empty() && !names_ground && world->name == "world") {
       diagnostics_.Warning(world->where,
@@ -304,6 +308,7 @@ class WorldConverter {
   const std::filesystem::path file_;
   const Resources resources_;
   Diagnostics& diagnostics_;
+  NeedlessPlugins needless_;
   std::string simulation_, floor_, things_, lights_, robots_;
   std::map<std::string, std::shared_ptr<const RobotModel>> models_;  // by their new names
   std::map<std::string, SourceLine> places_;

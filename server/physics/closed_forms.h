@@ -46,6 +46,7 @@ struct Part {
   double friction = 1;  // Coulomb
   double restitution = 0;
   Vector3 friction_along_G = Vector3::Zero();  // as in LinkShape, and what follows
+  int friction_body = -1;                      // if not negative: this body has it, in its own axes
   double friction_across = 1;
   double rolling_friction_m = 0, spinning_friction_m = 0;
   int wheel = -1;  // of the drive: a cylinder about a driven axle rolls on one contact at its tread

@@ -367,11 +367,13 @@ void LimbSolver::Thrust(const Member& member, int joint, double dt_s) {
   if (wanted.mode != ControlMode::kEffort || wanted.reference == 0) return;
   const double effort = std::clamp(wanted.reference, -model.max_effort, model.max_effort);
   const int node = HingeOf(member, joint).child;
-  const Vector3 none = Vector3::Zero(), wrench = forest_.Axis(node, model.axis_R) * (effort * dt_s);
+  const Vector3 wrench = forest_.Axis(node, model.axis_R) * (effort * dt_s);
   const bool pushes = model.kind == JointModel::Kind::kForce;
+  const Vector3 force = pushes ? wrench : Vector3::Zero(),
+                torque = pushes ? model.torque_per_force_m * wrench : wrench;
   Row row;
   const std::size_t before = jacobian_.size();
-  AddWrench(node, forest_.Point(node, model.p_RJ), pushes ? none : wrench, pushes ? wrench : none, row);
+  AddWrench(node, forest_.Point(node, model.p_RJ), torque, force, row);
   for (const Row::Part& part : row.all()) {
     const double* impulse = jacobian_.data() + part.from;
     for (const int dof : forest_.Chain(part.end)) pushes_[static_cast<std::size_t>(dof)] += *impulse++;

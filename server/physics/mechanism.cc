@@ -131,6 +131,19 @@ void AddLinks(Mechanism& robot) {
   if (model.has_limbs()) robot.limb_radii_m.resize(robot.bodies.size());
 }
 
+/// Grains that another link has than the part.
+void PlaceGrains(Mechanism& robot) {
+  for (Part& part : robot.parts) {
+    const LinkShape& collision = robot.model->links[static_cast<std::size_t>(part.link)]
+                                     .collisions[static_cast<std::size_t>(part.collision)];
+    if (collision.friction_frame < 0) continue;
+    const FrameModel& frame = robot.model->frames[static_cast<std::size_t>(collision.friction_frame)];
+    part.friction_body = robot.one_body() ? 0 : frame.link;
+    const Quaternion q_BR = robot.bodies[static_cast<std::size_t>(part.friction_body)].X_RB.q.conjugate();
+    part.friction_along_G = q_BR * (frame.X_RF.q * collision.friction_along_G);
+  }
+}
+
 LimbTree TreeOf(const Mechanism& mechanism) {
   std::vector<JointModel> joints;
   std::vector<bool> is_driven;
@@ -197,6 +210,7 @@ Mechanism MakeRobot(const RobotModel& model, Fidelity fidelity, double floor_fri
   } else {
     AddLinks(robot);
   }
+  PlaceGrains(robot);
   Measure(robot);
   constexpr double kHingeSlack_m = 0.01;  // links give way a little under load
   if (!robot.one_body()) {

@@ -46,6 +46,12 @@ Vector3 InWorld(const Toucher& of, const Part& part, const Vector3& direction_G)
   return of.actor->bodies[static_cast<std::size_t>(part.body)].orientation() * (part.R_BG * direction_G);
 }
 
+/// The direction of a part's grain in the world.
+Vector3 GrainInWorld(const Toucher& of, const Part& part) {
+  if (part.friction_body < 0) return InWorld(of, part, part.friction_along_G);
+  return of.actor->bodies[static_cast<std::size_t>(part.friction_body)].orientation() * part.friction_along_G;
+}
+
 bool IsOne(const Toucher& of) {
   return of.actor != nullptr && of.actor->thing.mechanism->one_body();
 }
@@ -113,7 +119,7 @@ void Rub(const FoundContact& found, const Toucher& a, const Toucher& b, const Wo
   } else if (grained != nullptr) {
     const bool is_a = grained == found.a;
     const double other = FrictionOf(is_a ? found.b : found.a, settings);
-    RubGrain(InWorld(is_a ? a : b, *grained, grained->friction_along_G), std::min(grained->friction, other),
+    RubGrain(GrainInWorld(is_a ? a : b, *grained), std::min(grained->friction, other),
              std::min(grained->friction_across, other), point.n_W, along, surface);
   } else if (along.squaredNorm() > kSliding_m_s * kSliding_m_s) {
     contact.surface.mode |= dContactFDir1;

@@ -156,6 +156,14 @@ TEST(TextureTest, ABoxHasTheAlbedoMapOfItsMaterial) {
   EXPECT_DOUBLE_EQ(visual.color.b, 0.5);
 }
 
+TEST(TextureTest, WhereATextureIsNotDrawnIsSaid) {
+  const TempFolder folder;
+  folder.Write("red.png", PngOf(1, 1, {255, 0, 0}));
+  folder.Write("model.sdf", FixedModel(VisualOf("<sphere><radius>1</radius></sphere>", "red.png")));
+  EXPECT_THAT(ReadIn(folder, "model.sdf").messages,
+              HasSubstr("model.sdf:4: warning: textures are drawn on meshes and boxes, and not on <sphere>"));
+}
+
 TEST(TextureTest, AMaterialThatNamesNoColorLeavesTheShapeGrey) {
   const TempFolder folder;
   folder.Write("model.sdf",

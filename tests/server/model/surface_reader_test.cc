@@ -34,6 +34,25 @@ TEST(SurfaceReaderTest, FrictionMayHaveAGrain) {
   EXPECT_LT((shape.friction_along_G - Vector3::UnitX()).norm(), 1e-12);  // in the collision's own frame
 }
 
+TEST(SurfaceReaderTest, AnotherLinkMayCarryTheGrain) {
+  for (const char* key : {"gz:expressed_in", "ignition:expressed_in"}) {
+    const auto [robot, messages] = ReadFriction("<ode><mu>0.2</mu><mu2>0.6</mu2><fdir1 " + std::string(key) +
+                                                "=\"l\">2 0 0</fdir1></ode>");
+    ASSERT_NE(robot, nullptr) << messages;
+    EXPECT_EQ(messages, "");
+    const LinkShape& shape = robot->links[0].collisions.at(0);
+    ASSERT_EQ(shape.friction_frame, 0);
+    EXPECT_EQ(robot->frames.at(0).name, "l");
+    EXPECT_EQ(shape.friction_along_G, Vector3::UnitX());  // in the link's frame
+  }
+  const auto wrong =
+      ReadFriction("<ode><mu>0.2</mu><mu2>0.6</mu2>\n<fdir1 gz:expressed_in=\"k\">1 0 0</fdir1></ode>");
+  ASSERT_NE(wrong.robot, nullptr) << wrong.messages;
+  EXPECT_EQ(wrong.robot->links[0].collisions.at(0).friction_frame, -1);
+  EXPECT_THAT(wrong.messages,
+              HasSubstr("model.sdf:5: warning: gz:expressed_in of <fdir1> names no link, 'k'"));
+}
+
 TEST(SurfaceReaderTest, AGrainNeedsADirection) {
   const auto [robot, messages] = ReadFriction("<ode><mu>0.2</mu><mu2>0.6</mu2></ode>");
   ASSERT_NE(robot, nullptr) << messages;

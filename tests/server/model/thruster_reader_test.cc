@@ -65,6 +65,15 @@ TEST(ThrusterReaderTest, ATorqueTurnsAboutItsDirection) {
   EXPECT_EQ(robot->joints[0].max_effort, 2);
 }
 
+TEST(ThrusterReaderTest, APropellerHasAReaction) {
+  const auto [robot, messages] =
+      ReadThrusters(Jet("direction=\"0 0 1\" max_force_n=\"5\" torque_per_force_m=\"-0.02\""));
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_EQ(robot->joints[0].torque_per_force_m, -0.02);
+  EXPECT_THAT(ReadThrusters(Jet("direction=\"0 0 1\" max_torque_nm=\"5\" torque_per_force_m=\"1\"")).messages,
+              HasSubstr("'torque_per_force_m' is of a force, a propeller's: write 'max_force_n'"));
+}
+
 TEST(ThrusterReaderTest, TheyAreAModuleOfTheirOwn) {
   const auto [robot, messages] = ReadThrusters(Jet("direction=\"1 0 0\" max_force_n=\"5\""));
   ASSERT_NE(robot, nullptr) << messages;

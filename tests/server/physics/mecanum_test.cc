@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+// A Mecanum drive of Gazebo against its formula: friction along the rollers' axes alone.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <memory>
+#include <string>
+
+#include "server/model/readers.h"
+#include "tests/server/physics/physics_scene.h"
+
+namespace coopdyn::mecanum {
+namespace {
+
+constexpr double kRadius_m = 0.1, kHalfBase_m = 0.2, kHalfTrack_m = 0.25;
+
+/// A wheel whose rollers lie along 1 `y` 0 of the chassis where it touches the floor.
+std::string Wheel(const std::string& name, double x_m, double y_m, int y) {
+  return "<link name='" + name + "'><pose>" + std::to_string(x_m) + " " + std::to_string(y_m) + " " +
+         std::to_string(kRadius_m) +
+         " 0 0 0</pose><inertial><mass>0.5</mass><inertia><ixx>0.002</ixx><iyy>0.002</iyy><izz>0.002</izz>"
+         "</inertia></inertial><collision name='c'><geometry><sphere><radius>" +
+         std::to_string(kRadius_m) +
+         "</radius></sphere></geometry><surface><friction><ode><mu>1</mu><mu2>0</mu2>" +
+         "<fdir1 gz:expressed_in='chassis'>1 " + std::to_string(y) +
+         " 0</fdir1></ode></friction></surface></collision></link>\n<joint name='" + name +
+         "_joint' type='revolute'><parent>chassis</parent><child>" + name +
+         "</child><axis><xyz>0 1 "
+         "0</xyz><limit><effort>20</effort><velocity>50</velocity></limit></axis></joint>\n";
+}
+
+std::shared_ptr<const RobotModel> Rover() {
+  const std::string text =
+      "<sdf version='1.9' xmlns:gz='http://gazebosim.org/schema'><model name='rover'>\n"
+      "<link name='chassis'><pose>0 0 0.12 0 0 "
+      "0</pose><inertial><mass>10</mass><inertia><ixx>0.2</ixx><iyy>0.2"
+      "</iyy><izz>0.3</izz></inertia></inertial><collision name='c'><geometry><box><size>0.5 0.3 0.1</size>"
+      "</box></geometry></collision></link>\n" +
+      Wheel("fl", kHalfBase_m, kHalfTrack_m, -1) + Wheel("fr", kHalfBase_m, -kHalfTrack_m, 1) +
+      Wheel("bl", -kHalfBase_m, kHalfTrack_m, 1) + Wheel("br", -kHalfBase_m, -kHalfTrack_m, -1) +
+      "<plugin filename='gz-sim-mecanum-drive-system' name='gz::sim::systems::MecanumDrive'>"
+      "<front_left_joint>fl_joint</front_left_joint><front_right_joint>fr_joint</front_right_joint>"
+      "<back_left_joint>bl_joint</back_left_joint><back_right_joint>br_joint</back_right_joint>"
+      "<wheel_separation>0.5</wheel_separation><wheelbase>0.4</wheelbase><wheel_radius>0.1</wheel_radius>"
+      "</plugin></model></sdf>";
+  Diagnostics diagnostics;
+  auto robot = ReadRobotModelText(text, "rover.sdf", "rover", diagnostics);
+  EXPECT_FALSE(diagnostics.has_errors()) << diagnostics.ToString();
+  return robot;
+}
+
+/// The formula of docs/models.md.
+std::array<double, 4> WheelSpeeds(double vx_m_s, double vy_m_s, double wz_rad_s) {
+  const double turn_m_s = (kHalfBase_m + kHalfTrack_m) * wz_rad_s;
+  return {(vx_m_s - vy_m_s - turn_m_s) / kRadius_m, (vx_m_s + vy_m_s + turn_m_s) / kRadius_m,
+          (vx_m_s + vy_m_s - turn_m_s) / kRadius_m, (vx_m_s - vy_m_s + turn_m_s) / kRadius_m};
+}
+
+class MecanumTest : public ::testing::TestWithParam<int> {
+ protected:
+  void Start(double heading_rad) {
+    scene_.step_length = GetParam() * 1'000'000;
+    scene_.robot_model = Rover();
+    ASSERT_NE(scene_.robot_model, nullptr);
+    ASSERT_EQ(scene_.robot_model->actuators.size(), 1u);
+    scene_.AddRobot(0, 0, heading_rad);
+    scene_.Build();
+    ASSERT_EQ(scene_.diagnostics().ToString(), "");
+  }
+  /// Has the wheels turn for this velocity, and waits until the rover is as fast.
+  void Drive(double vx_m_s, double vy_m_s, double wz_rad_s) {
+    scene_.setpoints.clear();
+    for (const double speed : WheelSpeeds(vx_m_s, vy_m_s, wz_rad_s))
+      scene_.setpoints.push_back({speed, ControlMode::kVelocity});
+    scene_.RunFor(1);
+  }
+  BodyState Body() { return scene_.Capture()->bodies.front(); }
+
+  PhysicsScene scene_;
+};
+
+TEST_P(MecanumTest, ItGoesAsItsWheelsSay) {
+  constexpr double kV_m_s = 0.4, kW_rad_s = 0.8;
+  for (const auto& [vx, vy, wz] : {std::array{kV_m_s, 0.0, 0.0},
+                                   {0.0, kV_m_s, 0.0},
+                                   {0.0, 0.0, kW_rad_s},
+                                   {-kV_m_s, kV_m_s, 0.0},
+                                   {kV_m_s / 2, -kV_m_s / 2, kW_rad_s / 2}}) {
+    scene_ = PhysicsScene();
+    Start(0.5);
+    Drive(vx, vy, wz);
+    const Vector3 v_B = scene_.robot(0).q.conjugate() * Body().v_WB;
+    EXPECT_NEAR(v_B.x(), vx, 0.01 * kV_m_s) << vx << " " << vy << " " << wz;
+    EXPECT_NEAR(v_B.y(), vy, 0.01 * kV_m_s) << vx << " " << vy << " " << wz;
+    EXPECT_NEAR(Body().w_WB.z(), wz, 0.01 * kW_rad_s) << vx << " " << vy << " " << wz;
+  }
+}
+
+TEST_P(MecanumTest, ItsWayIsThatOfItsVelocity) {
+  Start(0);
+  Drive(0, 0.3, 0);
+  const Vector3 before = scene_.robot(0).p;
+  scene_.RunFor(3);
+  const Vector3 way = scene_.robot(0).p - before;
+  EXPECT_NEAR(way.y(), 0.9, 0.005);
+  EXPECT_NEAR(way.x(), 0, 0.005);
+  EXPECT_NEAR(TiltOf(scene_.robot(0)), 0, 0.01);
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, MecanumTest, ::testing::Values(1, 5, 10));
+
+}  // namespace
+}  // namespace coopdyn::mecanum
