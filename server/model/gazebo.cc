@@ -64,11 +64,7 @@ class Adopter {
     Prune(model_);
     HoldEndlessly(model_);
     for (const auto& [what, left_out] : left_out_) {
-      diagnostics_.Warning(left_out.first,
-                           what + " is not used by coopdyn" +
-                               (left_out.count > 1 ? " (also " + std::to_string(left_out.count - 1) +
-                                                         (left_out.count > 2 ? " more times)" : " more time)")
-                                                   : ""));
+      diagnostics_.LeftOut(left_out.first, what, left_out.count);
     }
     for (const XmlNode& plugin : plugins) Translate(plugin);
   }
@@ -141,8 +137,8 @@ class Adopter {
       if (!mu || *mu >= 0) continue;
       child.text = "1000";
       if (!std::exchange(says_endless_, true))
-        diagnostics_.Warning(
-            child.where, "<" + child.name + "> below 0 is taken as 1000, friction that nothing overcomes");
+        diagnostics_.Mended(child.where,
+                            "<" + child.name + "> below 0 is taken as 1000, friction that nothing overcomes");
     }
   }
 
@@ -154,8 +150,7 @@ class Adopter {
       const bool origin =
           std::ranges::all_of(words, [](const std::string& w) { return ParsePlain(w).value_or(1) == 0; });
       if (!origin)
-        diagnostics_.Warning(one.where,
-                             "<pose> of the whole model is not used: write position in the scenario");
+        diagnostics_.Note(one.where, "<pose> of the whole model is not used: write position in the scenario");
       return true;
     });
   }
@@ -163,6 +158,7 @@ class Adopter {
   void Prune(XmlNode& node) {
     std::erase_if(node.children, [&](const XmlNode& child) {
       if (child.name.starts_with("coopdyn:")) return false;
+      if (IsAsHere(child)) return true;
       const bool nested_model = node.name == "model" && child.name == "pose";
       const bool unused_sensor = child.name == "sensor" && !IsUsedSensor(child.Attribute("type"));
       if (nested_model || (IsUsedElement(node.name, child.name) && !unused_sensor)) return false;
@@ -194,7 +190,7 @@ class Adopter {
     const std::string right = FirstOf(plugin, {"right_joint", "rightJoint", "rear_right_joint"});
     if (HasWord(what, kDriveWords) && !left.empty() && !right.empty()) {
       if (model_.Child("coopdyn:gazebo_drive") != nullptr) {
-        diagnostics_.Warning(plugin.where, "a second differential drive is not used by coopdyn");
+        diagnostics_.LeftOut(plugin.where, "a second differential drive");
         return;
       }
       XmlNode& drive = model_.Add("coopdyn:gazebo_drive");
@@ -229,7 +225,7 @@ class Adopter {
     const bool is_ros =
         what.find("ros_control") != std::string::npos || what.find("ros2_control") != std::string::npos;
     if (moves || (is_ros && model_.Child("coopdyn:gazebo_joint") != nullptr)) return;
-    diagnostics_.Warning(plugin.where, shown + " is not used by coopdyn");
+    diagnostics_.LeftOut(plugin.where, shown);
   }
 
   XmlNode& model_;
@@ -239,6 +235,14 @@ class Adopter {
 };
 
 }  // namespace
+
+bool IsAsHere(const XmlNode& node) {
+  const bool on = node.text == "1" || node.text == "true", off = node.text == "0" || node.text == "false";
+  if (node.name == "gravity") return on;
+  constexpr std::string_view kOff[] = {"self_collide", "selfCollide", "kinematic", "enable_wind",
+                                       "turnGravityOff"};
+  return off && std::ranges::find(kOff, node.name) != std::end(kOff);
+}
 
 std::optional<std::string> GazeboColor(const std::string& material) {
   constexpr std::string_view kOwner = "Gazebo/";

@@ -88,6 +88,9 @@ XmlNode SdfOfUrdf(const XmlNode& robot, Diagnostics& diagnostics);
 /// is not used is left out, each said once.
 void AdoptModel(XmlNode& model, Diagnostics& diagnostics);
 
+/// Whether an element that is not used says what is so anyway, as that a link falls.
+bool IsAsHere(const XmlNode& node);
+
 /// The "r g b a" of a material of Gazebo's that is one colour, as Gazebo/Red; nothing for any other.
 std::optional<std::string> GazeboColor(const std::string& material);
 

@@ -205,9 +205,9 @@ class LinkReader {
                               : Vector3::Zero();
     constexpr double kShortest = 1e-6;
     if (!along.allFinite() || along.norm() < kShortest) {
-      reading_.Warn(LineOf(element),
-                    "<mu2> needs <fdir1>, the direction in which <mu> counts, for example 1 0 0: " +
-                        ("friction is " + FormatNumber(out.friction)) + " in all directions");
+      reading_.Mended(LineOf(element),
+                      "<mu2> needs <fdir1>, the direction in which <mu> counts, for example 1 0 0: " +
+                          ("friction is " + FormatNumber(out.friction)) + " in all directions");
       return;
     }
     out.friction_along_G = q_CG.conjugate() * along.normalized();
@@ -286,7 +286,7 @@ class LinkReader {
       out.mass_kg = 0;
       if (welded) return;
       if (still_.contains(out.name)) return GiveMass(1, out);
-      reading_.Warn(inertial_line, what + " has no mass: it gets 10 g; write <mass> above 0");
+      reading_.Mended(inertial_line, what + " has no mass: it gets 10 g; write <mass> above 0");
       return GiveMass(kLight_kg, out);
     }
     if (!std::isfinite(out.mass_kg) || out.mass_kg < (foreign || out.is_carrier ? 1e-9 : 1e-6) ||
