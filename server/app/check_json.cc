@@ -74,7 +74,8 @@ json::object JsonOf(const CheckReport& report) {
   object["harmless"] = ListOf(report.harmless);
   json::array missing;
   for (const MissingPart& part : report.missing)
-    missing.push_back({{"what", part.what}, {"count", part.count}, {"bring", part.bring}});
+    missing.push_back(
+        {{"what", part.what}, {"count", part.count}, {"collides", part.collides}, {"bring", part.bring}});
   object["missing"] = std::move(missing);
   object["drive"] = nullptr;
   if (report.drive) {

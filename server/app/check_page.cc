@@ -13,13 +13,22 @@ namespace coopdyn {
 
 namespace {
 
+/// What fits, printable.
+std::string Cut(const std::string& text, std::size_t most) {
+  std::string cut = Printable(text);
+  if (cut.size() <= most) return cut;
+  while (most > 0 && (static_cast<unsigned char>(cut[most]) & 0xc0) == 0x80) --most;
+  cut.resize(most);
+  return cut + " …";
+}
+
 class PageText {
  public:
   explicit PageText(bool verbose) : verbose_(verbose) {}
 
   void Line(std::string_view indent, const std::string& text) {
-    constexpr std::size_t kWidest = 200;
-    text_ += std::string(indent) + Printable(text, verbose_ ? kMaxPrintableBytes : kWidest) + '\n';
+    constexpr std::size_t kWidest = 190;
+    text_ += std::string(indent) + (verbose_ ? Printable(text) : Cut(text, kWidest)) + '\n';
   }
 
   /// A title and at most `most` of the lines that `line(i)` gives.
@@ -48,10 +57,12 @@ class PageText {
   std::string text_;
 };
 
-std::string FindingText(const Finding& one) {
-  std::string text = one.where.line > 0 ? "line " + std::to_string(one.where.line) + ": " : "";
-  constexpr std::size_t kLongest = 110;
-  text += Printable(one.what, one.why.empty() ? 180 : kLongest);
+std::string FindingText(const Finding& one, const std::string& file) {
+  std::string text = one.where.file == file ? "" : Cut(one.where.file, 80) + " ";
+  if (one.where.line > 0) text += "line " + std::to_string(one.where.line);
+  if (!text.empty()) text += ": ";
+  constexpr std::size_t kLongest = 120, kLongestAlone = 150;
+  text += Cut(one.what, one.why.empty() ? kLongestAlone : kLongest);
   if (one.count > 1) text += " (" + std::to_string(one.count) + " times)";
   return one.why.empty() ? text : text + ": " + one.why;
 }
@@ -83,16 +94,17 @@ std::string PageOf(const CheckReport& report, bool verbose) {
   if (report.model != nullptr) AddModel(*report.model, page);
   page.List(report.robots.size(), 6, "Robots:", [&](std::size_t i) { return report.robots[i]; });
   const auto add = [&](const std::vector<Finding>& all, std::size_t most, const std::string& title) {
-    page.List(all.size(), most, title, [&](std::size_t i) { return FindingText(all[i]); });
+    page.List(all.size(), most, title, [&](std::size_t i) { return FindingText(all[i], report.file); });
   };
   add(report.errors, 8, "Wrong:");
   add(report.left_out, 5, "Left out, and it matters:");
   add(report.mended, 4, "Mended:");
   add(report.harmless, verbose ? 1 : 2, "Left out, without harm:");
-  page.List(report.missing.size(), 3, "Not found:", [&](std::size_t i) {
+  const std::string search = "Not found (coopdyn check --search FOLDER FILE looks through a folder for it):";
+  page.List(report.missing.size(), 3, search, [&](std::size_t i) {
     const MissingPart& part = report.missing[i];
-    return part.what + (part.count > 1 ? " (" + std::to_string(part.count) + " files)" : "") + ": " +
-           part.bring;
+    return part.what + (part.count > 1 ? ", " + CountOf(static_cast<std::size_t>(part.count), "file") : "") +
+           (part.collides ? "" : ", only drawn") + ": " + part.bring;
   });
   if (report.drive) {
     page.Program("Serve it:", report.drive->serve);

@@ -77,39 +77,56 @@ class Findings {
   std::map<std::string, std::size_t> places_;
 };
 
-/// How `uri` of the model in `file` is brought here.
-MissingPart PartOf(const std::string& uri, const std::string& file) {
-  const std::string search =
-      "coopdyn check --search FOLDER " + ShellWord(file) + " says where a folder has it";
+/// What `uri` belongs to, and how that is brought here.
+MissingPart PartOf(const std::string& uri) {
   if (uri.starts_with("http")) return {uri, 1, "gz fuel download -u " + ShellWord(uri)};
-  const bool is_model = uri.starts_with("model://"), is_package = uri.starts_with("package://");
   const std::size_t begin = uri.find("//") + 2;
   const std::string part = uri.substr(begin, uri.find('/', begin) - begin);
-  if (is_package) {
+  if (uri.starts_with("package://")) {
     std::string debian = ToLower(part);
     std::ranges::replace(debian, '_', '-');
     const bool is_name = ShellWord(debian) == debian;
     return {"package " + part, 1,
-            (is_name ? "sudo apt install ros-$ROS_DISTRO-" + debian + "; or " : "") + search};
+            is_name ? "sudo apt install ros-$ROS_DISTRO-" + debian : "get that package"};
   }
-  if (is_model)
-    return {"model " + part, 1,
-            "git clone https://github.com/osrf/gazebo_models if it is one of Gazebo's; or " + search};
-  return {uri, 1, "copy it to where the model names it; or " + search};
+  if (uri.starts_with("model://"))
+    return {"model " + part, 1, "git clone https://github.com/osrf/gazebo_models (if it is one of Gazebo's)"};
+  return {uri, 1, "copy it to where the model names it"};
 }
 
-std::vector<MissingPart> MissingOf(const std::vector<std::string>& uris, const std::string& file) {
+bool Names(const Diagnostic& one, const std::string& uri) {
+  return one.text.find("'" + uri + "'") != std::string::npos;
+}
+
+std::vector<MissingPart> MissingOf(const std::vector<std::string>& uris, const Diagnostics& diagnostics) {
   std::vector<MissingPart> parts;
   for (const std::string& uri : uris) {
-    MissingPart part = PartOf(uri, file);
+    MissingPart part = PartOf(uri);
+    part.collides = std::ranges::any_of(diagnostics.all(), [&](const Diagnostic& one) {
+      return one.level != Diagnostic::Level::kNote && Names(one, uri);
+    });
     const auto same = std::ranges::find(parts, part.what, &MissingPart::what);
     if (same == parts.end()) {
       parts.push_back(std::move(part));
     } else {
       ++same->count;
+      same->collides = same->collides || part.collides;
     }
   }
   return parts;
+}
+
+/// In a world nobody knows whose plug-in it is: that of a robot that has what stands for it.
+Consequence ConsequenceIn(const Diagnostic& warning, const Checked& checked) {
+  Consequence of_none = ConsequenceOf(warning, checked.model.get());
+  if (checked.model != nullptr || checked.frame == nullptr) return of_none;
+  const RobotModel* last = nullptr;
+  for (const SceneRobot& robot : checked.frame->scene->robots) {
+    const RobotModel* const model = robot.entry.model.get();
+    if (std::exchange(last, model) == model) continue;
+    if (Consequence consequence = ConsequenceOf(warning, model); !consequence.matters) return consequence;
+  }
+  return of_none;
 }
 
 /// The robot that is driven first: its index in `frame`; -1 if none has sockets.
@@ -141,7 +158,10 @@ const char* ToString(CheckVerdict verdict) {
 
 CheckReport MakeReport(const std::string& file, const Checked& checked, const Diagnostics& diagnostics,
                        const SearchPath& path, const std::string& options) {
-  const Origin origin = OriginOf(file);
+  // A bare name was found on the search path.
+  const bool is_scenario = checked.frame != nullptr && checked.model == nullptr;
+  const std::string found = is_scenario ? checked.frame->scene->scenario->file : file;
+  const Origin origin = OriginOf(found);
   CheckReport report;
   report.file = file;
   report.format = origin.format;
@@ -152,16 +172,16 @@ CheckReport MakeReport(const std::string& file, const Checked& checked, const Di
   if (checked.frame != nullptr && report.name.empty())
     report.name = report.model != nullptr ? report.model->type : checked.frame->scene->scenario->name;
   std::vector<std::string> uris;
-  if (origin.has_page && !diagnostics.all().empty()) uris = MissingUris(file, path);
-  report.missing = MissingOf(uris, file);
+  if (origin.has_page && !diagnostics.all().empty()) uris = MissingUris(found, path);
+  report.missing = MissingOf(uris, diagnostics);
 
   bool loses = false;
   Findings errors(report.errors), mended(report.mended), left_out(report.left_out), harmless(report.harmless);
   for (const Diagnostic& one : diagnostics.all()) {
-    const bool is_missing = std::ranges::any_of(
-        uris, [&](const std::string& uri) { return one.text.find("'" + uri + "'") != std::string::npos; });
+    const bool is_missing =
+        std::ranges::any_of(uris, [&](const std::string& uri) { return Names(one, uri); });
     const Consequence consequence =
-        one.level == Diagnostic::Level::kWarning ? ConsequenceOf(one, checked.model.get()) : Consequence{};
+        one.level == Diagnostic::Level::kWarning ? ConsequenceIn(one, checked) : Consequence{};
     const std::string& what = one.what.empty() ? one.text : one.what;
     if (one.level == Diagnostic::Level::kError) {
       errors.Add(one, one.text, "");

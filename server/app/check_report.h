@@ -26,9 +26,10 @@ struct Finding {
 
 /// Files that a model names and that are nowhere.
 struct MissingPart {
-  std::string what;   // a package, a model, or a file
-  int count = 1;      // of its files
-  std::string bring;  // what to do
+  std::string what;       // a package, a model, or a file
+  int count = 1;          // of its files
+  std::string bring;      // a command, or what to do
+  bool collides = false;  // some of it; else it is only drawn
 };
 
 struct CheckReport {

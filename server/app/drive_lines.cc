@@ -28,7 +28,7 @@ bool IsPlain(std::string_view name) {
   constexpr std::size_t kLongest = 60;
   return !name.empty() && name.size() <= kLongest && std::ranges::all_of(name, [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
-           std::string_view("_-.:/ ").find(c) != std::string_view::npos;
+           std::string_view("_-.:/").find(c) != std::string_view::npos;
   });
 }
 

@@ -49,7 +49,8 @@ const std::vector<PluginRow>& PluginRows() {
   constexpr std::string_view kOnlyTells = "it only publishes what any client can read here";
   static const std::vector<PluginRow> rows = {
       {{"joint state", "joint pose pub"}, nullptr, "", kOnlyTells},
-      {{"pose publisher", "p3d", "p3 d", "ground truth", "odometry publisher", "tf ", "groundtruth"},
+      {{"pose publisher", "p3d", "p3 d", "ground truth", "odometry publisher", "world odometry", "tf ",
+        "groundtruth"},
        nullptr,
        "",
        kOnlyTells},
@@ -255,7 +256,9 @@ const std::vector<ElementRow>& ElementRows() {
        false},
       {{"battery"}, "it runs on forever: no battery empties here", true},
       {{"fluid_added_mass", "buoyancy"}, "there is no water here", true},
-      {{"mu_viscous", "mu_coulomb"}, "write <dynamics damping friction>", true},
+      {{"mu_viscous", "mu_coulomb", "command_effort", "current", "gear_velocity", "K", "D"},
+       "its maker's programs alone read it; URDF has <dynamics damping friction>",
+       false},
   };
   return rows;
 }

@@ -47,7 +47,8 @@ class JointMarker {
     double x_px = 50 * scale_;
     for (const TypeColor& type : kTypeColors) {
       if (std::ranges::find(kinds_, type.kind) == kinds_.end()) continue;
-      marks.legend.push_back({ToString(type.kind), x_px, frustum_.height() - 4.0, type.color, {}});
+      marks.legend.push_back(
+          {std::string(ToString(type.kind)) + "s", x_px, frustum_.height() - 4.0, type.color, {}});
       x_px += 90 * scale_;
     }
     marks.arrows = overlay_.Take();

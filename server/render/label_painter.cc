@@ -55,8 +55,8 @@ void PaintLeader(Picture& picture, const Label& label, double cap_px) {
     const int left = static_cast<int>(std::floor(at_x)), top = static_cast<int>(std::floor(at_y));
     const bool is_flat = std::abs(dx) >= std::abs(dy);
     const double part = is_flat ? at_y - top : at_x - left;
-    Blend(picture, left, top, label.color, 0.85 * (1 - part));
-    Blend(picture, left + (is_flat ? 0 : 1), top + (is_flat ? 1 : 0), label.color, 0.85 * part);
+    Blend(picture, left, top, kPlate, 0.5 * (1 - part));
+    Blend(picture, left + (is_flat ? 0 : 1), top + (is_flat ? 1 : 0), kPlate, 0.5 * part);
   }
 }
 

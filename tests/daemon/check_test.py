@@ -212,7 +212,7 @@ class ModelTest(unittest.TestCase):
                 self.assertEqual(done.returncode, code, (names, done.stdout, done.stderr))
             done = run("check", "--digests", "loses.urdf", cwd=folder)
             self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertIn("robot loses", str(json.loads(done.stdout)))
+            self.assertIn("robot model", json.loads(done.stdout))
 
     def test_own_models_and_scenarios_run_or_do_not(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -229,7 +229,7 @@ class ModelTest(unittest.TestCase):
             reports = [json.loads(line) for line in done.stdout.decode().splitlines()]
             self.assertEqual([one["verdict"] for one in reports], ["runs with losses", "runs"])
             self.assertEqual([one["format"] for one in reports], ["URDF", "scenario"])
-            self.assertIn("loses.urdf:12: warning: plug-in 'libfoo.so' is not used by coopdyn\n", done.stderr.decode())
+            self.assertIn("loses.urdf:13: warning: plug-in 'libfoo.so' is not used by coopdyn\n", done.stderr.decode())
             self.assertEqual(run("check", "--json", "--digests", "classroom").returncode, 2)
 
     def test_a_picture_of_a_model_shows_its_joints(self):
@@ -242,6 +242,14 @@ class ModelTest(unittest.TestCase):
                 self.assertEqual(done.returncode, 0, done.stderr)
                 pictures.append((Path(folder) / f"{name}.png").read_bytes())
             self.assertNotEqual(*pictures)
+
+    def test_a_world_of_the_search_path_has_its_page_by_its_bare_name(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "lab.sdf").write_text('<sdf version="1.9"><world name="lab"><wind/></world></sdf>')
+            done = run("check", "--scenarios", folder, "lab")
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn("there is no wind here", done.stdout.decode())
+            self.assertIn(f"coopdyn serve lab --scenarios {folder}", done.stdout.decode())
 
     def test_ten_thousand_joints_are_a_page(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -162,7 +162,7 @@ TEST_F(CheckReportTest, AScenarioHasNoPage) {
 TEST_F(CheckReportTest, ThePageOfALargeModelStaysAPage) {
   std::string parts = Link("base");
   std::string parent = "base";
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 250; ++i) {
     const std::string name = "link" + std::to_string(i);
     parts += Link(name) + "<joint name=\"joint" + std::to_string(i) +
              "\" type=\"continuous\"><parent link=\"base\"/><child link=\"" + name +
@@ -172,7 +172,7 @@ TEST_F(CheckReportTest, ThePageOfALargeModelStaysAPage) {
   const CheckReport report = Robot(parts);
   ASSERT_NE(report.verdict, CheckVerdict::kWillNotRun) << PageOf(report, true);
   EXPECT_LE(LinesOf(PageOf(report, false)), 50);
-  EXPECT_GT(LinesOf(PageOf(report, true)), 300);
+  EXPECT_GT(LinesOf(PageOf(report, true)), 250);
 }
 
 TEST_F(CheckReportTest, NamesCannotSteerATerminalOrFillAPage) {
@@ -203,7 +203,7 @@ TEST_F(CheckReportTest, JsonHasTheFieldsThatAreDocumented) {
   EXPECT_NEAR(object.at("size_m").at(1).to_number<double>(), 0.4, 1e-9);
   EXPECT_EQ(object.at("joints").at(0).at("name"), "j");
   EXPECT_EQ(object.at("joints").at(0).at("motor"), true);
-  EXPECT_EQ(object.at("modules").at(0).at("type"), "pose");
+  EXPECT_EQ(object.at("modules").at(1).at("type"), "pose");
   EXPECT_EQ(object.at("left_out").at(0).at("what"), "plug-in 'libfoo.so'");
   EXPECT_THAT(std::string(object.at("drive").at("python").as_string()), HasSubstr("import coopdyn"));
   for (const char* name : {"file", "name", "mended", "harmless", "errors", "missing"})

@@ -39,7 +39,7 @@ TEST(DriveLinesTest, YarpCountsDegrees) {
 
 TEST(DriveLinesTest, AJointWithANameThatIsNoPlainWordIsCalledByItsNumber) {
   for (const std::string& name :
-       {std::string("a'); quit('"), std::string("\x1b[2J"), std::string(5000, 'x')}) {
+       {std::string("a'); quit('"), std::string("a b"), std::string("\x1b[2J"), std::string(5000, 'x')}) {
     const RobotModel arm = Arm(-1, 1, name);
     const DriveLines lines = DriveLinesFor("a.urdf", "", "robot1", &arm);
     EXPECT_THAT(lines.python, HasSubstr("j.set_positions(0.3, 1)\n"));

@@ -77,8 +77,8 @@ TEST(JointMarksTest, TheLegendHasEachTypeThatIsThereOnceInItsColour) {
       MarksOf(With({JointAt({0, 0, 0}), JointAt({0, 0, 1}), JointAt({0, 1, 0}, Kind::kSlider),
                     JointAt({0, 0, 0}, Kind::kForce)}));
   ASSERT_EQ(marks.legend.size(), 2u);
-  EXPECT_EQ(marks.legend[0].text, "hinge");
-  EXPECT_EQ(marks.legend[1].text, "slider");
+  EXPECT_EQ(marks.legend[0].text, "hinges");
+  EXPECT_EQ(marks.legend[1].text, "sliders");
   EXPECT_NE(marks.legend[0].color.r, marks.legend[1].color.r);
   EXPECT_EQ(marks.names.size(), 3u);  // a thruster joins nothing
 }
