@@ -2,6 +2,7 @@
 // A check's report as a page of text.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <string_view>
 
 #include "server/app/check_report.h"
@@ -58,7 +59,9 @@ class PageText {
 };
 
 std::string FindingText(const Finding& one, const std::string& file) {
-  std::string text = one.where.file == file ? "" : Cut(one.where.file, 80) + " ";
+  const std::filesystem::path from = one.where.file;
+  const std::string short_name = (from.parent_path().filename() / from.filename()).string();
+  std::string text = one.where.file == file ? "" : Cut(short_name, 60) + " ";
   if (one.where.line > 0) text += "line " + std::to_string(one.where.line);
   if (!text.empty()) text += ": ";
   constexpr std::size_t kLongest = 120, kLongestAlone = 150;

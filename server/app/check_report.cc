@@ -58,13 +58,13 @@ std::string ShapeOf(const std::string& text) {
   return shape;
 }
 
-/// Joins what is alike.
+/// Joins what is alike: the same thing left out, or what differs in names and numbers alone.
 class Findings {
  public:
   explicit Findings(std::vector<Finding>& all) : all_(all) {}
   void Add(const Diagnostic& one, std::string what, std::string why) {
     const auto [place, is_new] =
-        places_.emplace(ShapeOf(one.what.empty() ? what : what + one.what) + why, all_.size());
+        places_.emplace((one.what.empty() ? ShapeOf(what) : what) + why, all_.size());
     if (is_new) {
       all_.push_back({one.where, std::move(what), std::move(why), one.count});
     } else {
@@ -101,6 +101,9 @@ bool Names(const Diagnostic& one, const std::string& uri) {
 std::vector<MissingPart> MissingOf(const std::vector<std::string>& uris, const Diagnostics& diagnostics) {
   std::vector<MissingPart> parts;
   for (const std::string& uri : uris) {
+    // Nobody looks for the scripts of materials.
+    if (std::ranges::none_of(diagnostics.all(), [&](const Diagnostic& one) { return Names(one, uri); }))
+      continue;
     MissingPart part = PartOf(uri);
     part.collides = std::ranges::any_of(diagnostics.all(), [&](const Diagnostic& one) {
       return one.level != Diagnostic::Level::kNote && Names(one, uri);

@@ -246,7 +246,7 @@ class ModelTest(unittest.TestCase):
     def test_a_world_of_the_search_path_has_its_page_by_its_bare_name(self):
         with tempfile.TemporaryDirectory() as folder:
             (Path(folder) / "lab.sdf").write_text('<sdf version="1.9"><world name="lab"><wind/></world></sdf>')
-            done = run("check", "--scenarios", folder, "lab")
+            done = run("check", "lab", "--scenarios", folder)
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn("there is no wind here", done.stdout.decode())
             self.assertIn(f"coopdyn serve lab --scenarios {folder}", done.stdout.decode())
@@ -260,7 +260,7 @@ class ModelTest(unittest.TestCase):
             (Path(folder) / "a.urdf").write_text(f'<robot name="a">{"".join(parts)}</robot>')
             done = run("check", "a.urdf", cwd=folder)
             self.assertLessEqual(len(done.stdout.decode().splitlines()), 50)
-            self.assertIn(done.returncode, (0, 1, 2))
+            self.assertEqual(done.returncode, 1)  # a model has at most 300 links
 
 
 if __name__ == "__main__":

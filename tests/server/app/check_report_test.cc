@@ -96,6 +96,16 @@ TEST_F(CheckReportTest, WhatIsAlikeIsToldOnce) {
   EXPECT_EQ(report.left_out[0].why, "nothing can drive it here");
 }
 
+TEST_F(CheckReportTest, TwoPlugInsAreTwo) {
+  const CheckReport report =
+      Robot(Link("base") +
+            "<gazebo><plugin filename=\"liba.so\" name=\"a\"/><plugin filename=\"libb.so\" "
+            "name=\"b\"/><plugin filename=\"liba.so\" name=\"c\"/></gazebo>");
+  ASSERT_EQ(report.left_out.size(), 2u);
+  EXPECT_EQ(report.left_out[0].count, 2);
+  EXPECT_EQ(report.left_out[1].what, "plug-in 'libb.so'");
+}
+
 TEST_F(CheckReportTest, WhatCannotBeReadWillNotRun) {
   const CheckReport report = Robot("<link name=\"base\"><inertial><mass value=\"-1\"/></inertial></link>");
   EXPECT_EQ(report.verdict, CheckVerdict::kWillNotRun);
@@ -119,6 +129,17 @@ TEST_F(CheckReportTest, MissingFilesAreJoinedByTheirPackageWithACommand) {
   EXPECT_EQ(report.missing[0].what, "package my_hands");
   EXPECT_EQ(report.missing[0].count, 2);
   EXPECT_THAT(report.missing[0].bring, HasSubstr("sudo apt install ros-$ROS_DISTRO-my-hands"));
+}
+
+TEST_F(CheckReportTest, ScriptsOfMaterialsAreNotMissed) {
+  const CheckReport report = Report(
+      "<sdf version=\"1.6\"><model name=\"m\"><link name=\"base\"><visual name=\"v\"><geometry><box><size>1 "
+      "1 1</size></box></geometry>"
+      "<material><script><uri>file://media/m.material</uri><name>Gazebo/Red</name></script></material></"
+      "visual></link></model></sdf>",
+      "m.sdf");
+  EXPECT_FALSE(report.mended.empty());
+  EXPECT_TRUE(report.missing.empty());
 }
 
 TEST_F(CheckReportTest, NamesOfPackagesAreNoCommands) {

@@ -56,7 +56,8 @@ TEST(JointMarksTest, NamesOfJointsInOnePlaceStandBelowEachOtherInThePicture) {
     EXPECT_GT(a.y_px, 0);
     EXPECT_LT(a.y_px, 720);
     for (const JointName& b : marks.names) {
-      if (&a != &b && a.x_px == b.x_px) EXPECT_GE(std::abs(a.y_px - b.y_px), 20);
+      if (&a == &b || a.x_px != b.x_px) continue;
+      EXPECT_GE(std::abs(a.y_px - b.y_px), 20);
     }
   }
 }
