@@ -203,7 +203,8 @@ CheckReport MakeReport(const std::string& file, const Checked& checked, const Di
       }
     }
   }
-  const std::size_t said = static_cast<std::size_t>(diagnostics.errors() + diagnostics.warnings());
+  const std::size_t said =
+      static_cast<std::size_t>(diagnostics.errors()) + static_cast<std::size_t>(diagnostics.warnings());
   if (said > diagnostics.all().size() && !diagnostics.has_errors()) {
     loses = true;
     report.left_out.push_back(
