@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "protocol/json_text.h"
-#include "server/app/checker.h"
+#include "server/app/check_report.h"
 #include "server/app/commands.h"
 #include "server/app/options.h"
 #include "server/app/print.h"
@@ -26,7 +26,7 @@ struct CheckOptions {
   std::string search;
   std::vector<std::string> scenario_folders;
   Settings settings;
-  bool digests = false, strict = false;
+  bool digests = false, strict = false, json = false, verbose = false;
 };
 
 /// Says which folders below `below` have what `file` names and `path` does not find, and puts them on it. A
@@ -51,6 +51,37 @@ void Search(const std::string& file, const std::string& below, SearchPath& path)
   for (const std::string& uri : missing) Print("{}: '{}' is nowhere in {}\n", file, Printable(uri), below);
 }
 
+/// What of `options` a file that was read with them is to be served with.
+std::string ServeOptionsOf(const CheckOptions& options) {
+  std::string words;
+  for (const std::string& folder : options.scenario_folders) words += " --scenarios " + ShellWord(folder);
+  return words + (options.strict ? " --strict" : "");
+}
+
+void Say(const CheckOptions& options, const CheckReport& report) {
+  if (options.json) {
+    PrintLines(JsonText(JsonOf(report)) + "\n");
+  } else if (report.has_page) {
+    PrintLines(PageOf(report, options.verbose));
+  } else {
+    for (std::size_t i = 0; i < report.lines.size(); ++i)
+      Print("{}{}\n", i == 0 ? report.file + ": " : "", report.lines[i]);
+  }
+}
+
+/// Empty, or why there is no picture.
+std::string DrawPicture(const Frame& frame, bool is_model, const std::string& file) {
+  std::string unusable;
+  const RendererKind renderer = RendererFromEnvironment(RendererKind::kAuto, unusable);
+  if (!unusable.empty()) return unusable;
+  ImageRequest request;
+  request.width = 1280;
+  request.height = 720;
+  request.show_joints = is_model;
+  request.show_names = !is_model;
+  return RenderPicture(frame, request, renderer, file).value_or("");
+}
+
 int Check(const CheckOptions& options) {
   SearchPath path = DataPath(options.scenario_folders);
   path.is_strict = options.strict;
@@ -58,19 +89,23 @@ int Check(const CheckOptions& options) {
     for (const std::string& file : options.files) Search(file, options.search, path);
   }
   RobotLibrary robots(path);
-  bool failed = false;
+  bool failed = false, loses = false, is_model = false;
   FramePtr last;
   for (const std::string& file : options.files) {
     Diagnostics diagnostics;
     Checked checked = CheckFile(file, robots, diagnostics, true, options.settings);
-    if (options.digests && checked.frame != nullptr && !diagnostics.has_errors()) {
-      Print("{}\n", JsonText(boost::json::value_from(DigestsNow(*checked.frame))));
-      checked.lines.clear();
+    if (options.digests) {
+      if (checked.frame != nullptr && !diagnostics.has_errors())
+        PrintLines(JsonText(boost::json::value_from(DigestsNow(*checked.frame))) + "\n");
+    } else {
+      const CheckReport report = MakeReport(file, checked, diagnostics, path, ServeOptionsOf(options));
+      Say(options, report);
+      loses = loses || report.verdict == CheckVerdict::kRunsWithLosses;
     }
-    for (std::size_t i = 0; i < checked.lines.size(); ++i) {
-      Print("{}{}\n", i == 0 ? file + ": " : "", checked.lines[i]);
+    if (checked.frame != nullptr) {
+      is_model = checked.model != nullptr;
+      last = std::move(checked.frame);
     }
-    if (checked.frame != nullptr) last = std::move(checked.frame);
     PrintErrorLines(diagnostics.ToString());
     failed = failed || diagnostics.has_errors();
   }
@@ -79,18 +114,13 @@ int Check(const CheckOptions& options) {
       PrintError("coopdyn: --picture needs a scenario, a world or a robot model\n");
       return kExitWrongUse;
     }
-    std::string unusable;
-    const RendererKind renderer = RendererFromEnvironment(RendererKind::kAuto, unusable);
-    ImageRequest request;
-    request.width = 1280;
-    request.height = 720;
-    const auto error = unusable.empty() ? RenderPicture(*last, request, renderer, options.picture) : unusable;
-    if (error) {
-      PrintError("coopdyn: {}\n", *error);
+    if (const std::string error = DrawPicture(*last, is_model, options.picture); !error.empty()) {
+      PrintError("coopdyn: {}\n", error);
       return kExitErrors;
     }
   }
-  return failed ? kExitErrors : kExitOk;
+  if (failed) return kExitErrors;
+  return loses ? kExitLosses : kExitOk;
 }
 
 }  // namespace
@@ -98,16 +128,29 @@ int Check(const CheckOptions& options) {
 void AddCheck(CLI::App& app, Chosen& chosen) {
   const auto given = std::make_shared<CheckOptions>();
   CLI::App* sub = app.add_subcommand("check", "Say what is wrong in worlds, scenarios and robot models");
-  sub->footer("Example: coopdyn check my.scenario --picture my.png");
+  sub->footer(
+      "Exit code 0: all of it runs. 1: something does not. 2: a model or world made for other programs runs, "
+      "but what is "
+      "left out changes how it moves, senses or is driven.\n"
+      "Example: coopdyn check my.scenario --picture my.png");
   sub->add_option("file", given->files, "Files, or bare names on the search path")->required();
-  sub->add_option("--picture", given->picture, "Write a picture of the (last) scenario or model, PNG");
-  sub->add_flag("--digests", given->digests,
-                "Instead of what is in a scenario: digests of the program and of all that the scenario is "
-                "made of, JSON");
+  sub->add_option("--picture", given->picture,
+                  "Write a picture of the (last) scenario, or of the model with its joints, PNG");
+  auto* digests = sub->add_flag(
+      "--digests", given->digests,
+      "Instead of what is in a scenario: digests of the program and of all that the scenario is "
+      "made of, JSON");
+  auto* json =
+      sub->add_flag("--json", given->json, "One JSON object for each file, a line each (docs/models.md)");
+  sub->add_flag("--verbose", given->verbose,
+                "All joints, modules and findings of a model, not the first ones")
+      ->excludes(json);
+  digests->excludes(json);
   sub->add_flag("--strict", given->strict, kStrictHelp);
   sub->add_option("--search", given->search,
                   "Say which folders in this one have the files that a model names and are not found")
-      ->check(CLI::ExistingDirectory);
+      ->check(CLI::ExistingDirectory)
+      ->excludes(json);
   AddSettings(sub, given->settings);
   sub->add_option("--scenarios", given->scenario_folders, "A folder with scenarios, worlds and robots");
   sub->callback([&chosen, given] { chosen = [given] { return Check(*given); }; });

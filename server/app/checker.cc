@@ -2,7 +2,6 @@
 #include "server/app/checker.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -11,14 +10,13 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "server/app/model_text.h"
 #include "server/base/log.h"
 #include "server/base/worker_pool.h"
 #include "server/controllers/controller_host.h"
 #include "server/model/scenario.h"
 #include "server/model/sdf_world.h"
-#include "server/model/sensor_text.h"
 #include "server/model/text_file.h"
-#include "server/model/values.h"
 #include "server/physics/world.h"
 
 namespace coopdyn {
@@ -67,60 +65,6 @@ bool IsRobotModel(const std::string& file) {
 
 constexpr const char* kAlone = "model";
 
-std::string CountOf(std::size_t count, const std::string& noun) {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
-}
-
-/// What is in a model, in lines: counts, mass, size, then joints and modules by name.
-std::vector<std::string> DescribeModel(const RobotModel& model) {
-  double mass_kg = 0;
-  for (std::size_t i = model.fixed_base ? 1 : 0; i < model.links.size(); ++i)
-    mass_kg += model.links[i].mass_kg;
-  const auto number = [](double value) { return FormatNumber(std::round(value * 1e4) / 1e4); };
-  const auto carriers =
-      static_cast<std::size_t>(std::ranges::count(model.links, true, &LinkModel::is_carrier));
-  std::vector<std::string> lines = {
-      "robot " + model.type + ", " + CountOf(model.links.size() - carriers, "link") + ", " +
-      CountOf(model.joints.size(), "joint") + ", " + CountOf(model.sector_count(), "distance sensor") + ", " +
-      CountOf(model.modules().size(), "module") + "; " +
-      (model.fixed_base ? "fixed to the world, moving mass " : "mass ") + number(mass_kg) +
-      " kg, footprint radius " + number(model.footprint_radius_m) + " m, height " + number(model.height_m) +
-      " m"};
-  for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    const JointModel& joint = model.joints[j];
-    std::string text = "  joint " + joint.name + ": " + ToString(joint.kind);
-    if (joint.kind == JointModel::Kind::kScrew) text += " of " + FormatNumber(joint.pitch_m_rad) + " m/rad";
-    if (joint.has_stop()) {
-      text +=
-          ", from " + number(joint.lower) + " to " + number(joint.upper) + (joint.slides() ? " m" : " rad");
-    }
-    if (const CouplingModel* coupling = model.FindCoupling(static_cast<int>(j))) {
-      text += ", follows: " + number(coupling->multiplier) + " * " +
-              model.joints[static_cast<std::size_t>(coupling->leader)].name;
-      if (coupling->offset != 0)
-        text += (coupling->offset < 0 ? " - " : " + ") + number(std::abs(coupling->offset));
-    } else if (joint.max_effort > 0 && std::isfinite(joint.max_effort)) {
-      text += ", effort " + number(joint.max_effort) + (joint.slides() ? " N" : " N m");
-      if (std::isfinite(joint.max_velocity))
-        text += ", speed " + number(joint.max_velocity) + (joint.slides() ? " m/s" : " rad/s");
-    }
-    lines.push_back(std::move(text));
-  }
-  for (const ModuleModel& module : model.modules()) {
-    std::string text = "  module " + module.name + " (" + module.type + ")";
-    for (const ActuatorModel& actuator : model.actuators) {
-      if (actuator.is_drive() || actuator.module != module.name) continue;
-      for (std::size_t i = 0; i < actuator.joints.size(); ++i)
-        text += (i == 0 ? ": " : ", ") + model.joints[static_cast<std::size_t>(actuator.joints[i])].name;
-    }
-    const auto sensor = std::ranges::find(model.sensors, module.name, &SensorModel::name);
-    const std::string words = sensor == model.sensors.end() ? "" : Describe(*sensor, model);
-    if (!words.empty()) text += ": " + words;
-    lines.push_back(std::move(text));
-  }
-  return lines;
-}
-
 Checked CheckModel(const std::string& file, RobotLibrary& robots, Diagnostics& diagnostics) {
   const auto model = ReadRobotModel(file, robots.path(), diagnostics);
   if (model == nullptr || diagnostics.has_errors()) return {};
@@ -129,7 +73,7 @@ Checked CheckModel(const std::string& file, RobotLibrary& robots, Diagnostics& d
   own.Add(kAlone, model);
   const auto alone =
       ReadScenario("[ROBOT_1]\ntype " + std::string(kAlone) + "\nposition 0 0\n", "", own, true, diagnostics);
-  return {alone == nullptr ? nullptr : FirstFrame(alone, false, diagnostics), DescribeModel(*model)};
+  return {alone == nullptr ? nullptr : FirstFrame(alone, false, diagnostics), {SummaryOf(*model)}, model};
 }
 
 /// What was read of a file with this seed, or with its own.
@@ -155,7 +99,7 @@ void CheckOtherSeeds(const Scenario& scenario, const ReadWithSeed& read, Diagnos
 Checked CheckScenario(const std::shared_ptr<const Scenario>& scenario, bool controllers,
                       Diagnostics& diagnostics) {
   if (scenario == nullptr) return {};
-  Checked checked{FirstFrame(scenario, controllers, diagnostics), {}};
+  Checked checked{FirstFrame(scenario, controllers, diagnostics), {}, nullptr};
   if (checked.frame != nullptr && !diagnostics.has_errors()) checked.lines.push_back(Summary(*scenario));
   for (std::size_t i = 0; i < scenario->random.size() && !checked.lines.empty(); ++i) {
     const RandomKey& key = scenario->random[i];
@@ -204,10 +148,6 @@ Checked CheckScenarioText(const std::string& text, const std::string& name, Robo
   return CheckSeeds([&](std::optional<std::uint64_t> seed,
                         Diagnostics& found) { return ReadScenario(text, name, robots, true, found, seed); },
                     true, diagnostics);
-}
-
-std::string SummaryOf(const RobotModel& model) {
-  return DescribeModel(model).front();
 }
 
 }  // namespace coopdyn

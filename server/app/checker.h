@@ -14,8 +14,9 @@
 namespace coopdyn {
 
 struct Checked {
-  FramePtr frame;                  // the first one, for a picture; null: it cannot be built
-  std::vector<std::string> lines;  // what is in it; empty with errors
+  FramePtr frame;                           // the first one, for a picture; null: it cannot be built
+  std::vector<std::string> lines;           // what is in it, in short; empty with errors
+  std::shared_ptr<const RobotModel> model;  // of a robot's file; null for any other, and with errors
 };
 
 /// Checks a scenario, a world or a robot model. `controllers`: what they say too, which starts them.
@@ -25,8 +26,5 @@ Checked CheckFile(const std::string& file, RobotLibrary& robots, Diagnostics& di
 /// Checks the text of a scenario that names other files by bare names only.
 Checked CheckScenarioText(const std::string& text, const std::string& name, RobotLibrary& robots,
                           Diagnostics& diagnostics);
-
-/// What is in a model, in one line.
-std::string SummaryOf(const RobotModel& model);
 
 }  // namespace coopdyn

@@ -15,6 +15,8 @@ namespace coopdyn {
 /// body was frozen, a controller failed or the recording did; 5 the run was cut short before its duration.
 inline constexpr int kExitOk = 0, kExitErrors = 1, kExitWrongUse = 2, kExitNoDaemon = 3, kExitFaulty = 4,
                      kExitCutShort = 5;
+/// Of `check` alone: a model of others runs, but what is left out of it matters.
+inline constexpr int kExitLosses = 2;
 
 /// Parses the arguments and does what they ask for. Prints help to stdout and one line about wrong use to
 /// stderr. Returns the exit code.

@@ -23,19 +23,38 @@ std::string ToString(const SourceLine& where) {
 }
 
 void Diagnostics::Error(SourceLine where, std::string text) {
-  ++errors_;
   Add({Diagnostic::Level::kError, std::move(where), std::move(text)});
 }
 
 void Diagnostics::Warning(SourceLine where, std::string text) {
-  ++warnings_;
   Add({Diagnostic::Level::kWarning, std::move(where), std::move(text)});
+}
+
+void Diagnostics::Mended(SourceLine where, std::string text) {
+  Add({Diagnostic::Level::kMended, std::move(where), std::move(text)});
+}
+
+void Diagnostics::Note(SourceLine where, std::string text) {
+  Add({Diagnostic::Level::kNote, std::move(where), std::move(text)});
+}
+
+void Diagnostics::LeftOut(SourceLine where, std::string what, int count, const std::string& why) {
+  std::string text = what + " is not used by coopdyn" + (why.empty() ? "" : ": ") + why;
+  if (count > 1) {
+    text += " (also " + std::to_string(count - 1) + " more " + (count == 2 ? "time)" : "times)");
+  }
+  Add({Diagnostic::Level::kWarning, std::move(where), std::move(text), Printable(what), count});
+}
+
+void Diagnostics::Add(Diagnostic diagnostic) {
+  ++(diagnostic.level == Diagnostic::Level::kError ? errors_ : warnings_);
+  Keep(std::move(diagnostic));
 }
 
 void Diagnostics::Append(const Diagnostics& other) {
   errors_ += other.errors_;
   warnings_ += other.warnings_;
-  for (const Diagnostic& diagnostic : other.all_) Add(diagnostic);
+  for (const Diagnostic& diagnostic : other.all_) Keep(diagnostic);
   if (other.stopped_) stopped_ = other.stopped_;
 }
 
@@ -45,7 +64,7 @@ bool Diagnostics::StopAt(const SourceLine& where) {
   return true;
 }
 
-void Diagnostics::Add(Diagnostic diagnostic) {
+void Diagnostics::Keep(Diagnostic diagnostic) {
   auto place = all_.end();
   if (by_line_of_) {
     const auto before = [this](const Diagnostic& a, const Diagnostic& b) {
@@ -56,12 +75,12 @@ void Diagnostics::Add(Diagnostic diagnostic) {
     place = std::upper_bound(all_.begin(), all_.end(), diagnostic, before);
   }
   const bool is_full = all_.size() >= kMaxKept;
-  if (is_full && place == all_.end() && diagnostic.level == Diagnostic::Level::kWarning) return;
+  if (is_full && place == all_.end() && diagnostic.level != Diagnostic::Level::kError) return;
   diagnostic.text = Printable(diagnostic.text);
   all_.insert(place, std::move(diagnostic));
   if (!is_full) return;
   const auto warning = std::find_if(all_.rbegin(), all_.rend(), [](const Diagnostic& kept) {
-    return kept.level == Diagnostic::Level::kWarning;
+    return kept.level != Diagnostic::Level::kError;
   });
   all_.erase(warning == all_.rend() ? std::prev(all_.end()) : std::prev(warning.base()));
 }

@@ -19,10 +19,14 @@ struct SourceLine {
 };
 
 struct Diagnostic {
-  enum class Level { kError, kWarning };
+  /// All but errors are printed as warnings: something is left out; something was mended, so it runs as it
+  /// was meant or nearly so; nothing that moves, senses or is driven is other than it was meant.
+  enum class Level { kError, kWarning, kMended, kNote };
   Level level = Level::kError;
   SourceLine where;
-  std::string text;  // what is wrong and what to write instead; one line, printable
+  std::string text;       // what is wrong and what to write instead; one line, printable
+  std::string what = {};  // what coopdyn does not use, if that is all that `text` says; printable
+  int count = 1;          // how many of these there are, `where` the first
 };
 
 /// Collects diagnostics: all are counted, the first ones are kept. One thread.
@@ -39,6 +43,12 @@ class Diagnostics {
 
   void Error(SourceLine where, std::string text);
   void Warning(SourceLine where, std::string text);
+  void Mended(SourceLine where, std::string text);
+  void Note(SourceLine where, std::string text);
+  /// A warning: `what` is not used by coopdyn, `count` times, at `where` first. `why` that matters, if the
+  /// reader knows.
+  void LeftOut(SourceLine where, std::string what, int count = 1, const std::string& why = {});
+  void Add(Diagnostic diagnostic);
   void Append(const Diagnostics& other);
   /// True once there are too many errors to read on: the reader stops at `where`, and ToString() says so.
   bool StopAt(const SourceLine& where);
@@ -54,7 +64,7 @@ class Diagnostics {
   std::string ToString() const;
 
  private:
-  void Add(Diagnostic diagnostic);
+  void Keep(Diagnostic diagnostic);
 
   std::optional<std::string> by_line_of_;
   std::vector<Diagnostic> all_;

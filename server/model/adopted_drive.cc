@@ -202,10 +202,10 @@ class DriveAdopter {
   void WarnSide(const Wheel& wheel, bool is_left) {
     if (wheel.is_named_left == is_left) return;
     const std::string right = is_left ? "left" : "right", wrong = is_left ? "right" : "left";
-    diagnostics_.Warning(where_, "the wheel at '" + JointOf(wheel).name + "' is named " + wrong +
-                                     " and is on the " + right + ", where y is " +
-                                     (is_left ? "larger" : "smaller") + ": it turns as a " + right +
-                                     " one; write <" + right + "_joint>");
+    diagnostics_.Mended(where_, "the wheel at '" + JointOf(wheel).name + "' is named " + wrong +
+                                    " and is on the " + right + ", where y is " +
+                                    (is_left ? "larger" : "smaller") + ": it turns as a " + right +
+                                    " one; write <" + right + "_joint>");
   }
 
   /// The wheels beside the pair turn as that does.
@@ -252,10 +252,10 @@ class DriveAdopter {
     for (FrameModel& frame : robot_.frames) frame.X_RF.p -= p;
     robot_.p_MR += p;
     if (p.norm() > kSame_m) {
-      diagnostics_.Warning(where_, "the robot's origin is on the floor under the middle of the axle, at " +
-                                       FormatNumber(std::round(p.x() * 1e4) / 1e4 + 0.0) + " " +
-                                       FormatNumber(std::round(p.y() * 1e4) / 1e4 + 0.0) + " " +
-                                       FormatNumber(std::round(p.z() * 1e4) / 1e4 + 0.0) + " of the model's");
+      diagnostics_.Mended(where_, "the robot's origin is on the floor under the middle of the axle, at " +
+                                      FormatNumber(std::round(p.x() * 1e4) / 1e4 + 0.0) + " " +
+                                      FormatNumber(std::round(p.y() * 1e4) / 1e4 + 0.0) + " " +
+                                      FormatNumber(std::round(p.z() * 1e4) / 1e4 + 0.0) + " of the model's");
     }
   }
 
@@ -271,10 +271,9 @@ class DriveAdopter {
     double speed_rad_s = std::min(left.max_velocity, right.max_velocity);
     if (!IsLimit(speed_rad_s, kMaxMotorVelocity)) speed_rad_s = kTopSpeed_m_s / radius_m;
     if (!IsLimit(left.max_effort, kMaxMotorEffort) || !IsLimit(left.max_velocity, kMaxMotorVelocity)) {
-      diagnostics_.Warning(where_, "the wheels' joints say no <effort> or <velocity>: each motor has " +
-                                       FormatNumber(std::round(torque_nm * 1e3) / 1e3) +
-                                       " N m and turns at " +
-                                       FormatNumber(std::round(speed_rad_s * 1e3) / 1e3) + " rad/s at most");
+      diagnostics_.Mended(where_, "the wheels' joints say no <effort> or <velocity>: each motor has " +
+                                      FormatNumber(std::round(torque_nm * 1e3) / 1e3) + " N m and turns at " +
+                                      FormatNumber(std::round(speed_rad_s * 1e3) / 1e3) + " rad/s at most");
     }
     for (JointModel* joint : {&left, &right}) {
       joint->max_effort = torque_nm;
@@ -302,14 +301,14 @@ void AdoptJoint(const tinyxml2::XMLElement& element, const std::string& file, Ro
   const std::string name = attributes.Text("joint").value_or("");
   const auto found = std::ranges::find(robot.joints, name, &JointModel::name);
   if (found == robot.joints.end()) {
-    diagnostics.Warning(attributes.where(), "there is no joint '" + name + "' for its controller plug-in");
+    diagnostics.Note(attributes.where(), "there is no joint '" + name + "' for its controller plug-in");
     return;
   }
   const int joint = static_cast<int>(found - robot.joints.begin());
   if (robot.IsDriven(joint) || !found->has_axis()) return;
   if (robot.FindCoupling(joint) != nullptr) {
-    diagnostics.Warning(attributes.where(), "the controller plug-in of joint '" + name +
-                                                "' is not used: the joint follows another (<mimic>)");
+    diagnostics.Note(attributes.where(), "the controller plug-in of joint '" + name +
+                                             "' is not used: the joint follows another (<mimic>)");
     return;
   }
   constexpr double kEffort = 100, kVelocity = 10;
@@ -318,10 +317,10 @@ void AdoptJoint(const tinyxml2::XMLElement& element, const std::string& file, Ro
   if (no_effort) found->max_effort = attributes.Number("effort", 1e-9, 1e6).value_or(kEffort);
   if (no_velocity) found->max_velocity = kVelocity;
   if (no_effort || no_velocity) {
-    diagnostics.Warning(attributes.where(), "joint '" + name +
-                                                "' says no <effort> or <velocity>: its motor has " +
-                                                FormatNumber(found->max_effort) + " and " +
-                                                FormatNumber(found->max_velocity) + " at most (SI units)");
+    diagnostics.Mended(attributes.where(), "joint '" + name +
+                                               "' says no <effort> or <velocity>: its motor has " +
+                                               FormatNumber(found->max_effort) + " and " +
+                                               FormatNumber(found->max_velocity) + " at most (SI units)");
   }
 }
 

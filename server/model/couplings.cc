@@ -65,13 +65,13 @@ void FixFollowers(XmlNode& model, std::vector<XmlNode>& mimics, Diagnostics& dia
   const auto fix = [&](const XmlNode& mimic) {
     const std::string follower = mimic.Attribute("follower"), leader = mimic.Attribute("leader");
     if (is_fixed(follower)) {
-      diagnostics.Warning(mimic.where,
-                          "<mimic> of joint '" + follower + "' is left out: a fixed joint follows nobody");
+      diagnostics.Note(mimic.where,
+                       "<mimic> of joint '" + follower + "' is left out: a fixed joint follows nobody");
       return true;
     }
     if (!is_fixed(leader) || !joints.contains(follower)) return false;
-    diagnostics.Warning(mimic.where, "joint '" + follower + "' follows the fixed joint '" + leader +
-                                         "': it is taken as fixed, where the model is written");
+    diagnostics.Mended(mimic.where, "joint '" + follower + "' follows the fixed joint '" + leader +
+                                        "': it is taken as fixed, where the model is written");
     joints[follower]->Set("type", "fixed");
     std::erase_if(joints[follower]->children,
                   [](const XmlNode& one) { return one.name == "axis" || one.name == "axis2"; });

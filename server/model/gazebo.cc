@@ -30,7 +30,7 @@ class Adopter {
     Prune(model_);
     HoldEndlessly(model_);
     for (const auto& [what, left_out] : left_out_) {
-      diagnostics_.Warning(left_out.first, what + " is not used by coopdyn" + MoreTimes(left_out.count));
+      diagnostics_.LeftOut(left_out.first, what, left_out.count);
     }
     TranslatePlugins(plugins, resources_, model_, needless_, diagnostics_);
   }
@@ -103,8 +103,8 @@ class Adopter {
       if (!mu || *mu >= 0) continue;
       child.text = "1000";
       if (!std::exchange(says_endless_, true))
-        diagnostics_.Warning(
-            child.where, "<" + child.name + "> below 0 is taken as 1000, friction that nothing overcomes");
+        diagnostics_.Mended(child.where,
+                            "<" + child.name + "> below 0 is taken as 1000, friction that nothing overcomes");
     }
   }
 
@@ -116,8 +116,7 @@ class Adopter {
       const bool origin =
           std::ranges::all_of(words, [](const std::string& w) { return ParsePlain(w).value_or(1) == 0; });
       if (!origin)
-        diagnostics_.Warning(one.where,
-                             "<pose> of the whole model is not used: write position in the scenario");
+        diagnostics_.Note(one.where, "<pose> of the whole model is not used: write position in the scenario");
       return true;
     });
   }
@@ -126,6 +125,7 @@ class Adopter {
     std::erase_if(node.children, [&](const XmlNode& child) {
       if (child.name.starts_with("coopdyn:")) return false;
       if (child.name == "plugin" && needless_.Take(child)) return true;
+      if (IsAsHere(child)) return true;
       const bool nested_model = node.name == "model" && child.name == "pose";
       // One of a wrench belongs into a joint, all others into links.
       const std::string type = child.Attribute("type");
@@ -162,6 +162,14 @@ class Adopter {
 };
 
 }  // namespace
+
+bool IsAsHere(const XmlNode& node) {
+  const bool on = node.text == "1" || node.text == "true", off = node.text == "0" || node.text == "false";
+  if (node.name == "gravity") return on;
+  constexpr std::string_view kOff[] = {"self_collide", "selfCollide", "kinematic", "enable_wind",
+                                       "turnGravityOff"};
+  return off && std::ranges::find(kOff, node.name) != std::end(kOff);
+}
 
 std::optional<std::string> GazeboColor(const std::string& material) {
   constexpr std::string_view kOwner = "Gazebo/";

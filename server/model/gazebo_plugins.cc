@@ -70,14 +70,12 @@ class PluginTranslator {
     for (const GazeboPlugin& plugin : plugins) TranslateOne(plugin);
     AddYarpBoards();
     needless_.Say(diagnostics_);
-    for (const auto& [text, entry] : left_out_)
-      diagnostics_.Warning(entry.first, text + MoreTimes(entry.second));
+    for (const auto& [file, unused] : unused_) LeaveOutPlugin(*unused.first, unused.second, diagnostics_);
   }
 
  private:
-  void LeaveOut(const GazeboPlugin& plugin, const std::string& text) {
-    auto& [first, count] = left_out_[text];
-    if (count++ == 0) first = plugin.node.where;
+  void Warn(const GazeboPlugin& plugin, std::string text) {
+    diagnostics_.Warning(plugin.node.where, std::move(text));
   }
 
   XmlNode& Add(const GazeboPlugin& plugin, const char* element) {
@@ -109,7 +107,8 @@ class PluginTranslator {
     // Its joints stand in <ros2_control> or in <transmission>s.
     const bool is_ros = HasWord(file, "ros_control") || HasWord(file, "ros2_control");
     if (is_ros && model_.Child("coopdyn:gazebo_joint") != nullptr) return;
-    LeaveOut(plugin, UnusedPlugin(plugin.node));
+    auto& [first, count] = unused_[plugin.node.Attribute("filename") + WhyItMatters(plugin.node)];
+    if (count++ == 0) first = &plugin.node;
   }
 
   bool AddDrive(const GazeboPlugin& plugin, const std::string& word) {
@@ -123,7 +122,7 @@ class PluginTranslator {
                  "right_front", "right_rear", "right_front_joint", "right_rear_joint"});
     if (left.empty() || right.empty()) return false;
     if (model_.Child("coopdyn:gazebo_drive") != nullptr) {
-      diagnostics_.Warning(plugin.node.where, "a second differential drive is not used by coopdyn");
+      diagnostics_.LeftOut(plugin.node.where, "a second differential drive");
       return true;
     }
     XmlNode& drive = Add(plugin, "coopdyn:gazebo_drive");
@@ -198,10 +197,10 @@ class PluginTranslator {
     rotor.Set("max_force_n", FormatNumber(thrust_n_s2 * fastest_rad_s * fastest_rad_s));
     rotor.Set("torque_per_force_m", FormatNumber(-turning * number("momentConstant", 0.016)));
     const bool drags = number("rotorDragCoefficient", 0) != 0 || number("rollingMomentCoefficient", 0) != 0;
-    if (drags)
-      LeaveOut(plugin,
-               "<rotorDragCoefficient> and <rollingMomentCoefficient> are not used by coopdyn: the air does "
-               "not slow the flight");
+    if (drags && !std::exchange(says_drag_, true))
+      Warn(plugin,
+           "<rotorDragCoefficient> and <rollingMomentCoefficient> are not used by coopdyn: the air does "
+           "not slow the flight");
     return true;
   }
 
@@ -223,11 +222,11 @@ class PluginTranslator {
     constexpr std::size_t kMostBoards = 100, kMostBytes = 1u << 20;
     const std::string uri = plugin.node.TextOf("yarpConfigurationFile");
     const auto leave = [&](const std::string& why) {
-      LeaveOut(plugin, "the control board of '" + uri +
-                           "' is left out, and its joints are in the group 'joints': " + why);
+      Warn(plugin, "the control board of '" + uri +
+                       "' is left out, and its joints are in the group 'joints': " + why);
     };
     if (plugin.node.Child("initialConfiguration") != nullptr)
-      LeaveOut(plugin, "<initialConfiguration> is not used by coopdyn: joints start as the model is written");
+      Warn(plugin, "<initialConfiguration> is not used by coopdyn: joints start as the model is written");
     if (inis_.size() >= kMostBoards) return leave("a robot has at most 100");
     std::string why = "this model came without its files";
     const auto file =
@@ -263,7 +262,8 @@ class PluginTranslator {
   XmlNode& model_;
   NeedlessPlugins& needless_;
   Diagnostics& diagnostics_;
-  std::map<std::string, std::pair<SourceLine, int>> left_out_;
+  std::map<std::string, std::pair<const XmlNode*, int>> unused_;  // the first of each, and how many
+  bool says_drag_ = false;
   std::vector<YarpIni> inis_;
   std::vector<const GazeboPlugin*> boards_;  // of inis_
 };
@@ -285,10 +285,9 @@ std::string PluginWord(const XmlNode& plugin) {
   return Plain(word);
 }
 
-std::string UnusedPlugin(const XmlNode& plugin) {
-  const std::string why = WhyItMatters(plugin);
-  return "plug-in '" + plugin.Attribute("filename") + "' is not used by coopdyn" + (why.empty() ? "" : ": ") +
-         why;
+void LeaveOutPlugin(const XmlNode& plugin, int count, Diagnostics& diagnostics) {
+  diagnostics.LeftOut(plugin.where, "plug-in '" + plugin.Attribute("filename") + "'", count,
+                      WhyItMatters(plugin));
 }
 
 bool NeedlessPlugins::Take(const XmlNode& plugin) {
@@ -316,13 +315,8 @@ void NeedlessPlugins::Say(Diagnostics& diagnostics) const {
   if (words_.empty()) return;
   std::string all;
   for (const std::string& word : words_) all += (all.empty() ? "" : ", ") + word;
-  diagnostics.Warning(first_,
-                      "what these plug-ins give is there anyway, sensors as their <sensor> says: " + all);
-}
-
-std::string MoreTimes(int count) {
-  if (count < 2) return {};
-  return " (also " + std::to_string(count - 1) + (count > 2 ? " more times)" : " more time)");
+  diagnostics.Note(first_,
+                   "what these plug-ins give is there anyway, sensors as their <sensor> says: " + all);
 }
 
 void TranslatePlugins(const std::vector<GazeboPlugin>& plugins, const Resources* resources, XmlNode& model,

@@ -33,11 +33,9 @@ class NeedlessPlugins {
   SourceLine first_;
 };
 
-/// That `plugin` is not used, and what a model does otherwise without it, if that is known.
-std::string UnusedPlugin(const XmlNode& plugin);
-
-/// " (also 2 more times)" of what was left out `count` times; nothing for 1.
-std::string MoreTimes(int count);
+/// Says that `plugin` is not used, `count` times, and what a model does otherwise without it, if that is
+/// known.
+void LeaveOutPlugin(const XmlNode& plugin, int count, Diagnostics& diagnostics);
 
 /// Adds elements of ours to `model` that say what `plugins` do, and tells what is left out, and `needless`.
 /// `resources`: where the files are that they name; may be null.

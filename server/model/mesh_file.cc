@@ -140,9 +140,9 @@ std::optional<ModelMesh> LoadMesh(const std::filesystem::path& file, const Vecto
     diagnostics.Error(where, name + why);
     return std::nullopt;
   }
-  for (const std::string& warning : read->warnings) diagnostics.Warning(where, name + warning);
+  for (const std::string& warning : read->warnings) diagnostics.Note(where, name + warning);
   if (LooksInward(read->parts)) {
-    diagnostics.Warning(where, name + "its triangles look inwards: they are turned");
+    diagnostics.Mended(where, name + "its triangles look inwards: they are turned");
     for (auto& triangle : read->parts.triangles) std::swap(triangle[1], triangle[2]);
   }
   return MakeModelMesh(std::move(read->parts));

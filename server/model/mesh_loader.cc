@@ -73,10 +73,10 @@ class MeshLoader {
 
   void Say(const Diagnostics& found, bool is_visual) {
     for (const Diagnostic& one : found.all()) {
-      if (one.level == Diagnostic::Level::kWarning) {
-        diagnostics_.Warning(one.where, one.text);
+      if (one.level != Diagnostic::Level::kError) {
+        diagnostics_.Add(one);
       } else if (is_visual) {
-        diagnostics_.Warning(one.where, one.text + " (it is not drawn)");
+        diagnostics_.Note(one.where, one.text + " (it is not drawn)");
       } else if (is_missing_ && fills_gaps_) {
         diagnostics_.Warning(one.where, one.text + "; until then " +
                                             (stand_in_ ? "a box that has the link's inertia collides"
@@ -136,8 +136,8 @@ class MeshLoader {
         scale[static_cast<Eigen::Index>(i)] = *value;
       }
       if (words.size() == 4)
-        found.Warning(uri.where,
-                      "<scale> of a mesh is three numbers: the fourth of '" + scale_text + "' is left out");
+        found.Mended(uri.where,
+                     "<scale> of a mesh is three numbers: the fourth of '" + scale_text + "' is left out");
     }
     const XmlNode* submesh = mesh.Child("submesh");
     const std::string part = submesh == nullptr ? "" : submesh->TextOf("name");
@@ -179,9 +179,9 @@ class MeshLoader {
       MeshParts parts{data.vertices, data.triangles, data.color, data.skin};
       for (Vector3& v : parts.vertices) v += mesh.middle;
       ReducedMesh reduced = Reduce(std::move(parts), most);
-      found.Warning(at.where, "'" + name + "': " + ReductionText(count, reduced) +
-                                  " (the meshes of a model have at most " +
-                                  std::to_string(kMaxModelTriangles) + " together)");
+      found.Mended(at.where, "'" + name + "': " + ReductionText(count, reduced) +
+                                 " (the meshes of a model have at most " +
+                                 std::to_string(kMaxModelTriangles) + " together)");
       mesh = MakeModelMesh(std::move(reduced.parts));
     }
     triangles_ += mesh.data->triangles.size();
@@ -245,10 +245,10 @@ class MeshLoader {
     const int columns = std::clamp(wanted[0], 2, kMaxHeightSide),
               rows = std::clamp(wanted[1], 2, kMaxHeightSide);
     if (columns < wanted[0] || rows < wanted[1]) {
-      found.Warning(uri.where, "the heightmap has " + std::to_string(wanted[0]) + " x " +
-                                   std::to_string(wanted[1]) + " points, and " + std::to_string(columns) +
-                                   " x " + std::to_string(rows) + " of them are taken: at most " +
-                                   std::to_string(kMaxHeightSide) + " a side");
+      found.Mended(uri.where, "the heightmap has " + std::to_string(wanted[0]) + " x " +
+                                  std::to_string(wanted[1]) + " points, and " + std::to_string(columns) +
+                                  " x " + std::to_string(rows) + " of them are taken: at most " +
+                                  std::to_string(kMaxHeightSide) + " a side");
     }
     return Keep(what, MakeHeights(*heights, columns, rows, *size, *pos), uri, found);
   }
@@ -300,7 +300,7 @@ class MeshLoader {
     XmlNode& shape = geometry->children.front();
     if (shape.name == "mesh" || shape.name == "heightmap") return;
     if (shape.name != "box") {
-      diagnostics_.Warning(where, "textures are drawn on meshes and boxes, and not on <" + shape.name + ">");
+      diagnostics_.Note(where, "textures are drawn on meshes and boxes, and not on <" + shape.name + ">");
       XmlNode& plain = material->Add("diffuse");
       const auto color = TexturedMaterial(texture_, tint_).color;
       plain.text =
@@ -325,7 +325,7 @@ class MeshLoader {
     const auto bytes = file ? ReadImageFile(*file, why) : std::nullopt;
     auto texture = bytes ? reader_.ReadTexture(*bytes, why) : nullptr;
     if (texture == nullptr)
-      diagnostics_.Warning(map.where, "the texture '" + map.text + "' is not drawn: " + why);
+      diagnostics_.Note(map.where, "the texture '" + map.text + "' is not drawn: " + why);
     if (file) textures_[*file] = texture;
     return texture;
   }

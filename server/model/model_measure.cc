@@ -83,8 +83,8 @@ void Lift(ModelReading& reading, double low_m) {
   for (FrameModel& frame : robot.frames) frame.X_RF.p.z() -= low_m;
   robot.p_MR.z() += low_m;
   if (low_m < -1e-3) {
-    reading.Warn(1, "the model reaches " + FormatNumber(std::round(-low_m * 1e4) / 1e4) +
-                        " m below its origin: it stands that much higher, on the floor");
+    reading.Mended(1, "the model reaches " + FormatNumber(std::round(-low_m * 1e4) / 1e4) +
+                          " m below its origin: it stands that much higher, on the floor");
   }
 }
 
@@ -106,8 +106,12 @@ void MeasureModel(ModelReading& reading) {
   const bool collides = Collides(robot);
   if (!collides && !reading.source.foreign) return reading.Error(0, "the robot has no <collision>");
   if (!collides) {
-    reading.Warn(1, "no shape of the robot collides with anything: write a <collision>" +
-                        std::string(robot.fixed_base ? "" : ", or it falls through the floor"));
+    const std::string text = "no shape of the robot collides with anything: write a <collision>";
+    if (robot.fixed_base) {
+      reading.diagnostics.Note({reading.file, 1}, text);
+    } else {
+      reading.Warn(1, text + ", or it falls through the floor");
+    }
   }
   const ModelSource& source = reading.source;
   if (source.foreign ? !source.in_world : source.lifts && !robot.fixed_base) {

@@ -65,10 +65,10 @@ class Includer {
     if (include.Attribute("merge") != "true" && include.Attribute("merge") != "1") return false;
     const std::string fixed = model.TextOf("static");
     if (fixed != "1" && fixed != "true" && !model.Has("placement_frame")) return true;
-    diagnostics_.Warning(include.where,
-                         "merge of an <include> with <static> or placement_frame is not used: its parts are "
-                         "called " +
-                             model.Attribute("name") + "::PART");
+    diagnostics_.Mended(include.where,
+                        "merge of an <include> with <static> or placement_frame is not used: its parts are "
+                        "called " +
+                            model.Attribute("name") + "::PART");
     return false;
   }
 
@@ -111,8 +111,7 @@ class Includer {
     if (root->Child("include") != nullptr) Expand(*root, depth + 1);
     XmlNode* model = root->Child("model");
     if (root->name == "sdf" && model == nullptr && root->Child("light") != nullptr) {
-      diagnostics_.Warning(include.where,
-                           "<include>: '" + uri + "' is a light, which is not used by coopdyn");
+      diagnostics_.Note(include.where, "<include>: '" + uri + "' is a light, which is not used by coopdyn");
       return std::nullopt;
     }
     if (root->name != "sdf" || model == nullptr) {
@@ -307,11 +306,9 @@ void AppendMapped(const Diagnostics& found, const std::string& file, const Model
     SourceLine where = one.where;
     const auto line = static_cast<std::size_t>(where.line);
     if (where.file == file && line >= 1 && line <= source.lines.size()) where = source.lines[line - 1];
-    if (one.level == Diagnostic::Level::kError) {
-      diagnostics.Error(where, one.text);
-    } else {
-      diagnostics.Warning(where, one.text);
-    }
+    Diagnostic moved = one;
+    moved.where = std::move(where);
+    diagnostics.Add(std::move(moved));
   }
 }
 

@@ -63,8 +63,8 @@ std::optional<int> MinorOf(const std::string& version);
 void Upgrade(XmlNode& root, const std::string& version);
 
 /// Writes what libsdformat does not know of the joints of `model` (`<model>`) in other words: a `<mimic>` as
-/// a `<coopdyn:mimic>` of the model, `<screw_thread_pitch>` as the older `<thread_pitch>`. `is_foreign`: joints
-/// that follow fixed ones become fixed, which is said.
+/// a `<coopdyn:mimic>` of the model, `<screw_thread_pitch>` as the older `<thread_pitch>`. `is_foreign`:
+/// joints that follow fixed ones become fixed, which is said.
 void GatherMimics(XmlNode& model, bool is_foreign, Diagnostics& diagnostics);
 
 /// Writes joints of several axes in `model` (`<model>`) as chains of joints with one axis each:
@@ -93,6 +93,9 @@ XmlNode SdfOfUrdf(const XmlNode& robot, Diagnostics& diagnostics);
 /// Makes `model` (`<model>`) one that coopdyn reads: Gazebo's plug-ins become our elements, and the rest that
 /// is not used is left out, each said once. `resources`: where the files are that plug-ins name; may be null.
 void AdoptModel(XmlNode& model, const Resources* resources, Diagnostics& diagnostics);
+
+/// Whether an element that is not used says what is so anyway, as that a link falls.
+bool IsAsHere(const XmlNode& node);
 
 /// The "r g b a" of a material of Gazebo's that is one colour, as Gazebo/Red; nothing for any other.
 std::optional<std::string> GazeboColor(const std::string& material);

@@ -34,7 +34,7 @@ void DropWorld(XmlNode& model, Diagnostics& diagnostics) {
   std::erase_if(model.children, [&](const XmlNode& one) {
     if (one.name != "link" || one.Attribute("name") != "world") return false;
     if (!one.children.empty()) {
-      diagnostics.Warning(
+      diagnostics.Mended(
           one.where, "the link 'world' is the world itself: what it has is left out; give it another name");
     }
     return true;
@@ -103,8 +103,8 @@ void FixStillJoints(XmlNode& model, Diagnostics& diagnostics) {
     if (limit == nullptr || !IsZero(*axis) || ParsePlain(limit->TextOf("lower")) != 0 ||
         ParsePlain(limit->TextOf("upper")) != 0)
       continue;
-    diagnostics.Warning(axis->where, "joint '" + child.Attribute("name") +
-                                         "' has no direction and no way to go: it is taken as fixed");
+    diagnostics.Mended(axis->where, "joint '" + child.Attribute("name") +
+                                        "' has no direction and no way to go: it is taken as fixed");
     child.Set("type", "fixed");
     std::erase_if(child.children, [](const XmlNode& one) { return one.name == "axis"; });
   }
@@ -142,8 +142,8 @@ void NumberSensors(XmlNode& model, Diagnostics& diagnostics) {
       while (given.contains(name + "_" + std::to_string(number))) ++number;
       child.Set("name", name + "_" + std::to_string(number));
       given.insert(child.Attribute("name"));
-      diagnostics.Warning(child.where, "another <sensor> here is called '" + name +
-                                           "': this one is called '" + child.Attribute("name") + "'");
+      diagnostics.Mended(child.where, "another <sensor> here is called '" + name + "': this one is called '" +
+                                          child.Attribute("name") + "'");
     }
   }
 }

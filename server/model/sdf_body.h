@@ -28,10 +28,12 @@ struct ModelReading {
 
   void Error(int line, std::string text) { diagnostics.Error({file, line}, std::move(text)); }
   void Warn(int line, std::string text) { diagnostics.Warning({file, line}, std::move(text)); }
+  void Mended(int line, std::string text) { diagnostics.Mended({file, line}, std::move(text)); }
   /// An error in a model of our own; of one made for other programs a warning, and the reader helps itself:
   /// `else` says how.
-  void Complain(int line, const std::string& text, const std::string& otherwise) {
-    source.foreign ? Warn(line, text + ": " + otherwise) : Error(line, text);
+  void Complain(int line, const std::string& text, const std::string& otherwise,
+                Diagnostic::Level level = Diagnostic::Level::kMended) {
+    source.foreign ? diagnostics.Add({level, {file, line}, text + ": " + otherwise}) : Error(line, text);
   }
   /// In the frame `relative_to`; reported if it is not finite or far away.
   Pose Resolve(const sdf::SemanticPose& pose, const std::string& relative_to, const sdf::ElementPtr& element,

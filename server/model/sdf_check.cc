@@ -148,7 +148,7 @@ class Checker {
     } else if (path == "model/static" || path == "sdf/world") {
       diagnostics_.Error(where, "<" + name + "> does not belong into a robot: remove it");
     } else {
-      diagnostics_.Warning(where, "<" + name + "> in <" + parent.Name() + "> is not used by coopdyn");
+      diagnostics_.LeftOut(where, "<" + name + "> in <" + parent.Name() + ">");
     }
   }
 
@@ -189,8 +189,8 @@ class Checker {
                                                      "wireless_receiver",
                                                      "wireless_transmitter"};
     if (std::ranges::find(kOthers, type) != kOthers.end()) {
-      diagnostics_.Warning(where, "<sensor type=\"" + type + "\"> in <" +
-                                      sensor.Parent()->ToElement()->Name() + "> is not used by coopdyn");
+      diagnostics_.LeftOut(
+          where, "<sensor type=\"" + type + "\"> in <" + sensor.Parent()->ToElement()->Name() + ">");
     } else {
       static const std::vector<std::string> kOwn = {"imu",   "force_torque", "lidar",       "contact",
                                                     "sonar", "camera",       "depth_camera"};
@@ -215,7 +215,7 @@ class Checker {
         }
         const std::string text =
             "unknown attribute '" + name + "' of <" + element.Name() + ">" + DidYouMean(name, known);
-        lenient_ ? diagnostics_.Warning(where, text) : diagnostics_.Error(where, text);
+        lenient_ ? diagnostics_.Note(where, text) : diagnostics_.Error(where, text);
       } else if (!description->GetAttribute(name)->Clone()->SetFromString(attribute->Value())) {
         diagnostics_.Error(where, "attribute '" + name + "' of <" + element.Name() + "> cannot be '" +
                                       attribute->Value() + "'");

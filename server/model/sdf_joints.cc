@@ -118,7 +118,7 @@ class JointReader {
       reading_.Complain(
           line,
           what + " must be of type revolute, continuous, prismatic, screw, universal, ball, gearbox or fixed",
-          "it is taken as fixed");
+          "it is taken as fixed", Diagnostic::Level::kWarning);
       if (!reading_.source.foreign) return;
     }
     std::string parent, child;
@@ -256,8 +256,8 @@ class JointReader {
   }
 
   void WarnMost(const char* name, const std::string& given, double most, const std::string& what, int line) {
-    reading_.Warn(line, fmt::format("<{}> of {} is {}: its motor has {} at most", name, what, given,
-                                    FormatNumber(most)));
+    reading_.Mended(line, fmt::format("<{}> of {} is {}: its motor has {} at most", name, what, given,
+                                      FormatNumber(most)));
   }
 
   void ReadMotor(const sdf::JointAxis& axis, const std::string& what, int line, JointModel& out) {
@@ -293,8 +293,9 @@ class JointReader {
       out.upper = JointModel::kInfinity;
     } else if (out.lower > 0 || out.upper < 0) {
       out.start = out.lower > 0 ? out.lower : out.upper;
-      reading_.Warn(line, what + " starts at " + FormatNumber(out.start) +
-                              ", its nearest limit: 0, the pose in which the model is written, lies beyond");
+      reading_.Mended(line,
+                      what + " starts at " + FormatNumber(out.start) +
+                          ", its nearest limit: 0, the pose in which the model is written, lies beyond");
     }
     ReadMotor(axis, what, line, out);
     out.damping = axis.Damping();

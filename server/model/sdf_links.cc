@@ -184,7 +184,8 @@ class LinkReader {
     if (!fine) {
       const std::string wrong = "the sizes of " + what + " must lie between 0.1 mm and 1 km";
       if (fits) {
-        reading_.Warn(line, wrong + ": it collides with the nearest size that may be");
+        reading_.diagnostics.Mended({reading_.file, line},
+                                    wrong + ": it collides with the nearest size that may be");
         return placed;
       }
       if (is_visual) {
@@ -221,9 +222,9 @@ class LinkReader {
                               : Vector3::Zero();
     constexpr double kShortest = 1e-6;
     if (!along.allFinite() || along.norm() < kShortest) {
-      reading_.Warn(LineOf(element),
-                    "<mu2> needs <fdir1>, the direction in which <mu> counts, for example 1 0 0: " +
-                        ("friction is " + FormatNumber(out.friction)) + " in all directions");
+      reading_.Mended(LineOf(element),
+                      "<mu2> needs <fdir1>, the direction in which <mu> counts, for example 1 0 0: " +
+                          ("friction is " + FormatNumber(out.friction)) + " in all directions");
       return;
     }
     out.friction_across = across;
@@ -336,7 +337,7 @@ class LinkReader {
       out.mass_kg = 0;
       if (welded) return;
       if (still_.contains(out.name)) return GiveMass(1, out);
-      reading_.Warn(inertial_line, what + " has no mass: it gets 10 g; write <mass> above 0");
+      reading_.Mended(inertial_line, what + " has no mass: it gets 10 g; write <mass> above 0");
       return GiveMass(kLight_kg, out);
     }
     if (!std::isfinite(out.mass_kg) || out.mass_kg < (foreign || out.is_carrier ? kLeast_kg : 1e-6) ||

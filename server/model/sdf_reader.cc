@@ -77,7 +77,7 @@ class RobotReader {
                        "a stop of joint '" + joint.name +
                            "' beyond 180 degrees needs a motor: write at most 3.1415, none, or "
                            "<limit><effort> and <velocity>",
-                       "it has no stops");
+                       "it has no stops", Diagnostic::Level::kWarning);
       joint.lower = -JointModel::kInfinity;
       joint.upper = JointModel::kInfinity;
     }
@@ -163,7 +163,7 @@ std::shared_ptr<const RobotModel> ReadRobotModel(const std::filesystem::path& fi
   const Resources resources(path, file);
   auto robot = ReadRobotModelText(*text, name, stem == "model" ? folder : stem, diagnostics, &resources);
   if (is_xacro && robot == nullptr)
-    diagnostics.Warning({name, 0}, "the lines are those of what 'xacro " + name + "' writes");
+    diagnostics.Note({name, 0}, "the lines are those of what 'xacro " + name + "' writes");
   return robot;
 }
 

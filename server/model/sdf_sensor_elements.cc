@@ -99,8 +99,8 @@ class ElementValues {
   void Error(const XMLElement& at, const std::string& text) {
     diagnostics_.Error({file_, at.GetLineNum()}, "sensor '" + name() + "': " + text);
   }
-  void Warn(const XMLElement& at, const std::string& text) {
-    diagnostics_.Warning({file_, at.GetLineNum()}, "sensor '" + name() + "': " + text);
+  void Mended(const XMLElement& at, const std::string& text) {
+    diagnostics_.Mended({file_, at.GetLineNum()}, "sensor '" + name() + "': " + text);
   }
   std::string name() const {
     const char* name = sensor_.Attribute("name");
@@ -161,8 +161,8 @@ LidarModel ToLidar(ElementValues& values) {
   lidar.last_elevation_rad = angle("scan/vertical/max_angle");
   const auto sort = [&](const char* path, double& first_rad, double& last_rad) {
     if (first_rad <= last_rad) return;
-    values.Warn(*ElementValues::Find(element, path),
-                "<min_angle> lies above <max_angle>: they are taken the other way round");
+    values.Mended(*ElementValues::Find(element, path),
+                  "<min_angle> lies above <max_angle>: they are taken the other way round");
     std::swap(first_rad, last_rad);
   };
   sort("scan/horizontal", lidar.first_azimuth_rad, lidar.last_azimuth_rad);

@@ -67,9 +67,10 @@ void SensorReader::AddElements(bool foreign) {
   constexpr std::size_t kMaxModules = 100;
   std::size_t left_out = 0;
   for (const SdfSensor& sensor : assembly_.sensors) {
-    const auto complain = [&](const std::string& text, const std::string& otherwise) {
+    const auto complain = [&](const std::string& text, const std::string& otherwise,
+                              Diagnostic::Level level = Diagnostic::Level::kWarning) {
       const std::string what = "sensor '" + sensor.name + "': " + text;
-      foreign ? diagnostics_.Warning(sensor.where, what + ": " + otherwise)
+      foreign ? diagnostics_.Add({level, sensor.where, what + ": " + otherwise})
               : diagnostics_.Error(sensor.where, what);
     };
     SensorKind kind = sensor.kind;
@@ -95,7 +96,7 @@ void SensorReader::AddElements(bool foreign) {
         if (!parts.empty() || own.empty()) continue;
         complain("link '" + sensor.host + "' has no collision '" + own + "'" +
                      DidYouMean(own, assembly_.links[sensor.link].collisions),
-                 "all of the link are taken");
+                 "all of the link are taken", Diagnostic::Level::kMended);
       }
       if (contact->parts.empty()) contact->parts = CollisionsOf(robot_, assembly_, sensor.link);
     }

@@ -70,17 +70,17 @@ class WorldConverter {
       } else if (child.name == "plugin" && needless_.Take(child)) {
         // Told below.
       } else if (child.name == "plugin") {
-        diagnostics_.Warning(child.where, UnusedPlugin(child));
+        LeaveOutPlugin(child, 1, diagnostics_);
       } else if (child.name != "physics" && child.name != "gravity") {
-        diagnostics_.Warning(child.where, "<" + child.name + "> in <world> is not used by coopdyn");
+        diagnostics_.LeftOut(child.where, "<" + child.name + "> in <world>");
       }
     }
     needless_.Say(diagnostics_);
     if (diagnostics_.has_errors()) return std::nullopt;
     if (floor_.empty() && !names_ground && world->name == "world") {
-      diagnostics_.Warning(world->where,
-                           "the world has no ground plane, and gets a floor of 100 x 100 m at z = 0: write "
-                           "<include><uri>model://ground_plane</uri></include> if that is meant");
+      diagnostics_.Mended(world->where,
+                          "the world has no ground plane, and gets a floor of 100 x 100 m at z = 0: write "
+                          "<include><uri>model://ground_plane</uri></include> if that is meant");
     }
     return SdfWorld{"; The scenario that " + file_.filename().string() +
                         " means.\n[SIMULATION]\noverlaps yes\n" + simulation_ + "\n[FLOOR]\n" +
@@ -113,8 +113,8 @@ class WorldConverter {
     if (gravity.size() == 3) {
       const auto x = ParsePlain(gravity[0]), y = ParsePlain(gravity[1]), z = ParsePlain(gravity[2]);
       if (!x || !y || !z) {
-        diagnostics_.Warning(world.Child("gravity")->where,
-                             "<gravity> must be three numbers, 0 0 -9.8: 9.81 m/s² down is taken");
+        diagnostics_.Mended(world.Child("gravity")->where,
+                            "<gravity> must be three numbers, 0 0 -9.8: 9.81 m/s² down is taken");
       } else if (*x == 0 && *y == 0) {
         simulation_ += "gravity " + Exact(-*z) + "\n";
       } else {
@@ -127,8 +127,8 @@ class WorldConverter {
       const double kept = std::clamp(std::round(*step * 1e6) * 1e-6, 5e-4, 0.1);
       simulation_ += "step " + Exact(kept) + "\n";
       if (std::abs(kept - *step) > 1e-9)
-        diagnostics_.Warning(
-            physics->where, "<max_step_size> lies between 0.5 ms and 100 ms: " + Exact(kept) + " s is taken");
+        diagnostics_.Mended(physics->where,
+                            "<max_step_size> lies between 0.5 ms and 100 ms: " + Exact(kept) + " s is taken");
     }
   }
 
@@ -143,8 +143,7 @@ class WorldConverter {
   void AddLight(const XmlNode& light) {
     const XmlNode* pose = light.Child("pose");
     if (pose != nullptr && pose->Has("relative_to"))
-      diagnostics_.Warning(pose->where,
-                           "relative_to of a light's <pose> is not used: it is x y z in the world");
+      diagnostics_.Note(pose->where, "relative_to of a light's <pose> is not used: it is x y z in the world");
     const std::vector<double> p = NumbersIn(pose == nullptr ? "" : pose->text, 3);
     std::string color = "1 1 1";
     if (!light.TextOf("diffuse").empty()) {
@@ -173,8 +172,7 @@ class WorldConverter {
     const std::vector<double> c = NumbersIn(scene.TextOf("ambient"), 3);
     simulation_ += "ambient_light " + Exact(std::clamp((c[0] + c[1] + c[2]) / 3, 0.0, 1e6)) + "\n";
     for (const XmlNode& child : scene.children) {
-      if (child.name != "ambient")
-        diagnostics_.Warning(child.where, "<" + child.name + "> in <scene> is not used by coopdyn");
+      if (child.name != "ambient") diagnostics_.LeftOut(child.where, "<" + child.name + "> in <scene>");
     }
   }
 
@@ -236,9 +234,9 @@ class WorldConverter {
     if (!are_things) below_m = std::max(below_m, -X_WR.p.z());
     if (below_m > 0) X_WR.p.z() += below_m;
     if (below_m > 1e-3) {
-      diagnostics_.Warning(given.where, "model '" + name + "' stands " +
-                                            FormatNumber(std::round(below_m * 1e4) / 1e4) +
-                                            " m below the floor: it is put on the floor");
+      diagnostics_.Mended(given.where, "model '" + name + "' stands " +
+                                           FormatNumber(std::round(below_m * 1e4) / 1e4) +
+                                           " m below the floor: it is put on the floor");
     }
     models_.emplace(name, read);  // a thing, too, may be a robot's type
     places_.emplace(name, given.where);

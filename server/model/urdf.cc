@@ -48,7 +48,8 @@ class UrdfConverter {
     for (const XmlNode& child : robot_.children) {
       if (child.name == "link" && IsWorld(child.Attribute("name"))) {
         if (!child.children.empty()) {
-          Warn(child, "the link 'world' is the world itself: what it has is left out; give it another name");
+          Mended(child,
+                 "the link 'world' is the world itself: what it has is left out; give it another name");
         }
       } else if (child.name == "link") {
         model.children.push_back(Link(child));
@@ -61,7 +62,7 @@ class UrdfConverter {
       } else if (child.name == "transmission" || child.name == "ros2_control") {
         AddCommanded(child, model);
       } else if (child.name != "material") {
-        Warn(child, "<" + child.name + "> in <robot> is not used by coopdyn");
+        diagnostics_.LeftOut(child.where, "<" + child.name + "> in <robot>");
       }
     }
     ReportSafety();
@@ -75,7 +76,8 @@ class UrdfConverter {
     node.where = where.where;
     return node;
   }
-  void Warn(const XmlNode& at, std::string text) { diagnostics_.Warning(at.where, std::move(text)); }
+  void Mended(const XmlNode& at, std::string text) { diagnostics_.Mended(at.where, std::move(text)); }
+  void Note(const XmlNode& at, std::string text) { diagnostics_.Note(at.where, std::move(text)); }
   void Error(const XmlNode& at, std::string text) { diagnostics_.Error(at.where, std::move(text)); }
 
   /// A link stands where the joint above it puts it, so no link may hang on itself.
@@ -139,7 +141,7 @@ class UrdfConverter {
     for (const XmlNode& child : robot_.children) {
       const XmlNode* safety = child.name == "joint" ? child.Child("safety_controller") : nullptr;
       if (safety != nullptr)
-        return Warn(*safety, "<safety_controller> is not used by coopdyn: joints stop at their <limit>");
+        return Note(*safety, "<safety_controller> is not used by coopdyn: joints stop at their <limit>");
     }
   }
 
@@ -189,7 +191,7 @@ class UrdfConverter {
         if (child.name == "collision") AddFriction(name, shape);
         out.children.push_back(std::move(shape));
       } else {
-        Warn(child, "<" + child.name + "> in <link> is not used by coopdyn");
+        diagnostics_.LeftOut(child.where, "<" + child.name + "> in <link>");
       }
     }
     for (const XmlNode* extra : ExtrasOf(name)) {
@@ -251,11 +253,12 @@ class UrdfConverter {
       if (reference.empty()) continue;  // they are the model's
       for (const XmlNode* extra : extras) {
         if (!links_.contains(reference) && !joints_.contains(reference)) {
-          Warn(*extra, "<gazebo reference=\"" + reference + "\"> names no link or joint of this robot");
+          Note(*extra, "<gazebo reference=\"" + reference + "\"> names no link or joint of this robot");
           continue;
         }
         for (const XmlNode& inner : extra->children) {
           if (inner.name == "sensor" || (links_.contains(reference) && IsUsedExtra(inner))) continue;
+          if (IsAsHere(inner)) continue;
           auto& [first, count] = left_out[inner.name];
           if (count++ == 0) first = &inner;
         }
@@ -263,8 +266,7 @@ class UrdfConverter {
     }
     for (const auto& [name, entry] : left_out) {
       const auto& [first, count] = entry;
-      Warn(*first, "<" + name + "> in <gazebo reference> is not used by coopdyn" +
-                       (count > 1 ? " (also " + std::to_string(count - 1) + " times more)" : ""));
+      diagnostics_.LeftOut(first->where, "<" + name + "> in <gazebo reference>", count);
     }
   }
 
@@ -286,7 +288,7 @@ class UrdfConverter {
       if (shared != materials_.end()) material = shared->second;
     }
     if (material->Child("texture") != nullptr)
-      Warn(*material, "<texture> is not drawn: write <color rgba=\"…\"/>");
+      Note(*material, "<texture> is not drawn: write <color rgba=\"…\"/>");
     const XmlNode* color = material->Child("color");
     if (color == nullptr) return;
     XmlNode& made = out.children.emplace_back(At("material", *material));
@@ -311,8 +313,8 @@ class UrdfConverter {
     const std::string name = joint.Attribute("name");
     std::string type = joint.Attribute("type");
     if (type == "floating") {
-      Warn(joint,
-           "joint '" + name + "' of type floating is left out: a robot that is not fixed floats anyway");
+      Mended(joint,
+             "joint '" + name + "' of type floating is left out: a robot that is not fixed floats anyway");
       return std::nullopt;
     }
     if (type == "spherical") type = "ball";  // Bullet's word
@@ -345,8 +347,8 @@ class UrdfConverter {
   /// Two ways in the plane and a turn about its normal.
   XmlNode Planar(const XmlNode& joint) {
     const std::string name = joint.Attribute("name");
-    Warn(joint, "joint '" + name + "' of type planar is three: '" + name + ".x', '" + name + ".y' and '" +
-                    name + ".rz'");
+    Mended(joint, "joint '" + name + "' of type planar is three: '" + name + ".x', '" + name + ".y' and '" +
+                      name + ".rz'");
     Vector3 normal = Vector3::UnitX();  // URDF's default
     const XmlNode* axis = joint.Child("axis");
     const std::vector<std::string> words = SplitWords(axis == nullptr ? "" : axis->Attribute("xyz"));

@@ -144,7 +144,7 @@ void CheckStart(const Scene& scene, const Things& things, Diagnostics& diagnosti
   const bool overlaps = scene.scenario->simulation.overlaps;
   const auto say = [&](const Thing& thing, const std::string& text, const char* otherwise) {
     const std::string whole = TitleOf(scene, thing) + " starts " + text;
-    overlaps ? diagnostics.Warning(WhereOf(scene, thing), whole + ": it is pushed out slowly")
+    overlaps ? diagnostics.Mended(WhereOf(scene, thing), whole + ": it is pushed out slowly")
              : diagnostics.Error(WhereOf(scene, thing), whole + ": " + otherwise);
   };
   BroadPhase broad_phase(things, things.bodies);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/geometry/mesh.h"
+#include "server/render/joint_marks.h"
 #include "server/render/sensor_marks.h"
 
 namespace coopdyn {
@@ -60,6 +61,7 @@ class Builder {
     for (auto& [depth_m, label] : labels_) list_.labels.push_back(std::move(label));
     list_.floor_marks = floor_marks_.Take();
     if (request_.show_rays && !of_robot_) list_.sensor_marks = SensorMarks(frame_, frustum_);
+    if (request_.show_joints && !of_robot_) AddJoints();
     return std::move(list_);
   }
 
@@ -172,6 +174,15 @@ class Builder {
                  visual.takes_robot_color ? robot.entry.color : visual.color);
       }
     }
+  }
+
+  void AddJoints() {
+    JointMarks marks = MarkJoints(frame_, frustum_);
+    list_.joint_marks = std::move(marks.arrows);
+    for (JointName& name : marks.names)
+      list_.labels.push_back({std::move(name.text), name.x_px, name.y_px, name.color, name.at_px});
+    for (JointName& name : marks.legend)
+      list_.labels.push_back({std::move(name.text), name.x_px, name.y_px, name.color});
   }
 
   void AddLabel(const SceneRobot& robot, const Vector3& top_W) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,11 +38,12 @@ struct CladDraw {
   std::array<std::vector<Instance>, kMeshCount> meshes;
 };
 
-/// A name above a robot.
+/// A name above a robot, or beside a joint.
 struct Label {
   std::string text;
   double x_px = 0, y_px = 0;  // middle of its lower edge
   Color color;
+  std::optional<std::array<double, 2>> at_px = std::nullopt;  // a line leads there
 };
 
 struct DrawList {
@@ -50,7 +52,8 @@ struct DrawList {
   std::vector<MeshDraw> model_meshes;      // those of robot models
   std::vector<OverlayVertex> floor_marks;  // drawn where the floor is seen
   std::vector<OverlayVertex> sensor_marks;
-  std::vector<Label> labels;  // far ones first
+  std::vector<OverlayVertex> joint_marks;  // drawn over everything
+  std::vector<Label> labels;               // far ones first
 };
 
 /// Towards the sun; not normalised, z = 1.

@@ -42,6 +42,24 @@ void Blend(Picture& picture, int x, int y, const Color& color, double alpha) {
   }
 }
 
+/// A thin line from a name to what it belongs to.
+void PaintLeader(Picture& picture, const Label& label, double cap_px) {
+  if (!label.at_px) return;
+  const double x = label.x_px, y = label.y_px - cap_px;
+  const double dx = (*label.at_px)[0] - x, dy = (*label.at_px)[1] - y;
+  const double far_px = 2.0 * (picture.width + picture.height);
+  if (!(std::abs(x) < far_px && std::abs(y) < far_px && std::hypot(dx, dy) < far_px)) return;
+  const int dots = static_cast<int>(std::max(std::abs(dx), std::abs(dy))) + 1;
+  for (int i = 0; i <= dots; ++i) {
+    const double at_x = x + dx * i / dots, at_y = y + dy * i / dots;
+    const int left = static_cast<int>(std::floor(at_x)), top = static_cast<int>(std::floor(at_y));
+    const bool is_flat = std::abs(dx) >= std::abs(dy);
+    const double part = is_flat ? at_y - top : at_x - left;
+    Blend(picture, left, top, kPlate, 0.5 * (1 - part));
+    Blend(picture, left + (is_flat ? 0 : 1), top + (is_flat ? 1 : 0), kPlate, 0.5 * part);
+  }
+}
+
 // Covered share of a pixel whose centre lies `inside_px` within a rounded rectangle's edge.
 double EdgeCover(double inside_px) {
   return std::clamp(inside_px + 0.5, 0.0, 1.0);
@@ -82,6 +100,7 @@ void LabelPainter::Paint(Picture& picture, const std::vector<Label>& labels) {
   const double crowd = labels.size() > kCrowd ? 0.85 : 1;
   const double cap_px = std::clamp(crowd * picture.height / 54.0, 6.0, 18.0);
   const auto first = labels.size() > kMaxNames ? labels.end() - kMaxNames : labels.begin();
+  for (auto label = first; label != labels.end(); ++label) PaintLeader(picture, *label, cap_px);
   for (auto label = first; label != labels.end(); ++label) PaintOne(picture, *label, cap_px);
 }
 

@@ -284,6 +284,9 @@ struct SceneRenderer::Impl {
     gl.Enable(GL_BLEND);
     gl.DepthMask(GL_FALSE);
     DrawOverlay(list.sensor_marks);
+    gl.Disable(GL_DEPTH_TEST);
+    DrawOverlay(list.joint_marks);
+    gl.Enable(GL_DEPTH_TEST);
     gl.DepthMask(GL_TRUE);
   }
 

@@ -54,9 +54,10 @@ struct ImageRequest {
   std::optional<Vector3> look_m;  // the point in the middle of the picture; missing: the middle of the scene
   double fov_rad = 0.8;           // full vertical angle
   ImageFormat format = ImageFormat::kPng;
-  bool show_rays = false;  // and scans, cones and fields of view: what robots' sensors see
-  bool show_names = true;  // of the robots
-  bool paced = false;      // one picture of a stream: waits for the next tick of --render-fps
+  bool show_rays = false;    // and scans, cones and fields of view: what robots' sensors see
+  bool show_names = true;    // of the robots
+  bool show_joints = false;  // axes and names of all joints, over everything
+  bool paced = false;        // one picture of a stream: waits for the next tick of --render-fps
 
   bool operator==(const ImageRequest&) const = default;
 };

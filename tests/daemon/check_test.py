@@ -123,7 +123,9 @@ class ModelTest(unittest.TestCase):
                                                   "<include><uri>arm.urdf</uri></include></world></sdf>")
             done = run("check", "lab.sdf", cwd=folder)
             self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertIn("lab.sdf: 1 robot", done.stdout.decode())
+            lines = done.stdout.decode().splitlines()
+            self.assertEqual(lines[0], "lab.sdf: runs")
+            self.assertIn("SDF 1.9 'lab': 1 robot", lines[1])
 
     def test_meshes_of_a_package_or_from_the_root_are_found_in_the_models_folder(self):
         cube = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
@@ -145,7 +147,7 @@ class ModelTest(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             (Path(folder) / "a.urdf").write_text(self.LINK.format("package://hands/meshes/m.obj"))
             done = run("check", "a.urdf", cwd=folder)
-            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn("a box that has the link's inertia collides", done.stderr.decode())
             done = run("check", "--strict", "a.urdf", cwd=folder)
             self.assertEqual(done.returncode, 1, done.stderr)
@@ -185,13 +187,80 @@ class ModelTest(unittest.TestCase):
             done = run("check", str(path))
             self.assertEqual(done.returncode, 0, done.stderr)
             lines = done.stdout.decode().splitlines()
-            self.assertIn("robot gripper, 4 links, 3 joints, 0 distance sensors, 2 modules; mass 2 kg, ", lines[0])
-            self.assertEqual(lines[1:], [
+            self.assertEqual(lines[0], f"{path}: runs")
+            self.assertIn("URDF 'gripper': robot gripper, 4 links, 3 joints, 0 distance sensors, 2 modules; mass 2 kg, ", lines[1])
+            self.assertEqual(lines[2:10], [
+                "  size 0.2 x 0.2 x 0.2 m; 2 of 3 joints have motors",
+                "Joints:",
                 "  joint l: slider, from 0 to 0.04 m, effort 20 N, speed 0.2 m/s",
                 "  joint r: slider, from 0 to 0.04 m, follows: 2 * l + 0.01",
                 "  joint hinge: hinge, effort 3 N m, speed 1.5 rad/s",
+                "Modules:",
                 "  module joints (joints): l, hinge",
                 "  module pose (pose)"])
+
+    LOSES = MODEL.replace("</robot>", '<gazebo><plugin filename="libfoo.so" name="f"/></gazebo></robot>')
+
+    def test_the_exit_code_tells_what_runs_what_loses_and_what_does_not_run(self):
+        with tempfile.TemporaryDirectory() as folder:
+            texts = {"runs.urdf": self.MODEL, "loses.urdf": self.LOSES, "wrong.urdf": "<robot name='r'></robot>"}
+            for name, text in texts.items():
+                (Path(folder) / name).write_text(text)
+            for names, code in ((["runs.urdf"], 0), (["loses.urdf"], 2), (["wrong.urdf"], 1), (["loses.urdf", "runs.urdf"], 2),
+                                (["wrong.urdf", "loses.urdf"], 1)):
+                done = run("check", *names, cwd=folder)
+                self.assertEqual(done.returncode, code, (names, done.stdout, done.stderr))
+            done = run("check", "--digests", "loses.urdf", cwd=folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("robot model", json.loads(done.stdout))
+
+    def test_own_models_and_scenarios_run_or_do_not(self):
+        with tempfile.TemporaryDirectory() as folder:
+            robot = Path(__file__).parents[2] / "robots" / "lwa" / "model.sdf"
+            (Path(folder) / "own.sdf").write_text(robot.read_text().replace("</model>", '<plugin filename="libfoo.so" name="f"/></model>'))
+            done = run("check", "own.sdf", cwd=folder)
+            self.assertIn("not used by coopdyn", done.stderr.decode())
+            self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_json_is_an_object_a_line_and_keeps_the_diagnostics_on_stderr(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "loses.urdf").write_text(self.LOSES)
+            done = run("check", "--json", "loses.urdf", "classroom", cwd=folder)
+            reports = [json.loads(line) for line in done.stdout.decode().splitlines()]
+            self.assertEqual([one["verdict"] for one in reports], ["runs with losses", "runs"])
+            self.assertEqual([one["format"] for one in reports], ["URDF", "scenario"])
+            self.assertIn("loses.urdf:13: warning: plug-in 'libfoo.so' is not used by coopdyn\n", done.stderr.decode())
+            self.assertEqual(run("check", "--json", "--digests", "classroom").returncode, 2)
+
+    def test_a_picture_of_a_model_shows_its_joints(self):
+        with tempfile.TemporaryDirectory() as folder:
+            fixed = self.MODEL.replace('type="prismatic"', 'type="fixed"').replace('type="continuous"', 'type="fixed"')
+            pictures = []
+            for name, text in (("a", self.MODEL), ("b", re.sub("<mimic[^>]*>", "", fixed))):
+                (Path(folder) / f"{name}.urdf").write_text(text)
+                done = run("check", f"{name}.urdf", "--picture", f"{name}.png", cwd=folder)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                pictures.append((Path(folder) / f"{name}.png").read_bytes())
+            self.assertNotEqual(*pictures)
+
+    def test_a_world_of_the_search_path_has_its_page_by_its_bare_name(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "lab.sdf").write_text('<sdf version="1.9"><world name="lab"><wind/></world></sdf>')
+            done = run("check", "lab", "--scenarios", folder)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn("there is no wind here", done.stdout.decode())
+            self.assertIn(f"coopdyn serve lab --scenarios {folder}", done.stdout.decode())
+
+    def test_ten_thousand_joints_are_a_page(self):
+        with tempfile.TemporaryDirectory() as folder:
+            box = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>'
+            parts = [f'<link name="l{i}">{box}</link>' for i in range(10_001)]
+            parts += [f'<joint name="j{i}" type="continuous"><parent link="l0"/><child link="l{i}"/><axis xyz="0 0 1"/></joint>'
+                      for i in range(1, 10_001)]
+            (Path(folder) / "a.urdf").write_text(f'<robot name="a">{"".join(parts)}</robot>')
+            done = run("check", "a.urdf", cwd=folder)
+            self.assertLessEqual(len(done.stdout.decode().splitlines()), 50)
+            self.assertEqual(done.returncode, 1)  # a model has at most 300 links
 
 
 if __name__ == "__main__":

@@ -15,6 +15,25 @@ TEST(Diagnostics, PrintFileLineAndLevel) {
   EXPECT_EQ(diagnostics.ToString(), "a.world:3: error: no such word\nb.scenario: warning: odd\n");
 }
 
+TEST(Diagnostics, WhatIsMendedNotedOrLeftOutIsPrintedAsAWarningAndKeepsItsLevel) {
+  Diagnostics diagnostics;
+  diagnostics.Mended({"a", 1}, "no mass: 10 g");
+  diagnostics.Note({"a", 2}, "it is not drawn");
+  diagnostics.LeftOut({"a", 3}, "<kp> in <link>", 3);
+  Diagnostics all;
+  all.Append(diagnostics);
+  EXPECT_EQ(all.ToString(),
+            "a:1: warning: no mass: 10 g\na:2: warning: it is not drawn\n"
+            "a:3: warning: <kp> in <link> is not used by coopdyn (also 2 more times)\n");
+  EXPECT_EQ(all.warnings(), 3);
+  ASSERT_EQ(all.all().size(), 3u);
+  EXPECT_EQ(all.all()[0].level, Diagnostic::Level::kMended);
+  EXPECT_EQ(all.all()[1].level, Diagnostic::Level::kNote);
+  EXPECT_EQ(all.all()[2].level, Diagnostic::Level::kWarning);
+  EXPECT_EQ(all.all()[2].what, "<kp> in <link>");
+  EXPECT_EQ(all.all()[2].count, 3);
+}
+
 TEST(Diagnostics, WarningsAreNoErrors) {
   Diagnostics diagnostics;
   diagnostics.Warning({"a", 1}, "odd");

@@ -192,6 +192,21 @@ TEST(ForeignModelTest, APoseModuleIsThereWithoutOurElements) {
   EXPECT_EQ(robot->modules()[0].name, "pose");
 }
 
+TEST(ForeignModelTest, WhatIsSoAnywayIsNoWarning) {
+  const auto read = [](const std::string& in_link, const std::string& in_model) {
+    std::string link = SdfLink("base", "0 0 0.1 0 0 0", kSdfBox);
+    link.insert(link.find("</link>"), in_link);
+    return ReadSdf(link + in_model).messages;
+  };
+  const std::string as_here =
+      read("<gravity>true</gravity><kinematic>0</kinematic>", "<self_collide>0</self_collide>");
+  EXPECT_THAT(as_here, Not(HasSubstr("is not used")));
+  const std::string other =
+      read("<gravity>0</gravity><kinematic>1</kinematic>", "<self_collide>1</self_collide>");
+  for (const char* name : {"gravity", "kinematic", "self_collide"})
+    EXPECT_THAT(other, HasSubstr("<" + std::string(name) + ">"));
+}
+
 TEST(ForeignModelTest, WhatIsNotUsedIsAWarningWithItsLine) {
   const auto [robot, messages] = ReadSdf(SdfLink("base", "0 0 0.1 0 0 0", kSdfBox) +
                                          "<plugin filename=\"libfoo.so\" name=\"foo\"/>\n<banana/>\n");

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+// A check's report as a page of text.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string_view>
+
+#include "server/app/check_report.h"
+#include "server/app/model_text.h"
+#include "server/base/printable.h"
+#include "server/model/values.h"
+
+namespace coopdyn {
+
+namespace {
+
+/// What fits, printable.
+std::string Cut(const std::string& text, std::size_t most) {
+  std::string cut = Printable(text);
+  if (cut.size() <= most) return cut;
+  while (most > 0 && (static_cast<unsigned char>(cut[most]) & 0xc0) == 0x80) --most;
+  cut.resize(most);
+  return cut + " …";
+}
+
+class PageText {
+ public:
+  explicit PageText(bool verbose) : verbose_(verbose) {}
+
+  void Line(std::string_view indent, const std::string& text) {
+    constexpr std::size_t kWidest = 190;
+    text_ += std::string(indent) + (verbose_ ? Printable(text) : Cut(text, kWidest)) + '\n';
+  }
+
+  /// A title and at most `most` of the lines that `line(i)` gives.
+  template <typename Make>
+  void List(std::size_t count, std::size_t most, const std::string& title, Make line) {
+    if (count == 0) return;
+    Line("", title);
+    const std::size_t shown = verbose_ || count <= most + 1 ? count : most;
+    for (std::size_t i = 0; i < shown; ++i) Line("  ", line(i));
+    if (shown < count) Line("  ", "and " + std::to_string(count - shown) + " more: --verbose shows them");
+  }
+
+  void Program(const std::string& title, const std::string& lines) {
+    Line("", title);
+    for (std::size_t at = 0; at < lines.size();) {
+      const std::size_t end = lines.find('\n', at);
+      text_ += "  " + Printable(lines.substr(at, end - at)) + '\n';
+      at = end + 1;
+    }
+  }
+
+  std::string text() const { return text_; }
+
+ private:
+  const bool verbose_;
+  std::string text_;
+};
+
+std::string FindingText(const Finding& one, const std::string& file) {
+  const std::filesystem::path from = one.where.file;
+  const std::string short_name = (from.parent_path().filename() / from.filename()).string();
+  std::string text = one.where.file == file ? "" : Cut(short_name, 60) + " ";
+  if (one.where.line > 0) text += "line " + std::to_string(one.where.line);
+  if (!text.empty()) text += ": ";
+  constexpr std::size_t kLongest = 120, kLongestAlone = 150;
+  text += Cut(one.what, one.why.empty() ? kLongestAlone : kLongest);
+  if (one.count > 1) text += " (" + std::to_string(one.count) + " times)";
+  return one.why.empty() ? text : text + ": " + one.why;
+}
+
+void AddModel(const RobotModel& model, PageText& page) {
+  const std::size_t joints = model.joints.size();
+  std::size_t motors = 0;
+  for (std::size_t j = 0; j < joints; ++j) motors += HasMotor(model, j) ? 1u : 0u;
+  const Vector3 size = SizeOf(model);
+  const auto rounded = [](double value) { return FormatNumber(std::round(value * 1e3) / 1e3); };
+  page.Line("  ", "size " + rounded(size.x()) + " x " + rounded(size.y()) + " x " + rounded(size.z()) +
+                      " m; " + (model.drive() != nullptr ? std::string("a drive; ") : "") +
+                      std::to_string(motors) + " of " + CountOf(joints, "joint") +
+                      (motors == 1 ? " has a motor" : " have motors"));
+  const std::vector<ModuleModel> modules = model.modules();
+  page.List(joints, 6, "Joints:", [&](std::size_t i) { return JointText(model, i); });
+  page.List(modules.size(), 6, "Modules:", [&](std::size_t i) { return ModuleText(model, modules[i]); });
+}
+
+}  // namespace
+
+std::string PageOf(const CheckReport& report, bool verbose) {
+  PageText page(verbose);
+  std::string head = report.file + ": " + ToString(report.verdict);
+  if (!report.errors.empty()) head += ", because of what is wrong";
+  page.Line("", head);
+  page.Line("  ", report.format + (report.name.empty() ? "" : " '" + report.name + "'") +
+                      (report.lines.empty() ? "" : ": " + report.lines.front()));
+  if (report.model != nullptr) AddModel(*report.model, page);
+  page.List(report.robots.size(), 6, "Robots:", [&](std::size_t i) { return report.robots[i]; });
+  const auto add = [&](const std::vector<Finding>& all, std::size_t most, const std::string& title) {
+    page.List(all.size(), most, title, [&](std::size_t i) { return FindingText(all[i], report.file); });
+  };
+  add(report.errors, 8, "Wrong:");
+  add(report.left_out, 5, "Left out, and it matters:");
+  add(report.mended, 4, "Mended:");
+  add(report.harmless, verbose ? 1 : 2, "Left out, without harm:");
+  const std::string search = "Not found (coopdyn check --search FOLDER FILE looks through a folder for it):";
+  page.List(report.missing.size(), 3, search, [&](std::size_t i) {
+    const MissingPart& part = report.missing[i];
+    return part.what + (part.count > 1 ? ", " + CountOf(static_cast<std::size_t>(part.count), "file") : "") +
+           (part.collides ? "" : ", only drawn") + ": " + part.bring;
+  });
+  if (report.drive) {
+    page.Program("Serve it:", report.drive->serve);
+    page.Program("Python, with clients/python on PYTHONPATH:", report.drive->python);
+    page.Program("MATLAB, with clients/matlab on its path:", report.drive->matlab);
+    page.Program("YARP:", report.drive->yarp);
+  }
+  return page.text();
+}
+
+}  // namespace coopdyn

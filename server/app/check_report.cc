@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: MIT
+#include "server/app/check_report.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <map>
+#include <utility>
+
+#include "server/app/left_out.h"
+#include "server/base/words.h"
+#include "server/model/experiment.h"
+#include "server/model/missing_files.h"
+#include "server/model/model_source.h"
+#include "server/model/resources.h"
+#include "server/model/text_file.h"
+#include "server/model/values.h"
+
+namespace coopdyn {
+
+namespace {
+
+/// What the file says of itself.
+struct Origin {
+  std::string format = "scenario", name;
+  bool has_page = false;
+  bool is_own = true;  // made for coopdyn
+};
+
+Origin OriginOf(const std::string& file) {
+  Origin origin;
+  const std::string extension = ToLower(std::filesystem::path(file).extension().string());
+  if (extension == ".xacro") return {"xacro", "", true, false};
+  Diagnostics ignored;
+  const auto text = IsPipe(file) ? std::nullopt : ReadTextFile(file, {file, 0}, ignored);
+  if (!text || !Trim(*text).starts_with('<')) {
+    if (extension == ".world") origin.format = "world";
+    return extension == ".urdf" ? Origin{"URDF", "", true, false} : origin;
+  }
+  if (IsExperiment(*text, file)) return {"experiment", "", false, true};
+  const auto root = ParseXml(*text, file, ignored);
+  if (!root) return {extension == ".urdf" ? "URDF" : "SDF", "", true, false};
+  if (root->name == "robot") return {"URDF", root->Attribute("name"), true, false};
+  const XmlNode* world = root->Child("world");
+  const XmlNode* named = world == nullptr ? root->Child("model") : world;
+  return {"SDF " + root->Attribute("version"), named == nullptr ? "" : named->Attribute("name"), true,
+          HasOwnElements(*root)};
+}
+
+/// `text` without names and numbers: what is alike has the same.
+std::string ShapeOf(const std::string& text) {
+  std::string shape;
+  bool quoted = false;
+  for (const char c : text) {
+    if (c == '\'') quoted = !quoted;
+    if (!quoted && std::isdigit(static_cast<unsigned char>(c)) == 0 && c != '.' && c != '-') shape += c;
+  }
+  return shape;
+}
+
+/// Joins what is alike: the same thing left out, or what differs in names and numbers alone.
+class Findings {
+ public:
+  explicit Findings(std::vector<Finding>& all) : all_(all) {}
+  void Add(const Diagnostic& one, std::string what, std::string why) {
+    const auto [place, is_new] =
+        places_.emplace((one.what.empty() ? ShapeOf(what) : what) + why, all_.size());
+    if (is_new) {
+      all_.push_back({one.where, std::move(what), std::move(why), one.count});
+    } else {
+      all_[place->second].count += one.count;
+    }
+  }
+
+ private:
+  std::vector<Finding>& all_;
+  std::map<std::string, std::size_t> places_;
+};
+
+/// What `uri` belongs to, and how that is brought here.
+MissingPart PartOf(const std::string& uri) {
+  if (uri.starts_with("http")) return {uri, 1, "gz fuel download -u " + ShellWord(uri)};
+  const std::size_t begin = uri.find("//") + 2;
+  const std::string part = uri.substr(begin, uri.find('/', begin) - begin);
+  if (uri.starts_with("package://")) {
+    std::string debian = ToLower(part);
+    std::ranges::replace(debian, '_', '-');
+    const bool is_name = ShellWord(debian) == debian;
+    return {"package " + part, 1,
+            is_name ? "sudo apt install ros-$ROS_DISTRO-" + debian : "get that package"};
+  }
+  if (uri.starts_with("model://"))
+    return {"model " + part, 1, "git clone https://github.com/osrf/gazebo_models (if it is one of Gazebo's)"};
+  return {uri, 1, "copy it to where the model names it"};
+}
+
+bool Names(const Diagnostic& one, const std::string& uri) {
+  return one.text.find("'" + uri + "'") != std::string::npos;
+}
+
+std::vector<MissingPart> MissingOf(const std::vector<std::string>& uris, const Diagnostics& diagnostics) {
+  std::vector<MissingPart> parts;
+  for (const std::string& uri : uris) {
+    // Nobody looks for the scripts of materials.
+    if (std::ranges::none_of(diagnostics.all(), [&](const Diagnostic& one) { return Names(one, uri); }))
+      continue;
+    MissingPart part = PartOf(uri);
+    part.collides = std::ranges::any_of(diagnostics.all(), [&](const Diagnostic& one) {
+      return one.level != Diagnostic::Level::kNote && Names(one, uri);
+    });
+    const auto same = std::ranges::find(parts, part.what, &MissingPart::what);
+    if (same == parts.end()) {
+      parts.push_back(std::move(part));
+    } else {
+      ++same->count;
+      same->collides = same->collides || part.collides;
+    }
+  }
+  return parts;
+}
+
+/// In a world nobody knows whose plug-in it is: that of a robot that has what stands for it.
+Consequence ConsequenceIn(const Diagnostic& warning, const Checked& checked) {
+  Consequence of_none = ConsequenceOf(warning, checked.model.get());
+  if (checked.model != nullptr || checked.frame == nullptr) return of_none;
+  const RobotModel* last = nullptr;
+  for (const SceneRobot& robot : checked.frame->scene->robots) {
+    const RobotModel* const model = robot.entry.model.get();
+    if (std::exchange(last, model) == model) continue;
+    if (Consequence consequence = ConsequenceOf(warning, model); !consequence.matters) return consequence;
+  }
+  return of_none;
+}
+
+/// The robot that is driven first: its index in `frame`; -1 if none has sockets.
+int FirstRobot(const Frame& frame) {
+  const std::vector<SceneRobot>& robots = frame.scene->robots;
+  int found = -1;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (!robots[i].entry.sockets) continue;
+    if (robots[i].entry.model->has_actuators()) return static_cast<int>(i);
+    if (found < 0) found = static_cast<int>(i);
+  }
+  return found;
+}
+
+DriveLines DriveOf(const std::string& file, const std::string& options, const Checked& checked) {
+  if (checked.model != nullptr) return DriveLinesFor(file, options, "robot1", checked.model.get());
+  const int robot = FirstRobot(*checked.frame);
+  if (robot < 0) return DriveLinesFor(file, options, "", nullptr);
+  const RobotEntry& entry = checked.frame->scene->robots[static_cast<std::size_t>(robot)].entry;
+  return DriveLinesFor(file, options, entry.name, entry.model.get());
+}
+
+}  // namespace
+
+const char* ToString(CheckVerdict verdict) {
+  if (verdict == CheckVerdict::kRuns) return "runs";
+  return verdict == CheckVerdict::kRunsWithLosses ? "runs with losses" : "will not run";
+}
+
+CheckReport MakeReport(const std::string& file, const Checked& checked, const Diagnostics& diagnostics,
+                       const SearchPath& path, const std::string& options) {
+  // A bare name was found on the search path.
+  const bool is_scenario = checked.frame != nullptr && checked.model == nullptr;
+  const std::string found = is_scenario ? checked.frame->scene->scenario->file : file;
+  const Origin origin = OriginOf(found);
+  CheckReport report;
+  report.file = file;
+  report.format = origin.format;
+  report.name = origin.name;
+  report.has_page = origin.has_page;
+  report.lines = checked.lines;
+  report.model = checked.model;
+  if (checked.frame != nullptr && report.name.empty())
+    report.name = report.model != nullptr ? report.model->type : checked.frame->scene->scenario->name;
+  std::vector<std::string> uris;
+  if (origin.has_page && !diagnostics.all().empty()) uris = MissingUris(found, path);
+  report.missing = MissingOf(uris, diagnostics);
+
+  bool loses = false;
+  Findings errors(report.errors), mended(report.mended), left_out(report.left_out), harmless(report.harmless);
+  for (const Diagnostic& one : diagnostics.all()) {
+    const bool is_missing =
+        std::ranges::any_of(uris, [&](const std::string& uri) { return Names(one, uri); });
+    const Consequence consequence =
+        one.level == Diagnostic::Level::kWarning ? ConsequenceIn(one, checked) : Consequence{};
+    const std::string& what = one.what.empty() ? one.text : one.what;
+    if (one.level == Diagnostic::Level::kError) {
+      errors.Add(one, one.text, "");
+    } else if (one.level == Diagnostic::Level::kMended) {
+      mended.Add(one, one.text, "");
+    } else if (one.level == Diagnostic::Level::kNote || !consequence.matters) {
+      if (!is_missing) harmless.Add(one, what, consequence.why);
+    } else {
+      loses = true;
+      if (is_missing) {
+        const std::size_t until = one.text.find("until then ");
+        left_out.Add(one, "a mesh that is not found",
+                     until == std::string::npos ? "" : one.text.substr(until));
+      } else {
+        left_out.Add(one, what, consequence.why);
+      }
+    }
+  }
+  const std::size_t said =
+      static_cast<std::size_t>(diagnostics.errors()) + static_cast<std::size_t>(diagnostics.warnings());
+  if (said > diagnostics.all().size() && !diagnostics.has_errors()) {
+    loses = true;
+    report.left_out.push_back(
+        {{file, 0},
+         std::to_string(said - diagnostics.all().size()) + " warnings more, which are not kept",
+         "",
+         1});
+  }
+  if (diagnostics.has_errors() || checked.frame == nullptr) {
+    report.verdict = CheckVerdict::kWillNotRun;
+    return report;
+  }
+  if (loses && !origin.is_own) report.verdict = CheckVerdict::kRunsWithLosses;
+  if (!origin.has_page) return report;
+  if (report.model == nullptr) {
+    for (const SceneRobot& robot : checked.frame->scene->robots) report.robots.push_back(robot.entry.name);
+  }
+  report.drive = DriveOf(file, options, checked);
+  return report;
+}
+
+}  // namespace coopdyn
