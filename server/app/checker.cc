@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -86,6 +87,15 @@ std::vector<std::string> DescribeModel(const RobotModel& model) {
       (model.fixed_base ? "fixed to the world, moving mass " : "mass ") + number(mass_kg) +
       " kg, footprint radius " + number(model.footprint_radius_m) + " m, height " + number(model.height_m) +
       " m"};
+  for (const LinkModel& link : model.links) {
+    std::map<int, std::size_t> parts;  // by the mesh's place among the collisions
+    for (const LinkShape& shape : link.collisions) {
+      if (shape.piece_of >= 0) ++parts.try_emplace(shape.piece_of, 1).first->second;
+    }
+    for (const auto& [collision, count] : parts)
+      lines.push_back("  link " + link.name + ": its mesh collides as " + std::to_string(count) +
+                      " convex parts");
+  }
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     const JointModel& joint = model.joints[j];
     std::string text = "  joint " + joint.name + ": " + ToString(joint.kind);

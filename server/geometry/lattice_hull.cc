@@ -2,6 +2,7 @@
 #include "server/geometry/lattice_hull.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace coopdyn {
 
@@ -73,6 +74,18 @@ std::vector<LatticePoint> LatticeHull::Corners() const {
     if (used[i]) corners.push_back(points_[i]);
   }
   return corners;
+}
+
+double LatticeHull::Outside(const LatticePoint& p) const {
+  double outside = 0;
+  for (const Face& face : faces_) {
+    const std::int64_t height = face.Height(p);
+    if (height <= 0) continue;
+    double squares = 0;
+    for (const std::int64_t x : face.n) squares += static_cast<double>(x) * static_cast<double>(x);
+    outside = std::max(outside, static_cast<double>(height) / std::sqrt(squares));
+  }
+  return outside;
 }
 
 // A. M. Andrew (1979), "Another efficient algorithm for convex hulls in two dimensions".

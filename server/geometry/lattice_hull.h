@@ -27,6 +27,8 @@ class LatticeHull {
   /// Six times its volume.
   std::int64_t volume6() const { return volume6_; }
   std::vector<LatticePoint> Corners() const;
+  /// How far `p` is outside, by the planes of the faces; 0 if it is not.
+  double Outside(const LatticePoint& p) const;
 
  private:
   struct Face {

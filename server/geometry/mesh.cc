@@ -54,11 +54,12 @@ void SortTriangles(MeshData& mesh, std::uint32_t first, std::uint32_t count) {
 }
 
 /// The points that lie furthest in evenly spread directions, each once, in their order.
-std::vector<Vector3> Furthest(std::span<const Vector3> points, int directions) {
+std::vector<Vector3> Furthest(std::span<const Vector3> points) {
+  constexpr int kDirections = 300;
   std::set<std::size_t> chosen;
   const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
-  for (int i = 0; i < directions; ++i) {
-    const double z = 1 - 2 * (i + 0.5) / directions, r = std::sqrt(1 - z * z);
+  for (int i = 0; i < kDirections; ++i) {
+    const double z = 1 - 2 * (i + 0.5) / kDirections, r = std::sqrt(1 - z * z);
     const Vector3 direction(r * portable::Cos(golden * i), r * portable::Sin(golden * i), z);
     std::size_t best = 0;
     double furthest = points[0].dot(direction);
@@ -181,9 +182,9 @@ MeshData MakeMesh(std::vector<Vector3> vertices, std::vector<MeshData::Triangle>
   return mesh;
 }
 
-std::optional<MeshData> ConvexHull(std::span<const Vector3> points, Vector3& middle, int directions) {
+std::optional<MeshData> ConvexHull(std::span<const Vector3> points, Vector3& middle) {
   if (points.size() < 4) return std::nullopt;
-  const std::vector<Vector3> chosen = Furthest(points, directions);
+  const std::vector<Vector3> chosen = Furthest(points);
   HullBuilder hull(chosen);
   if (!hull.Build()) return std::nullopt;
   // Only the vertices that a face uses.

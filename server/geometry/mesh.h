@@ -50,9 +50,9 @@ struct MeshData {
 /// @pre indices are good, all finite, at least one triangle
 MeshData MakeMesh(std::vector<Vector3> vertices, std::vector<MeshData::Triangle> triangles, Vector3& middle);
 
-/// The convex hull of the points, closely: of those that lie furthest in so many directions. Nothing if they
+/// The convex hull of the points, closely: of those that lie furthest in some 300 directions. Nothing if they
 /// lie in a plane. `middle` as above.
-std::optional<MeshData> ConvexHull(std::span<const Vector3> points, Vector3& middle, int directions = 300);
+std::optional<MeshData> ConvexHull(std::span<const Vector3> points, Vector3& middle);
 
 /// Distance along `ray` (in the mesh's frame) to the nearest triangle from either side, m; kNoHit if it
 /// misses.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -32,16 +33,74 @@ void Clip(Eigen::Index axis, double sign, double limit, std::vector<Vector3>& po
   std::swap(polygon, scratch);
 }
 
-std::optional<std::vector<Vector3>> FewCorners(const std::vector<Vector3>& points) {
-  // More would cost each step of physics: it looks at all corners of two parts that are near.
-  constexpr int kDirections = 60;
+/// Of the corners of a hull few whose own hull leaves none out by more than `tolerance_m`: one that is
+/// furthest out is taken, again and again.
+class FewCorners {
+ public:
+  FewCorners(const std::vector<Vector3>& corners, double side_m) : corners_(corners) {
+    Vector3 low = corners.front();
+    for (const Vector3& corner : corners) low = low.cwiseMin(corner);
+    per_m_ = static_cast<double>(kLatticeSide) / side_m;
+    for (const Vector3& corner : corners) {
+      LatticePoint& point = points_.emplace_back();
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto i = static_cast<Eigen::Index>(axis);
+        point[axis] = std::min<std::int64_t>(std::llround((corner[i] - low[i]) * per_m_), kLatticeSide);
+      }
+    }
+  }
+
+  /// All of them if they are flat for the lattice.
+  std::vector<Vector3> Choose(double tolerance_m) {
+    // More would cost each step of physics: it looks at all corners of two parts that are near.
+    constexpr std::size_t kMost = 60;
+    const Vector3& a = corners_[0];
+    const std::size_t b = Furthest([&](std::size_t i) { return (corners_[i] - a).norm(); });
+    const Vector3 along = corners_[b] - a;
+    const std::size_t c = Furthest([&](std::size_t i) { return along.cross(corners_[i] - a).norm(); });
+    const Vector3 normal = along.cross(corners_[c] - a);
+    const std::size_t d = Furthest([&](std::size_t i) { return std::abs(normal.dot(corners_[i] - a)); });
+    LatticeHull hull(points_[0], points_[b], points_[c], points_[d]);
+    if (hull.volume6() == 0) return corners_;
+    std::vector<Vector3> chosen = {a, corners_[b], corners_[c], corners_[d]};
+    while (chosen.size() < kMost) {
+      const std::size_t next = Furthest([&](std::size_t i) { return hull.Outside(points_[i]); });
+      if (hull.Outside(points_[next]) <= tolerance_m * per_m_) break;
+      hull.Include(points_[next]);
+      chosen.push_back(corners_[next]);
+    }
+    return chosen;
+  }
+
+ private:
+  template <typename Measure>
+  std::size_t Furthest(Measure measure) const {
+    std::size_t best = 0;
+    double most = measure(0);
+    for (std::size_t i = 1; i < corners_.size(); ++i) {
+      const double far = measure(i);
+      if (far > most) best = i, most = far;
+    }
+    return best;
+  }
+
+  const std::vector<Vector3>& corners_;
+  double per_m_ = 1;
+  std::vector<LatticePoint> points_;
+};
+
+/// Nothing if the points are flat.
+std::optional<std::vector<Vector3>> CornersOf(const std::vector<Vector3>& points, double side_m) {
+  constexpr double kOfMesh = 1.0 / 250, kOfThickness = 1.0 / 20;
   Vector3 middle = Vector3::Zero();
-  auto hull = ConvexHull(points, middle, kDirections);
+  auto hull = ConvexHull(points, middle);
   if (!hull) return std::nullopt;
   for (Vector3& v : hull->vertices) v += middle;
+  const double tolerance_m = std::min(kOfMesh * side_m, kOfThickness * 2 * hull->half_m.minCoeff());
+  std::vector<Vector3> few = FewCorners(hull->vertices, side_m).Choose(tolerance_m);
   // What is made of these must be a solid, too.
-  if (!ConvexHull(hull->vertices, middle)) return std::nullopt;
-  return std::move(hull->vertices);
+  if (!ConvexHull(few, middle)) return std::nullopt;
+  return few;
 }
 
 }  // namespace
@@ -69,11 +128,12 @@ std::vector<Vector3> SurfaceClip::CornersIn(std::span<const CellBox> boxes) cons
   std::vector<Vector3> points;
   Vector3 behind = Vector3::Zero();
   for (const CellBox& box : boxes) AddPoints(box, points, behind);
-  if (auto corners = FewCorners(points)) return *corners;
+  const double side_m = grid_.unit_m() * static_cast<double>(kLatticeSide);
+  if (auto corners = CornersOf(points, side_m)) return *corners;
   if (!(behind.norm() > 0)) return {};
   behind *= kThin_m / behind.norm();
   for (std::size_t i = 0, count = points.size(); i < count; ++i) points.push_back(points[i] + behind);
-  return FewCorners(points).value_or(std::vector<Vector3>());
+  return CornersOf(points, side_m).value_or(std::vector<Vector3>());
 }
 
 // Triangles are moved behind themselves, and the box is a little smaller than its cells, so that a surface in
