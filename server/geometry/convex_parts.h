@@ -9,7 +9,7 @@
 
 namespace coopdyn {
 
-inline constexpr int kMostParts = 16;
+inline constexpr int kMostConvexParts = 16;
 /// Of the volume of a solid's hull: with less around the solid it counts as convex.
 inline constexpr double kConcave = 0.1;
 
@@ -22,6 +22,6 @@ inline constexpr double kConcave = 0.1;
 /// @pre good indices, finite vertices
 std::vector<std::vector<Vector3>> ConvexParts(std::span<const Vector3> vertices,
                                               std::span<const MeshData::Triangle> triangles,
-                                              int most = kMostParts);
+                                              int most = kMostConvexParts);
 
 }  // namespace coopdyn

@@ -84,7 +84,7 @@ class MeshLoader {
     } else if (word == "convex_decomposition") {
       const XmlNode* how = mesh.Child("convex_decomposition");
       const std::string most = how == nullptr ? "" : how->TextOf("max_convex_hulls");
-      const auto count = most.empty() ? std::optional(double{kMostParts}) : ParsePlain(most);
+      const auto count = most.empty() ? std::optional(double{kMostConvexParts}) : ParsePlain(most);
       if (count && *count >= 1 && *count == std::floor(*count)) {
         mesh.Set(kPartsAttribute, FormatNumber(std::min(*count, double{kMostWantedParts})));
       } else {

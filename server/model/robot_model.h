@@ -37,7 +37,7 @@ struct LinkShape {
   /// Torque against rolling (where it is round) and against spinning about the normal, N m per N of load.
   double rolling_friction_m = 0, spinning_friction_m = 0;
   /// Collisions that are meshes: as how many convex parts it collides at most if it moves.
-  int most_parts = kMostParts;
+  int most_parts = kMostConvexParts;
   /// Collisions: of a mesh that collides as several parts, all but the first: index of the first.
   int piece_of = -1;
 };

@@ -107,9 +107,9 @@ class LinkReader {
 
   int MostParts(const sdf::Element& mesh) {
     const sdf::ParamPtr given = mesh.GetAttribute(kPartsAttribute);
-    if (given == nullptr) return kMostParts;
+    if (given == nullptr) return kMostConvexParts;
     const auto count = ParsePlain(given->GetAsString());
-    return count ? static_cast<int>(std::clamp(*count, 1.0, double{kMostWantedParts})) : kMostParts;
+    return count ? static_cast<int>(std::clamp(*count, 1.0, double{kMostWantedParts})) : kMostConvexParts;
   }
 
   void ReadVisuals(const sdf::Link& link, const tinyxml2::XMLElement* xml_link, LinkModel& out) {

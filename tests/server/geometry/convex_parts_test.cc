@@ -33,7 +33,7 @@ struct PlacedHull {
   }
 };
 
-std::vector<PlacedHull> PartsOf(const Triangles& of, int most = kMostParts) {
+std::vector<PlacedHull> PartsOf(const Triangles& of, int most = kMostConvexParts) {
   std::vector<PlacedHull> made;
   for (const auto& corners : ConvexParts(of.vertices, of.triangles, most)) {
     PlacedHull part;

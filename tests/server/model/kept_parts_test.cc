@@ -30,40 +30,40 @@ std::filesystem::path OnlyFile(const TempFolder& folder) {
 TEST(KeptPartsTest, TheyAreThoseOfTheMesh) {
   const TempFolder folder;
   const MeshData cup = CupMesh();
-  const PartCorners made = KeptConvexParts(cup, kMostParts, {});
+  const PartCorners made = KeptConvexParts(cup, kMostConvexParts, {});
   EXPECT_GT(made.size(), 4u);
-  EXPECT_EQ(KeptConvexParts(cup, kMostParts, folder.path()), made);
+  EXPECT_EQ(KeptConvexParts(cup, kMostConvexParts, folder.path()), made);
   OnlyFile(folder);
-  EXPECT_EQ(KeptConvexParts(cup, kMostParts, folder.path()), made);
+  EXPECT_EQ(KeptConvexParts(cup, kMostConvexParts, folder.path()), made);
 }
 
 TEST(KeptPartsTest, WhatIsKeptIsNotComputedAgain) {
   const TempFolder folder;
   const MeshData cup = CupMesh();
-  PartCorners made = KeptConvexParts(cup, kMostParts, folder.path());
+  PartCorners made = KeptConvexParts(cup, kMostConvexParts, folder.path());
   made.pop_back();
-  const std::string fewer = PartsToBytes(made, cup, kMostParts);
+  const std::string fewer = PartsToBytes(made, cup, kMostConvexParts);
   std::ofstream(OnlyFile(folder), std::ios::binary) << fewer;
-  EXPECT_EQ(KeptConvexParts(cup, kMostParts, folder.path()), made);
+  EXPECT_EQ(KeptConvexParts(cup, kMostConvexParts, folder.path()), made);
 }
 
 TEST(KeptPartsTest, AnotherNumberOfPartsIsAnotherFile) {
   const TempFolder folder;
   const MeshData cup = CupMesh();
-  const PartCorners many = KeptConvexParts(cup, kMostParts, folder.path());
+  const PartCorners many = KeptConvexParts(cup, kMostConvexParts, folder.path());
   EXPECT_LE(KeptConvexParts(cup, 4, folder.path()).size(), 4u);
-  EXPECT_EQ(KeptConvexParts(cup, kMostParts, folder.path()), many);
+  EXPECT_EQ(KeptConvexParts(cup, kMostConvexParts, folder.path()), many);
 }
 
 TEST(KeptPartsTest, ADamagedFileIsMadeAgain) {
   const TempFolder folder;
   const MeshData cup = CupMesh();
-  const PartCorners made = KeptConvexParts(cup, kMostParts, folder.path());
+  const PartCorners made = KeptConvexParts(cup, kMostConvexParts, folder.path());
   const std::filesystem::path file = OnlyFile(folder);
-  const std::string good = PartsToBytes(made, cup, kMostParts);
+  const std::string good = PartsToBytes(made, cup, kMostConvexParts);
   for (std::string bad : {std::string(), good.substr(0, 100), good + "x", std::string(2 << 20, 'a')}) {
     std::ofstream(file, std::ios::binary) << bad;
-    EXPECT_EQ(KeptConvexParts(cup, kMostParts, folder.path()), made);
+    EXPECT_EQ(KeptConvexParts(cup, kMostConvexParts, folder.path()), made);
     std::ifstream stream(file, std::ios::binary);
     EXPECT_EQ(std::string(std::istreambuf_iterator<char>(stream), {}), good);
   }
@@ -71,16 +71,16 @@ TEST(KeptPartsTest, ADamagedFileIsMadeAgain) {
 
 TEST(KeptPartsTest, HostileBytesAreRefused) {
   const MeshData cup = CupMesh();
-  const PartCorners made = KeptConvexParts(cup, kMostParts, {});
-  const std::string good = PartsToBytes(made, cup, kMostParts);
-  ASSERT_EQ(PartsFromBytes(good, cup, kMostParts), made);
+  const PartCorners made = KeptConvexParts(cup, kMostConvexParts, {});
+  const std::string good = PartsToBytes(made, cup, kMostConvexParts);
+  ASSERT_EQ(PartsFromBytes(good, cup, kMostConvexParts), made);
   for (std::size_t i = 0; i < good.size(); i += 97) {
     std::string bad = good;
     bad[i] = static_cast<char>(bad[i] ^ 1);
-    EXPECT_FALSE(PartsFromBytes(bad, cup, kMostParts)) << i;
+    EXPECT_FALSE(PartsFromBytes(bad, cup, kMostConvexParts)) << i;
   }
   const auto refused = [&](const PartCorners& parts) {
-    return !PartsFromBytes(PartsToBytes(parts, cup, kMostParts), cup, kMostParts);
+    return !PartsFromBytes(PartsToBytes(parts, cup, kMostConvexParts), cup, kMostConvexParts);
   };
   EXPECT_TRUE(refused({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}));  // outside the mesh
   EXPECT_TRUE(refused({{{0, 0, 0}, {0.01, 0, 0}, {0, 0.01, 0}}}));       // no solid
@@ -88,7 +88,7 @@ TEST(KeptPartsTest, HostileBytesAreRefused) {
   EXPECT_TRUE(refused({std::vector<Vector3>(5, Vector3::Constant(0.0 / 0.0))}));
   Vector3 middle;
   const MeshData other = MakeMesh(Ring().vertices, Ring().triangles, middle);
-  EXPECT_FALSE(PartsFromBytes(good, other, kMostParts));
+  EXPECT_FALSE(PartsFromBytes(good, other, kMostConvexParts));
   EXPECT_FALSE(PartsFromBytes(good, cup, 8));
 }
 
@@ -96,7 +96,7 @@ TEST(KeptPartsTest, WithoutAFolderTheyAreComputed) {
   const TempFolder folder;
   const std::string file = folder.Write("file", "no folder");
   const MeshData cup = CupMesh();
-  EXPECT_GT(KeptConvexParts(cup, kMostParts, std::filesystem::path(file) / "below").size(), 4u);
+  EXPECT_GT(KeptConvexParts(cup, kMostConvexParts, std::filesystem::path(file) / "below").size(), 4u);
 }
 
 }  // namespace
