@@ -82,6 +82,8 @@ void AddModel(const RobotModel& model, PageText& page) {
                       (motors == 1 ? " has a motor" : " have motors"));
   const std::vector<ModuleModel> modules = model.modules();
   page.List(joints, 6, "Joints:", [&](std::size_t i) { return JointText(model, i); });
+  const std::vector<std::string> parts = PartTexts(model);
+  page.List(parts.size(), 3, "Concave meshes:", [&](std::size_t i) { return parts[i]; });
   page.List(modules.size(), 6, "Modules:", [&](std::size_t i) { return ModuleText(model, modules[i]); });
 }
 

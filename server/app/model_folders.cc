@@ -31,8 +31,15 @@ void AddModelFolders(SearchPath& path) {
   add_all("AMENT_PREFIX_PATH", "share");
   if (const char* cache = std::getenv("GZ_FUEL_CACHE_PATH"); cache != nullptr && *cache != '\0')
     path.fuel_folders.emplace_back(cache);
-  const char* home = std::getenv("HOME");
-  if (home == nullptr || *home == '\0') return;
+  const char *home = std::getenv("HOME"), *caches = std::getenv("XDG_CACHE_HOME");
+  const bool has_home = home != nullptr && *home != '\0';
+  // Relative ones do not count (XDG Base Directory Specification).
+  if (caches != nullptr && *caches == '/') {
+    path.parts_folder = fs::path(caches) / "coopdyn/parts";
+  } else if (has_home) {
+    path.parts_folder = fs::path(home) / ".cache/coopdyn/parts";
+  }
+  if (!has_home) return;
   add(fs::path(home) / ".gazebo/models");
   path.fuel_folders.push_back(fs::path(home) / ".gz/fuel");
   path.fuel_folders.push_back(fs::path(home) / ".ignition/fuel");

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
+#include <map>
 
 #include "server/model/sensor_text.h"
 #include "server/model/values.h"
@@ -65,6 +65,20 @@ std::string SummaryOf(const RobotModel& model) {
          (model.fixed_base ? "fixed to the world, moving mass " : "mass ") + Rounded4(MovingMass(model)) +
          " kg, footprint radius " + Rounded4(model.footprint_radius_m) + " m, height " +
          Rounded4(model.height_m) + " m";
+}
+
+std::vector<std::string> PartTexts(const RobotModel& model) {
+  std::vector<std::string> lines;
+  for (const LinkModel& link : model.links) {
+    std::map<int, std::size_t> parts;  // by the mesh's place among the collisions
+    for (const LinkShape& shape : link.collisions) {
+      if (shape.piece_of >= 0) ++parts.try_emplace(shape.piece_of, 1).first->second;
+    }
+    for (const auto& [collision, count] : parts)
+      lines.push_back("link " + link.name + ": its mesh collides as " + std::to_string(count) +
+                      " convex parts");
+  }
+  return lines;
 }
 
 std::string JointText(const RobotModel& model, std::size_t j) {

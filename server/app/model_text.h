@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "server/geometry/shape.h"
 #include "server/model/robot_model.h"
@@ -14,6 +15,8 @@ namespace coopdyn {
 std::string CountOf(std::size_t count, const std::string& noun);
 /// Counts, mass and size.
 std::string SummaryOf(const RobotModel& model);
+/// `link cup: its mesh collides as 7 convex parts`, one for each mesh that does.
+std::vector<std::string> PartTexts(const RobotModel& model);
 /// `joint elbow: hinge, from -1 to 1 rad, effort 3 N m, speed 1.5 rad/s`.
 std::string JointText(const RobotModel& model, std::size_t joint);
 /// `module arm (joints): shoulder, elbow`.

@@ -62,8 +62,10 @@ std::vector<Vector3> Furthest(std::span<const Vector3> points) {
     const double z = 1 - 2 * (i + 0.5) / kDirections, r = std::sqrt(1 - z * z);
     const Vector3 direction(r * portable::Cos(golden * i), r * portable::Sin(golden * i), z);
     std::size_t best = 0;
+    double furthest = points[0].dot(direction);
     for (std::size_t k = 1; k < points.size(); ++k) {
-      if (points[k].dot(direction) > points[best].dot(direction)) best = k;
+      const double far = points[k].dot(direction);
+      if (far > furthest) best = k, furthest = far;
     }
     chosen.insert(best);
   }

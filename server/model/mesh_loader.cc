@@ -8,8 +8,11 @@
 #include <utility>
 
 #include "server/files/reduce_mesh.h"
+#include "server/geometry/convex_parts.h"
 #include "server/model/image_file.h"
+#include "server/model/made_meshes.h"
 #include "server/model/model_source.h"
+#include "server/model/stand_in.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
@@ -32,7 +35,7 @@ class MeshLoader {
     if (node.name == "heightmap") return LoadOne(node, is_visual);
     const bool visual = is_visual || node.name == "visual";
     if (node.name == "visual") TakeTexture(node);
-    if (node.name == "link") TakeStandIn(node);
+    if (node.name == "link") stand_in_ = StandIn::Of(node);
     bool good = true;
     for (auto it = node.children.begin(); it != node.children.end();) {
       const bool fine = Load(*it, visual);
@@ -42,7 +45,7 @@ class MeshLoader {
         continue;
       }
       if (!fine && it->name == "collision" && is_missing_ && fills_gaps_) {
-        if (!PutStandIn(*it)) {
+        if (!stand_in_ || !stand_in_->PutInto(*it)) {
           it = node.children.erase(it);
           continue;
         }
@@ -63,12 +66,35 @@ class MeshLoader {
     is_missing_ = false;
     std::string key = mesh.name == "heightmap" ? HeightsKey(mesh, uri, found) : Key(mesh, uri, found);
     if (is_visual && !key.empty() && texture_ != nullptr) key = Dressed(key);
+    if (!key.empty()) ReadOptimization(mesh);
     if (!is_missing_ || said_.emplace(uri.text, is_visual).second) Say(found, is_visual);
     if (key.empty()) return false;
     uri.text = key;
     mesh.name = "mesh";
     std::erase_if(mesh.children, [](const XmlNode& one) { return one.name != "uri"; });
     return true;
+  }
+
+  /// SDF 1.11's words for how a mesh collides, as ours.
+  void ReadOptimization(XmlNode& mesh) {
+    const std::string word = mesh.Attribute("optimization");
+    mesh.Remove("optimization");
+    if (word == "convex_hull") {
+      mesh.Set(kPartsAttribute, "1");
+    } else if (word == "convex_decomposition") {
+      const XmlNode* how = mesh.Child("convex_decomposition");
+      const std::string most = how == nullptr ? "" : how->TextOf("max_convex_hulls");
+      const auto count = most.empty() ? std::optional(double{kMostConvexParts}) : ParsePlain(most);
+      if (count && *count >= 1 && *count == std::floor(*count)) {
+        mesh.Set(kPartsAttribute, FormatNumber(std::min(*count, double{kMostWantedParts})));
+      } else {
+        diagnostics_.Error(how->where, "<max_convex_hulls> is a whole number from 1 on, not '" + most + "'");
+      }
+    } else if (!word.empty()) {
+      diagnostics_.Warning(mesh.where, "optimization=\"" + word +
+                                           "\" of a <mesh> is not known: write convex_hull or "
+                                           "convex_decomposition");
+    }
   }
 
   void Say(const Diagnostics& found, bool is_visual) {
@@ -86,36 +112,6 @@ class MeshLoader {
         diagnostics_.Error(one.where, one.text);
       }
     }
-  }
-
-  /// The box of `link`'s mass and moments, which stands for meshes of it that are not there.
-  void TakeStandIn(const XmlNode& link) {
-    stand_in_.reset();
-    const XmlNode* inertial = link.Child("inertial");
-    const XmlNode* inertia = inertial == nullptr ? nullptr : inertial->Child("inertia");
-    if (inertia == nullptr) return;
-    const auto mass_kg = ParsePlain(inertial->TextOf("mass")), xx = ParsePlain(inertia->TextOf("ixx")),
-               yy = ParsePlain(inertia->TextOf("iyy")), zz = ParsePlain(inertia->TextOf("izz"));
-    if (!mass_kg || !xx || !yy || !zz || !(*mass_kg > 0) || !(std::min({*xx, *yy, *zz}) > 0)) return;
-    // I_xx = m (b² + c²) / 12, and so on.
-    constexpr double kThinnest_m = 1e-3, kLongest_m = 10;
-    const Vector3 squares = 6 / *mass_kg * Vector3(*yy + *zz - *xx, *zz + *xx - *yy, *xx + *yy - *zz);
-    const Vector3 size = squares.cwiseMax(0).cwiseSqrt().cwiseMax(kThinnest_m).cwiseMin(kLongest_m);
-    XmlNode shape{"box", {}, "", {}, inertial->where};
-    shape.Add("size", FormatNumber(size.x()) + " " + FormatNumber(size.y()) + " " + FormatNumber(size.z()));
-    stand_in_ =
-        StandIn{std::move(shape),
-                inertial->Child("pose") == nullptr ? std::nullopt : std::optional(*inertial->Child("pose"))};
-  }
-
-  /// False if `collision` goes: its link has that box already, or none.
-  bool PutStandIn(XmlNode& collision) {
-    if (!stand_in_ || stand_in_->is_used) return false;
-    stand_in_->is_used = true;
-    std::erase_if(collision.children, [](const XmlNode& one) { return one.name == "pose"; });
-    if (stand_in_->pose) collision.children.push_back(*stand_in_->pose);
-    collision.Child("geometry")->children = {stand_in_->shape};
-    return true;
   }
 
   std::string Key(const XmlNode& mesh, const XmlNode& uri, Diagnostics& found) {
@@ -253,31 +249,6 @@ class MeshLoader {
     return Keep(what, MakeHeights(*heights, columns, rows, *size, *pos), uri, found);
   }
 
-  /// Black lies at 0, the brightest point at the size's height; the upper edge of the picture is +y.
-  static ModelMesh MakeHeights(const Heights& heights, int columns, int rows, const Vector3& size,
-                               const Vector3& pos) {
-    const auto most = static_cast<float>(*std::ranges::max_element(heights.values)) / 65535;
-    const double per_value = most > 0 ? size.z() / most : 0;
-    std::vector<Vector3> vertices;
-    std::vector<MeshData::Triangle> triangles;
-    for (int row = 0; row < rows; ++row) {
-      for (int column = 0; column < columns; ++column) {
-        const double x = static_cast<double>(column) / (columns - 1),
-                     y = static_cast<double>(row) / (rows - 1);
-        vertices.push_back(pos +
-                           Vector3((x - 0.5) * size.x(), (0.5 - y) * size.y(), heights.At(x, y) * per_value));
-        if (row == 0 || column == 0) continue;
-        const auto here = static_cast<std::uint32_t>(vertices.size() - 1);
-        const auto above = here - static_cast<std::uint32_t>(columns);
-        triangles.push_back({above - 1, here - 1, here});
-        triangles.push_back({above - 1, here, above});
-      }
-    }
-    ModelMesh mesh = MakeModelMesh({std::move(vertices), std::move(triangles), std::nullopt, nullptr});
-    mesh.is_heights = true;
-    return mesh;
-  }
-
   /// The texture of a visual's <material>; a box or a plane becomes a mesh that has one.
   void TakeTexture(XmlNode& visual) {
     texture_ = nullptr;
@@ -309,7 +280,7 @@ class MeshLoader {
     }
     const auto size = VectorOf(shape, "size", Vector3::Ones());
     if (!size || !(size->minCoeff() > 0)) return;  // said when the box is read
-    const std::string key = Keep("", MakeBox(*size), shape, diagnostics_);
+    const std::string key = Keep("", MakePictureBox(*size), shape, diagnostics_);
     if (key.empty()) return;
     shape.name = "mesh";
     shape.children.clear();
@@ -330,62 +301,12 @@ class MeshLoader {
     return texture;
   }
 
-  static ModelMesh MakeBox(const Vector3& size) {
-    std::vector<Vector3> vertices;
-    std::vector<MeshData::Triangle> triangles;
-    auto skin = std::make_shared<MeshSkin>();
-    for (int axis = 0; axis < 3; ++axis) {
-      for (const double side : {-1.0, 1.0}) {
-        const auto base = static_cast<std::uint32_t>(vertices.size());
-        for (const auto& [u, v] : {std::pair(0.0, 0.0), {1.0, 0.0}, {1.0, 1.0}, {0.0, 1.0}}) {
-          // On the sides the picture stands upright, as seen from outside.
-          const double across = (u - 0.5) * side;
-          const Vector3 p = axis == 0   ? Vector3(side / 2, across, v - 0.5)
-                            : axis == 1 ? Vector3(-across, side / 2, v - 0.5)
-                                        : Vector3(across, v - 0.5, side / 2);
-          vertices.push_back(p.cwiseProduct(size));
-          skin->corners.push_back({{static_cast<float>(u), static_cast<float>(v)}, 0});
-        }
-        triangles.push_back({base, base + 1, base + 2});
-        triangles.push_back({base, base + 2, base + 3});
-      }
-    }
-    skin->materials.resize(1);
-    return MakeModelMesh({std::move(vertices), std::move(triangles), std::nullopt, std::move(skin)});
-  }
-
   /// The mesh `key` in the texture at hand.
   std::string Dressed(const std::string& key) {
-    const ModelMesh& bare = table_.at(key);
-    MeshData data = *bare.data;
-    auto skin = std::make_shared<MeshSkin>();
-    skin->materials.push_back(TexturedMaterial(texture_, tint_));
-    skin->corners.resize(data.vertices.size());
-    for (std::size_t i = 0; i < skin->corners.size(); ++i) {
-      if (data.skin != nullptr) {
-        skin->corners[i].uv = data.skin->corners[i].uv;
-      } else {
-        // Without coordinates of its own it gets the picture from above.
-        const Vector3& v = data.vertices[i];
-        for (Eigen::Index c = 0; c < 2; ++c)
-          skin->corners[i].uv[static_cast<std::size_t>(c)] =
-              static_cast<float>(0.5 + v[c] / (2 * std::max(data.half_m[c], 1e-9)));
-      }
-    }
-    data.color = skin->materials.front().color;
-    SetSkin(std::move(skin), data);
-    ModelMesh made = bare;
-    made.data = std::make_shared<const MeshData>(std::move(data));
     std::string dressed = "mesh:" + std::to_string(table_.size() + 1);
-    table_.emplace(dressed, std::move(made));
+    table_.emplace(dressed, InMaterial(table_.at(key), TexturedMaterial(texture_, tint_)));
     return dressed;
   }
-
-  struct StandIn {
-    XmlNode shape;
-    std::optional<XmlNode> pose;
-    bool is_used = false;
-  };
 
   static constexpr int kMaxHeightSide = 257;
   static constexpr std::size_t kFewTriangles = 1000;

@@ -143,36 +143,4 @@ double LowestOf(const RobotModel& robot, const Pose& X_WR) {
   return low_m;
 }
 
-void MakeHulls(ModelReading& reading) {
-  RobotModel& robot = reading.robot;
-  for (std::size_t i = 0; i < robot.links.size(); ++i) {
-    if (robot.fixed_base && i == 0) continue;  // its triangles themselves
-    for (LinkShape& collision : robot.links[i].collisions) {
-      const auto* mesh = std::get_if<Mesh>(&collision.shape);
-      if (mesh == nullptr) continue;
-      const auto source = std::ranges::find(reading.source.meshes, mesh->data,
-                                            [](const auto& one) { return one.second.data.get(); });
-      if (source != reading.source.meshes.end() && source->second.is_heights) {
-        const auto frame = std::ranges::find(robot.frames, robot.links[i].name, &FrameModel::name);
-        reading.Error(reading.lines.links[static_cast<std::size_t>(frame - robot.frames.begin())],
-                      "link '" + robot.links[i].name +
-                          "' moves, and its <heightmap> cannot: fix the link to the world, or write "
-                          "<static>true</static>");
-        continue;
-      }
-      Vector3 middle = Vector3::Zero();
-      auto hull = ConvexHull(mesh->data->vertices, middle);
-      if (!hull) {
-        // It is flat.
-        constexpr double kThin_m = 1e-3;
-        collision.shape = Box{(2 * mesh->data->half_m).cwiseMax(kThin_m)};
-        continue;
-      }
-      robot.meshes.push_back(std::make_shared<const MeshData>(std::move(*hull)));
-      collision.shape = Mesh{robot.meshes.back().get()};
-      collision.X_LG.p = collision.X_LG * middle;
-    }
-  }
-}
-
 }  // namespace coopdyn

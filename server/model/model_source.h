@@ -4,6 +4,7 @@
 // thread.
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -28,7 +29,8 @@ struct ModelSource {
   /// Made for other programs: what cannot be used is left out with a warning, and defaults fill the gaps.
   bool foreign = false;
   bool in_world = false;  // a world says where it stands, so its origin stays (coopdyn:in_world)
-  bool lifts = false;     // what reaches below the floor is put on it (coopdyn:lift)
+  std::filesystem::path parts_folder{};  // where parts of meshes are kept (kept_parts.h)
+  bool lifts = false;                    // what reaches below the floor is put on it (coopdyn:lift)
 };
 
 /// `resources`: null for a text that came without files. Nothing if the text is hopeless (then reported).
@@ -41,6 +43,11 @@ void ComposeTree(XmlNode root, const Resources* resources, ModelSource& source, 
 /// Whether `node` or what is in it has elements of ours; elements called `name`.
 bool HasOwnElements(const XmlNode& node);
 bool HasAny(const XmlNode& node, std::string_view name);
+
+/// As how many convex parts a mesh collides at most: an attribute of a composed <mesh>, from SDF's
+/// `optimization`.
+inline constexpr const char* kPartsAttribute = "coopdyn:parts";
+inline constexpr int kMostWantedParts = 64;
 
 /// Loads the meshes, heightmaps and textures that `root` names; each is then a mesh called mesh:1, mesh:2, …
 void LoadMeshes(XmlNode& root, const Resources* resources, MeshTable& table, Diagnostics& diagnostics);

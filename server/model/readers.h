@@ -33,6 +33,8 @@ struct SearchPath {
   std::vector<std::filesystem::path> fuel_folders{};
   /// A mesh that is not there is an error, also where a box of the link's inertia would do.
   bool is_strict = false;
+  /// Where convex parts of meshes are kept (kept_parts.h); empty: nowhere.
+  std::filesystem::path parts_folder{};
 
   /// The first existing file for a scenario/world given by path or bare name; nothing if none. It ends in
   /// .scenario, .world, .sdf or .xml, which the name may leave out; only a path with a folder may end in
@@ -109,10 +111,11 @@ class RobotLibrary {
 std::shared_ptr<const RobotModel> ReadRobotModel(const std::filesystem::path& file, const SearchPath& path,
                                                  Diagnostics& diagnostics);
 /// The same from a text instead of from the disk. `file`: for messages. `resources`: null for a text without
-/// files.
+/// files, whose `parts_folder` is given instead (SearchPath).
 std::shared_ptr<const RobotModel> ReadRobotModelText(const std::string& text, const std::string& file,
                                                      const std::string& type, Diagnostics& diagnostics,
-                                                     const Resources* resources = nullptr);
+                                                     const Resources* resources = nullptr,
+                                                     const std::filesystem::path& parts_folder = {});
 
 /// Reads the text of a .world. Errors go to `diagnostics`; what could be read is returned. `textures`: of
 /// `file`; null for a text without files.

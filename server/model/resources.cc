@@ -98,7 +98,8 @@ Resources::Resources(const SearchPath& path, const fs::path& model_file)
     : folders_(path.folders),
       model_folders_(path.model_folders),
       fuel_folders_(path.fuel_folders),
-      is_strict_(path.is_strict) {
+      is_strict_(path.is_strict),
+      parts_folder_(path.parts_folder) {
   for (const auto* folders : {&folders_, &model_folders_, &fuel_folders_}) {
     for (const fs::path& folder : *folders) {
       if (const auto root = Canonical(folder)) roots_.push_back(*root);

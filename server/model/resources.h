@@ -24,6 +24,7 @@ class Resources {
                                             std::string& why) const;
   /// Whether a mesh that is not there is an error, where a box would do.
   bool is_strict() const { return is_strict_; }
+  const std::filesystem::path& parts_folder() const { return parts_folder_; }
 
  private:
   /// Where something may be. `root`: nothing outside it is read; none: outside roots_.
@@ -45,6 +46,7 @@ class Resources {
   std::optional<std::filesystem::path> package_;
   std::filesystem::path model_folder_;  // without symbolic links; empty: there is none
   bool is_strict_ = false;
+  std::filesystem::path parts_folder_;
 };
 
 /// Where `uri` leads in a folder that a search path needs: NAME/FILE of model://NAME/FILE; nothing if no

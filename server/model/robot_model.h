@@ -14,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "server/geometry/convex_parts.h"
 #include "server/geometry/shape.h"
 #include "server/model/drive_train.h"
 #include "server/model/muscle.h"
@@ -38,6 +39,10 @@ struct LinkShape {
   double friction_across = 1;
   /// Torque against rolling (where it is round) and against spinning about the normal, N m per N of load.
   double rolling_friction_m = 0, spinning_friction_m = 0;
+  /// Collisions that are meshes: as how many convex parts it collides at most if it moves.
+  int most_parts = kMostConvexParts;
+  /// Collisions: of a mesh that collides as several parts, all but the first: index of the first.
+  int piece_of = -1;
 };
 
 struct LinkModel {

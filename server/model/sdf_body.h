@@ -77,7 +77,8 @@ bool MoveJoint(RobotModel& robot, std::size_t index, double by);
 /// Puts each joint to its `start`, and what follows others with them.
 void MoveToStart(ModelReading& reading);
 
-/// What moves collides by convex hulls.
+/// What moves collides by convex hulls: a concave mesh by several, of which all but the first stand after the
+/// other collisions of the link.
 void MakeHulls(ModelReading& reading);
 
 }  // namespace coopdyn

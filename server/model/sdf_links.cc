@@ -105,6 +105,8 @@ class LinkReader {
       const Pose X_LG = reading_.Resolve(collision.SemanticPose(), link.Name(), collision.Element(), what);
       LinkShape shape;
       if (placed) shape = {placed->shape, X_LG * placed->X_PG, Color(), 1, false};
+      if (const sdf::Mesh* mesh = collision.Geom()->MeshShape(); mesh != nullptr)
+        shape.most_parts = MostParts(*mesh->Element());
       ReadFriction(collision, placed ? placed->X_PG.q : Quaternion::Identity(), shape);
       shape.restitution = RestitutionOf(collision);
       if (placed) {
@@ -113,6 +115,13 @@ class LinkReader {
       }
     }
     return names;
+  }
+
+  int MostParts(const sdf::Element& mesh) {
+    const sdf::ParamPtr given = mesh.GetAttribute(kPartsAttribute);
+    if (given == nullptr) return kMostConvexParts;
+    const auto count = ParsePlain(given->GetAsString());
+    return count ? static_cast<int>(std::clamp(*count, 1.0, double{kMostWantedParts})) : kMostConvexParts;
   }
 
   void ReadVisuals(const sdf::Link& link, const tinyxml2::XMLElement* xml_link, LinkModel& out) {

@@ -169,13 +169,15 @@ std::shared_ptr<const RobotModel> ReadRobotModel(const std::filesystem::path& fi
 
 std::shared_ptr<const RobotModel> ReadRobotModelText(const std::string& text, const std::string& file,
                                                      const std::string& type, Diagnostics& diagnostics,
-                                                     const Resources* resources) {
+                                                     const Resources* resources,
+                                                     const std::filesystem::path& parts_folder) {
   Diagnostics found;
   std::shared_ptr<const RobotModel> robot;
   const std::optional<std::string> decoded = DecodeText(text, {file, 0}, found);
-  const auto source = decoded ? ComposeModel(*decoded, file, resources, found) : std::nullopt;
+  auto source = decoded ? ComposeModel(*decoded, file, resources, found) : std::nullopt;
   diagnostics.Append(found);
   if (!source || found.has_errors()) return nullptr;
+  source->parts_folder = resources == nullptr ? parts_folder : resources->parts_folder();
   Diagnostics read;
   robot = RobotReader(*source, file, type, read).Read();
   AppendMapped(read, file, *source, diagnostics);
@@ -189,6 +191,7 @@ std::shared_ptr<const RobotModel> ReadRobotModelTree(XmlNode root, const std::st
   ModelSource source;
   source.foreign = true;
   source.in_world = true;
+  if (resources != nullptr) source.parts_folder = resources->parts_folder();
   ComposeTree(std::move(root), resources, source, found);
   diagnostics.Append(found);
   if (found.has_errors()) return nullptr;

@@ -298,7 +298,7 @@ std::shared_ptr<const RobotModel> RobotLibrary::Get(const std::string& type, con
   // A model with errors is not kept: mended, it loads.
   std::shared_ptr<const RobotModel> model;
   if (const SourceText* source = Embedded(kRobot, type)) {
-    model = ReadRobotModelText(source->text, source->file, type, diagnostics);
+    model = ReadRobotModelText(source->text, source->file, type, diagnostics, nullptr, path_.parts_folder);
   } else if (auto known = part.empty() ? nullptr : KnownOfWorld(world, part)) {
     model = std::move(known);
   } else if (is_path && !beside) {

@@ -59,6 +59,27 @@ bool Near(const PlacedPart& a, const PlacedPart& b, double margin_m) {
   return true;
 }
 
+/// About several parts, along the axes of W.
+class AroundParts {
+ public:
+  void Include(const PlacedPart& part) {
+    for (int i = 0; i < 3; ++i) {
+      low_[i] = std::min(low_[i], part.p[i] - part.half_m[i]);
+      high_[i] = std::max(high_[i], part.p[i] + part.half_m[i]);
+    }
+  }
+  bool IsNear(const PlacedPart& part, double margin_m) const {
+    for (int i = 0; i < 3; ++i) {
+      if (part.p[i] + part.half_m[i] + margin_m < low_[i] || part.p[i] - part.half_m[i] - margin_m > high_[i])
+        return false;
+    }
+    return true;
+  }
+
+ private:
+  Vector3 low_ = Vector3::Constant(kNoHit), high_ = -low_;
+};
+
 /// A robot's upright shell, or an upright box or cylinder: what else there is cannot be the first to touch
 /// another such thing that it overlaps in height.
 struct Shell {
@@ -304,8 +325,12 @@ ContactList CollideFloor(Collider& collider, const PlacedPart& a, double margin_
 void FindContacts(Collider& collider, const Actor& a, const Actor& b, double margin_m,
                   std::vector<FoundContact>& found) {
   const auto [range_a, range_b] = FirstToTouch(a, b);
+  AroundParts around_b;
+  const bool are_many = range_a.end - range_a.first > 1 && range_b.end - range_b.first > 1;
+  for (std::size_t j = range_b.first; are_many && j < range_b.end; ++j) around_b.Include(b.Place(j));
   for (std::size_t i = range_a.first; i < range_a.end; ++i) {
     const PlacedPart part_a = a.Place(i);
+    if (are_many && !around_b.IsNear(part_a, margin_m + 2 * kAhead_m)) continue;
     for (std::size_t j = range_b.first; j < range_b.end; ++j) {
       const PlacedPart part_b = b.Place(j);
       if (!Near(part_a, part_b, margin_m + kAhead_m)) continue;

@@ -23,7 +23,9 @@ Matrix3 Turned(const Vector3& moments, const Matrix3& R) {
 Part MakePart(const RobotModel& model, std::size_t link, const LinkShape& collision) {
   Part part{collision.shape};
   part.link = static_cast<int>(link);
-  part.collision = static_cast<int>(&collision - model.links[link].collisions.data());
+  part.collision = collision.piece_of >= 0
+                       ? collision.piece_of
+                       : static_cast<int>(&collision - model.links[link].collisions.data());
   part.friction = collision.friction;
   part.restitution = collision.restitution;
   part.friction_along_G = collision.friction_along_G;

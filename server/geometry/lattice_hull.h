@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// Convex hulls of points with whole coordinates: exact, so they have no folds, and their volumes add up.
+// Pure; any thread.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <vector>
+
+namespace coopdyn {
+
+/// Each from 0 to kLatticeSide.
+using LatticePoint = std::array<std::int64_t, 3>;
+inline constexpr std::int64_t kLatticeSide = 1 << 16;
+
+/// Grows point by point.
+class LatticeHull {
+ public:
+  /// @pre the four do not lie in a plane
+  LatticeHull(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d);
+
+  void Include(const LatticePoint& p);
+  void Include(const LatticeHull& other) {
+    for (const LatticePoint& p : other.Corners()) Include(p);
+  }
+  /// Six times its volume.
+  std::int64_t volume6() const { return volume6_; }
+  std::vector<LatticePoint> Corners() const;
+  /// How far `p` is outside, by the planes of the faces; 0 if it is not.
+  double Outside(const LatticePoint& p) const;
+
+ private:
+  struct Face {
+    std::array<std::uint32_t, 3> corners{};  // counter-clockwise from outside
+    LatticePoint n{};
+    std::int64_t d = 0;  // n · p of the points in it
+
+    std::int64_t Height(const LatticePoint& p) const { return n[0] * p[0] + n[1] * p[1] + n[2] * p[2] - d; }
+  };
+  struct Edge {
+    std::uint32_t low = 0, high = 0;
+    bool up = false;  // it runs from `low` to `high`
+    auto operator<=>(const Edge&) const = default;
+  };
+  void AddFace(std::uint32_t a, std::uint32_t b, std::uint32_t c);
+
+  std::vector<LatticePoint> points_;  // also those that are inside by now
+  std::vector<Face> faces_;
+  std::vector<Edge> edges_;  // of Include()
+  std::int64_t volume6_ = 0;
+};
+
+/// The corners of the convex hull of points in a plane, which it sorts; anticlockwise, none on a line between
+/// others.
+std::vector<std::array<std::int64_t, 2>> HullInPlane(std::vector<std::array<std::int64_t, 2>>& points);
+
+}  // namespace coopdyn

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// Convex parts of meshes, kept in files from one start to the next: what costs tenths of a second is read in
+// a millisecond. Any thread, any process.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/geometry/mesh.h"
+
+namespace coopdyn {
+
+/// The corners of each part.
+using PartCorners = std::vector<std::vector<Vector3>>;
+
+/// ConvexParts() of `mesh`. Those of a mesh of some size are looked for in `folder` first, and put there. A
+/// file there that is damaged, or does not fit the mesh, is made again. Nothing is kept if the folder is
+/// empty or cannot be written; it holds at most some 2000 files, of which the oldest go.
+PartCorners KeptConvexParts(const MeshData& mesh, int most, const std::filesystem::path& folder);
+
+/// The content of such a file, and back; nothing for bad bytes, or those of another mesh.
+std::string PartsToBytes(const PartCorners& parts, const MeshData& mesh, int most);
+std::optional<PartCorners> PartsFromBytes(std::string_view bytes, const MeshData& mesh, int most);
+
+}  // namespace coopdyn

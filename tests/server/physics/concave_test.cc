@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+// Concave meshes that move: they collide as they look.
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <utility>
+
+#include "server/geometry/convex_parts.h"
+#include "server/physics/things.h"
+#include "tests/server/geometry/concave_solids.h"
+#include "tests/server/physics/physics_scene.h"
+
+namespace coopdyn {
+namespace {
+
+/// A body of these triangles that moves freely, with the mass and moments of a box about them.
+std::shared_ptr<const RobotModel> Free(const Triangles& of, double mass_kg) {
+  auto model = std::make_shared<RobotModel>();
+  model->type = "solid";
+  LinkModel link;
+  link.name = "body";
+  link.mass_kg = mass_kg;
+  Vector3 middle;
+  const MeshData whole = MakeMesh(of.vertices, of.triangles, middle);
+  link.X_LI.p = middle;
+  link.inertia_kg_m2 = SolidInertia(Box{2 * whole.half_m}, mass_kg);
+  for (const auto& corners : ConvexParts(of.vertices, of.triangles)) {
+    model->meshes.push_back(std::make_shared<const MeshData>(*ConvexHull(corners, middle)));
+    LinkShape& piece = link.collisions.emplace_back();
+    piece.shape = Mesh{model->meshes.back().get()};
+    piece.X_LG.p = middle;
+    if (link.collisions.size() > 1) piece.piece_of = 0;
+  }
+  model->links = {link};
+  model->footprint_radius_m = whole.radius_m;
+  model->height_m = 2 * whole.half_m.z();
+  return model;
+}
+
+TEST(ConcaveTest, PiecesAreOneCollision) {
+  const auto model = Free(Cup(), 0.2);
+  const Mechanism mechanism = MakeRobot(*model, Fidelity::kFull, 1, Vector3(0, 0, -kG));
+  ASSERT_GT(mechanism.parts.size(), 4u);
+  for (const Part& part : mechanism.parts) EXPECT_EQ(part.collision, 0);
+}
+
+class StepLengths : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(ConcaveTest, StepLengths, ::testing::Values(1, 5, 10));
+
+TEST_P(StepLengths, ABallThatFallsIntoACupLiesOnItsBottom) {
+  constexpr double kRadius_m = 0.02, kBottom_m = 0.005;
+  PhysicsScene scene;
+  scene.step_length = std::chrono::milliseconds(GetParam());
+  scene.robot_model = Free(Cup(), 0.2);
+  scene.AddRobot(0, 0);
+  scene.Add(Sphere{kRadius_m}, At(0.004, 0.002, 0.15), 0.03);
+  scene.RunFor(5);
+  const Pose X_WC = scene.robot(0), X_WB = scene.object(0);
+  EXPECT_LT(TiltOf(X_WC), 1e-3);
+  EXPECT_NEAR(X_WC.p.z(), 0, 5e-4);
+  EXPECT_NEAR(X_WB.p.z(), kBottom_m + kRadius_m, 5e-4);
+  EXPECT_LT((X_WB.p - X_WC.p).head<2>().norm(), 0.036 - kRadius_m);
+}
+
+TEST_P(StepLengths, AHookHangsOnABar) {
+  constexpr double kBar_m = 0.01;
+  PhysicsScene scene;
+  scene.step_length = std::chrono::milliseconds(GetParam());
+  scene.robot_model = Free(Hook(), 0.2);
+  // Its bar is 5 mm above the other.
+  scene.AddRobot(At(0, 0, 0.4));
+  scene.Add(Cylinder{kBar_m, 0.3},
+            {{0, 0, 0.4 + 0.1 - kBar_m - 0.005}, FromRollPitchYaw(std::numbers::pi / 2, 0, 0)});
+  scene.RunFor(5);
+  const Pose X_WH = scene.robot(0);
+  EXPECT_NEAR(X_WH.p.z(), 0.395, 1e-3);
+  EXPECT_LT(TiltOf(X_WH), 0.02);
+}
+
+}  // namespace
+}  // namespace coopdyn
