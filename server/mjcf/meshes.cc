@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#include "server/mjcf/meshes.h"
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <vector>
+
+namespace coopdyn::mjcf {
+
+namespace {
+
+using Corner = std::array<float, 3>;
+
+std::string FileName(std::string name) {
+  for (char& c : name) {
+    const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                          c == '-' || c == '_' || c == '.';
+    if (!is_plain) c = '_';
+  }
+  return name.starts_with('.') ? "_" + name : name;
+}
+
+}  // namespace
+
+struct Meshes::Triangles {
+  std::vector<std::array<Corner, 3>> all;
+};
+
+/// As STL, whose normals nobody needs.
+std::string Meshes::Write(const std::string& name, const Triangles& triangles) {
+  std::string bytes(80, ' ');
+  const auto append = [&bytes](const auto& value) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
+  };
+  append(static_cast<std::uint32_t>(triangles.all.size()));
+  for (const auto& triangle : triangles.all) {
+    append(Corner{});
+    for (const Corner& corner : triangle) append(corner);
+    append(std::uint16_t{0});
+  }
+  std::error_code code;
+  std::filesystem::create_directories(folder_, code);
+  const std::string file = FileName(name) + ".stl";
+  std::ofstream stream(folder_ / file, std::ios::binary);
+  stream << bytes;
+  stream.close();
+  failed_ = failed_ || !stream.good();
+  return prefix_ + file;
+}
+
+Meshes::Named Meshes::Mesh(int mesh) {
+  const mjModel& m = source_.model();
+  const std::string name = source_.NameOf(mjOBJ_MESH, mesh, "mesh");
+  const auto [known, is_new] = written_.try_emplace(name);
+  if (!is_new) return known->second;
+  const char* const own_name = mj_id2name(&m, mjOBJ_MESH, mesh);
+  const auto unread = source_.loaded().unread_meshes.find(own_name == nullptr ? "" : own_name);
+  if (unread != source_.loaded().unread_meshes.end())
+    return known->second = {unread->second.first, unread->second.second};
+  Triangles triangles;
+  const float* const vertices = m.mesh_vert + 3 * m.mesh_vertadr[mesh];
+  const int* const faces = m.mesh_face + 3 * m.mesh_faceadr[mesh];
+  for (int face = 0; face < m.mesh_facenum[mesh]; ++face) {
+    auto& triangle = triangles.all.emplace_back();
+    for (int corner = 0; corner < 3; ++corner)
+      std::memcpy(triangle[static_cast<std::size_t>(corner)].data(), vertices + 3 * faces[3 * face + corner],
+                  sizeof(Corner));
+  }
+  return known->second = {Write(name, triangles), ""};
+}
+
+Meshes::Named Meshes::Heights(int field) {
+  const mjModel& m = source_.model();
+  const std::string name = source_.NameOf(mjOBJ_HFIELD, field, "hfield");
+  const auto [known, is_new] = written_.try_emplace("hfield " + name);
+  if (!is_new) return known->second;
+  const int rows = m.hfield_nrow[field], columns = m.hfield_ncol[field];
+  const mjtNum* const size = m.hfield_size + 4 * field;
+  // Row 0 lies at −y, as libmujoco keeps it.
+  const auto at = [&](int row, int column) -> Corner {
+    return {static_cast<float>(size[0] * (2.0 * column / (columns - 1) - 1)),
+            static_cast<float>(size[1] * (2.0 * row / (rows - 1) - 1)),
+            static_cast<float>(size[2] * m.hfield_data[m.hfield_adr[field] + row * columns + column])};
+  };
+  Triangles triangles;
+  for (int row = 0; row + 1 < rows; ++row) {
+    for (int column = 0; column + 1 < columns; ++column) {
+      const Corner a = at(row, column), b = at(row, column + 1), c = at(row + 1, column + 1),
+                   d = at(row + 1, column);
+      triangles.all.push_back({a, b, c});
+      triangles.all.push_back({a, c, d});
+    }
+  }
+  return known->second = {Write("heights_" + name, triangles), ""};
+}
+
+}  // namespace coopdyn::mjcf
