@@ -71,7 +71,10 @@ class Mender {
         loaded.has_joint_limits = has_joint_limits_;
         break;
       }
-      if (!Mend(error.data())) break;
+      if (!Mend(error.data())) {
+        loaded.why = error.data();
+        break;
+      }
     }
     return loaded;
   }
@@ -208,7 +211,7 @@ class Mender {
       if (size == nullptr) size = root.InsertFirstChild(document_.NewElement("size"))->ToElement();
       size->SetAttribute("nuser_jnt", 2);
       has_joint_limits_ = true;
-    } else {
+    } else if (key != "actuatorfrclimited") {
       words_.Say(
           "'" + key + "' of " + what + " is not known to libmujoco " + mj_versionString() + ", and left out",
           false);
@@ -280,7 +283,8 @@ class Mender {
       if (one->Attribute("meshdir") != nullptr) folder = one->Attribute("meshdir");
     }
     unread_meshes_[name] = {(fs::path(folder) / file).string(), AttributeOf(mesh, "scale")};
-    if (error.find("could not open") == std::string::npos)
+    std::error_code code;
+    if (fs::exists(fs::path(file_).parent_path() / folder / file, code))  // else coopdyn says so
       words_.Say("mesh '" + name +
                  "' is read by coopdyn itself, as libmujoco says: " + error.substr(0, error.find('\n')));
     for (const char* key : {"file", "scale", "refpos", "refquat"}) mesh.DeleteAttribute(key);
@@ -307,7 +311,10 @@ Loaded Load(const std::string& file, Words& words) {
   loaded.model.reset(mj_loadXML(file.c_str(), nullptr, error.data(), static_cast<int>(error.size())));
   if (loaded.model != nullptr) return loaded;
   Loaded mended = Mender(file, words).Load();
-  if (mended.model == nullptr) mended.why = error.data();
+  // The lines of what is mended are not those of the file.
+  const std::string last = mended.why.substr(0, mended.why.find('\n'));
+  mended.why = error.data();
+  if (!last.empty() && !mended.why.starts_with(last)) mended.why += "\nWithout that: " + last;
   return mended;
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // `<coopdyn:channel>`: motors and values that are exchanged in one request.
+#include <tinyxml2.h>
+
 #include <array>
 #include <numbers>
 #include <utility>
