@@ -8,6 +8,7 @@
 #include <string>
 #include <variant>
 
+#include "server/geometry/mesh.h"
 #include "tests/server/mjcf/mjcf_rig.h"
 
 namespace coopdyn {
@@ -96,12 +97,12 @@ TEST(MjcfBodiesTest, ABallTurnsFreely) {
 
 TEST(MjcfBodiesTest, ABodyThatNothingFreesIsFixed) {
   const auto [robot, messages] =
-      ReadAs("arm.xml", Mjcf("<worldbody><body name=\"base\" pos=\"1 2 .5\"><geom size=\".1\"/>" +
+      ReadAs("arm.xml", Mjcf("<worldbody><body name=\"base\" pos=\"1 2 .6\"><geom size=\".1\"/>" +
                              Limb("arm", "<joint name=\"elbow\" axis=\"0 1 0\"/>") + "</body></worldbody>"));
   ASSERT_NE(robot, nullptr) << messages;
   EXPECT_TRUE(robot->fixed_base);
   // Its origin is on the floor below it.
-  EXPECT_NEAR((robot->links[0].X_RL.p - Vector3(0, 0, 0.5)).norm(), 0, 1e-9);
+  EXPECT_NEAR((robot->links[0].X_RL.p - Vector3(0, 0, 0.6)).norm(), 0, 1e-9);
 }
 
 TEST(MjcfBodiesTest, ABodyTurnedUprightKeepsItsDirections) {
