@@ -15,7 +15,7 @@ using tinyxml2::XMLElement;
 
 constexpr double kEndless_m = 100;  // the size of a plane without one
 
-/// False if SDF has no such shape.
+/// False if it has no such shape here.
 bool AddShape(int geom, const Source& source, Meshes& meshes, XMLElement& parent) {
   const mjModel& m = source.model();
   const mjtNum* const size = m.geom_size + 3 * geom;
@@ -29,6 +29,7 @@ bool AddShape(int geom, const Source& source, Meshes& meshes, XMLElement& parent
     XMLElement& shape = Add(geometry, "mesh");
     Add(shape, "uri", named.uri);
     if (!named.scale.empty()) Add(shape, "scale", named.scale);
+    return !named.uri.empty();
   };
   switch (m.geom_type[geom]) {
     case mjGEOM_PLANE: {
@@ -53,11 +54,9 @@ bool AddShape(int geom, const Source& source, Meshes& meshes, XMLElement& parent
       Add(Add(geometry, "box"), "size", Numbers(2 * ToVector(size)));
       return true;
     case mjGEOM_MESH:
-      mesh(meshes.Mesh(m.geom_dataid[geom]));
-      return true;
+      return mesh(meshes.Mesh(m.geom_dataid[geom]));
     case mjGEOM_HFIELD:
-      mesh(meshes.Heights(m.geom_dataid[geom]));
-      return true;
+      return mesh(meshes.Heights(m.geom_dataid[geom]));
     default:
       return false;
   }
@@ -123,7 +122,10 @@ void AddLink(int body, const Pose& X_MB, const Source& source, Meshes& meshes, X
   if (m.body_mass[body] > 0) {
     XMLElement& inertial = Add(link, "inertial");
     AddPose(inertial, ToPose(m.body_ipos + 3 * body, m.body_iquat + 4 * body));
-    Add(inertial, "mass", Number(m.body_mass[body]));
+    // Less than coopdyn takes, which matters to nothing.
+    constexpr double kLeast_kg = 1e-6, kLeast_kg_m2 = 1e-10;
+    if (m.body_mass[body] < kLeast_kg) source.words().Say("a body of less than 1 mg gets 1 mg");
+    Add(inertial, "mass", Number(std::max(kLeast_kg, m.body_mass[body])));
     XMLElement& inertia = Add(inertial, "inertia");
     const mjtNum* const moments = m.body_inertia + 3 * body;
     for (const auto& [key, value] : {std::pair("ixx", moments[0]),
@@ -132,7 +134,8 @@ void AddLink(int body, const Pose& X_MB, const Source& source, Meshes& meshes, X
                                      {"ixy", 0.0},
                                      {"ixz", 0.0},
                                      {"iyz", 0.0}})
-      Add(inertia, key, Number(value));
+      Add(inertia, key,
+          Number(m.body_mass[body] < kLeast_kg && key[1] == key[2] ? std::max(kLeast_kg_m2, value) : value));
   }
   for (int i = 0; i < m.body_geomnum[body]; ++i)
     AddGeom(m.body_geomadr[body] + i, Pose(), source, meshes, link);

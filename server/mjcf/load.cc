@@ -192,7 +192,7 @@ class Mender {
     if (ParentName(*element) == "asset" && std::string_view(element->Name()) == "mesh")
       return PutBox(*element, error);
     // What nothing else hangs on.
-    for (const char* part : {"sensor", "keyframe", "custom", "contact"}) {
+    for (const char* part : {"sensor", "keyframe", "custom", "contact", "actuator"}) {
       if (ParentName(*element) != part) continue;
       words_.Say("a " + what + " is left out, as libmujoco says: " + error.substr(0, error.find('\n')));
       element->Parent()->DeleteChild(element);
@@ -282,11 +282,14 @@ class Mender {
          one = one->NextSiblingElement("compiler")) {
       if (one->Attribute("meshdir") != nullptr) folder = one->Attribute("meshdir");
     }
-    unread_meshes_[name] = {(fs::path(folder) / file).string(), AttributeOf(mesh, "scale")};
+    const bool is_readable = fs::path(file).extension() != ".msh";  // MuJoCo's own
+    unread_meshes_[name] = {is_readable ? (fs::path(folder) / file).string() : "",
+                            AttributeOf(mesh, "scale")};
     std::error_code code;
-    if (fs::exists(fs::path(file_).parent_path() / folder / file, code))  // else coopdyn says so
-      words_.Say("mesh '" + name +
-                 "' is read by coopdyn itself, as libmujoco says: " + error.substr(0, error.find('\n')));
+    if (!is_readable ||
+        fs::exists(fs::path(file_).parent_path() / folder / file, code))  // else coopdyn says so
+      words_.Say("mesh '" + name + "' is " + (is_readable ? "read by coopdyn itself" : "left out") +
+                 ", as libmujoco says: " + error.substr(0, error.find('\n')));
     for (const char* key : {"file", "scale", "refpos", "refquat"}) mesh.DeleteAttribute(key);
     mesh.SetAttribute("name", name.c_str());
     mesh.SetAttribute("vertex",

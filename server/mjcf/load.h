@@ -18,7 +18,8 @@ struct Loaded {
   };
   std::unique_ptr<mjModel, Delete> model;  // null: it cannot be read
   /// Meshes that libmujoco does not read, by name: their files, with their scales ("x y z"). In `model` a
-  /// small box stands for them, so that their frames are those of the files.
+  /// small box stands for them, so that their frames are those of the files. An empty one: coopdyn does not
+  /// read it either.
   std::map<std::string, std::pair<std::string, std::string>> unread_meshes;
   bool has_joint_limits = false;  // the greatest force on a joint is in its user data
   std::string why;                // in libmujoco's words, with its line

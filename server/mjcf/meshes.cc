@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: MIT
 #include "server/mjcf/meshes.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <cstring>
 #include <fstream>
+#include <utility>
 #include <vector>
+
+#include "server/files/reduce_mesh.h"
 
 namespace coopdyn::mjcf {
 
 namespace {
 
 using Corner = std::array<float, 3>;
+
+constexpr int kMostTriangles = 400'000;  // coopdyn takes 500,000 of a model
+constexpr std::size_t kFewTriangles = 200;
 
 std::string FileName(std::string name) {
   for (char& c : name) {
@@ -59,14 +65,30 @@ Meshes::Named Meshes::Mesh(int mesh) {
   const auto unread = source_.loaded().unread_meshes.find(own_name == nullptr ? "" : own_name);
   if (unread != source_.loaded().unread_meshes.end())
     return known->second = {unread->second.first, unread->second.second};
-  Triangles triangles;
+  MeshParts parts;
   const float* const vertices = m.mesh_vert + 3 * m.mesh_vertadr[mesh];
   const int* const faces = m.mesh_face + 3 * m.mesh_faceadr[mesh];
+  for (int i = 0; i < m.mesh_vertnum[mesh]; ++i)
+    parts.vertices.push_back({vertices[3 * i], vertices[3 * i + 1], vertices[3 * i + 2]});
   for (int face = 0; face < m.mesh_facenum[mesh]; ++face) {
+    const auto corner = [&](int i) { return static_cast<std::uint32_t>(faces[3 * face + i]); };
+    parts.triangles.push_back({corner(0), corner(1), corner(2)});
+  }
+  if (m.nmeshface > kMostTriangles) {
+    const double share = static_cast<double>(kMostTriangles) / m.nmeshface;
+    const auto most = std::max(kFewTriangles, static_cast<std::size_t>(share * m.mesh_facenum[mesh]));
+    source_.words().Say("the meshes have more than " + std::to_string(kMostTriangles) +
+                            " triangles together: fewer stand for each",
+                        false);
+    if (parts.triangles.size() > most) parts = Reduce(std::move(parts), most).parts;
+  }
+  Triangles triangles;
+  for (const auto& indices : parts.triangles) {
     auto& triangle = triangles.all.emplace_back();
-    for (int corner = 0; corner < 3; ++corner)
-      std::memcpy(triangle[static_cast<std::size_t>(corner)].data(), vertices + 3 * faces[3 * face + corner],
-                  sizeof(Corner));
+    for (std::size_t i = 0; i < triangle.size(); ++i) {
+      for (Eigen::Index c = 0; c < 3; ++c)
+        triangle[i][static_cast<std::size_t>(c)] = static_cast<float>(parts.vertices[indices[i]][c]);
+    }
   }
   return known->second = {Write(name, triangles), ""};
 }
