@@ -11,6 +11,8 @@
 #include <optional>
 #include <string_view>
 
+#include "server/base/words.h"
+
 namespace coopdyn::mjcf {
 
 namespace {
@@ -44,6 +46,17 @@ void ForAll(XMLElement& element, const std::function<void(XMLElement&)>& visit) 
 std::string ParentName(const XMLElement& element) {
   const tinyxml2::XMLNode* const parent = element.Parent();
   return parent == nullptr || parent->ToElement() == nullptr ? "" : parent->ToElement()->Name();
+}
+
+/// libmujoco 2.2.2 counts line ends among the numbers of a keyframe.
+void JoinLines(XMLElement& element) {
+  for (const auto* one = element.FirstAttribute(); one != nullptr; one = one->Next()) {
+    std::string value = one->Value();
+    if (value.find_first_of("\n\t") == std::string::npos) continue;
+    std::ranges::replace_if(
+        value, [](char c) { return c == '\n' || c == '\t'; }, ' ');
+    element.SetAttribute(one->Name(), std::string(Trim(value)).c_str());
+  }
 }
 
 /// A file as a document that is mended until libmujoco takes it.
@@ -126,6 +139,7 @@ class Mender {
     std::vector<XMLElement*> unused;
     ForAll(root, [&unused](XMLElement& element) {
       const std::string_view name = element.Name();
+      JoinLines(element);
       if (name == "material") element.DeleteAttribute("texture");
       if (name == "compiler" && element.Attribute("assetdir") != nullptr) {
         for (const char* key : {"meshdir", "texturedir"}) {
@@ -172,6 +186,8 @@ class Mender {
       words_.Say("a body has moments of inertia that no body has: libmujoco balances them", false);
       return true;
     }
+    if (const std::string number = Between(error, "key ", ":"); error.find("invalid q") != std::string::npos)
+      return LeaveOutKey(std::atoi(number.c_str()), error);
     const std::size_t at = error.rfind("line ");
     int line = 0;
     if (at != std::string::npos)
@@ -199,6 +215,18 @@ class Mender {
       return true;
     }
     return false;
+  }
+
+  bool LeaveOutKey(int number, const std::string& error) {
+    std::vector<XMLElement*> keys;
+    ForAll(*document_.RootElement(), [&keys](XMLElement& element) {
+      if (std::string_view(element.Name()) == "key") keys.push_back(&element);
+    });
+    if (number < 0 || static_cast<std::size_t>(number) >= keys.size()) return false;
+    words_.Say("a keyframe is left out, as libmujoco says: " + error.substr(0, error.find('\n')));
+    XMLElement* const key = keys[static_cast<std::size_t>(number)];
+    key->Parent()->DeleteChild(key);
+    return true;
   }
 
   void LeaveOutAttribute(XMLElement& element, const std::string& key) {
@@ -282,12 +310,13 @@ class Mender {
          one = one->NextSiblingElement("compiler")) {
       if (one->Attribute("meshdir") != nullptr) folder = one->Attribute("meshdir");
     }
-    const bool is_readable = fs::path(file).extension() != ".msh";  // MuJoCo's own
-    unread_meshes_[name] = {is_readable ? (fs::path(folder) / file).string() : "",
-                            AttributeOf(mesh, "scale")};
+    const fs::path written = fs::path(folder) / file, found = fs::path(file_).parent_path() / written;
     std::error_code code;
-    if (!is_readable ||
-        fs::exists(fs::path(file_).parent_path() / folder / file, code))  // else coopdyn says so
+    const bool is_there = fs::exists(found, code),
+               is_readable = written.extension() != ".msh";  // MuJoCo's own
+    unread_meshes_[name] = {is_readable ? written.string() : "", is_there ? found.string() : "",
+                            AttributeOf(mesh, "scale")};
+    if (!is_readable || is_there)  // else coopdyn says so
       words_.Say("mesh '" + name + "' is " + (is_readable ? "read by coopdyn itself" : "left out") +
                  ", as libmujoco says: " + error.substr(0, error.find('\n')));
     for (const char* key : {"file", "scale", "refpos", "refquat"}) mesh.DeleteAttribute(key);
@@ -303,7 +332,7 @@ class Mender {
   tinyxml2::XMLDocument document_;
   int includes_ = 0;
   bool has_joint_limits_ = false;
-  std::map<std::string, std::pair<std::string, std::string>> unread_meshes_;
+  std::map<std::string, UnreadMesh> unread_meshes_;
 };
 
 }  // namespace

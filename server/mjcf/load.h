@@ -12,15 +12,21 @@
 
 namespace coopdyn::mjcf {
 
+struct UnreadMesh {
+  std::string
+      name;  // of its file, as it is written, from the model's folder; empty: coopdyn does not read it either
+  std::string file;   // empty: it is nowhere
+  std::string scale;  // x y z, mostly empty
+};
+
 struct Loaded {
   struct Delete {
     void operator()(mjModel* model) const { mj_deleteModel(model); }
   };
   std::unique_ptr<mjModel, Delete> model;  // null: it cannot be read
-  /// Meshes that libmujoco does not read, by name: their files, with their scales ("x y z"). In `model` a
-  /// small box stands for them, so that their frames are those of the files. An empty one: coopdyn does not
-  /// read it either.
-  std::map<std::string, std::pair<std::string, std::string>> unread_meshes;
+  /// Meshes that libmujoco does not read, by name. In `model` a small box stands for each, so that its frame
+  /// is that of the file.
+  std::map<std::string, UnreadMesh> unread_meshes;
   bool has_joint_limits = false;  // the greatest force on a joint is in its user data
   std::string why;                // in libmujoco's words, with its line
 };

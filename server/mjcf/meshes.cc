@@ -56,6 +56,17 @@ std::string Meshes::Write(const std::string& name, const Triangles& triangles) {
   return prefix_ + file;
 }
 
+/// The file is named as it is written if it is nowhere: then its reader says so.
+std::string Meshes::Copy(const UnreadMesh& mesh) {
+  if (mesh.name.empty() || mesh.file.empty()) return mesh.name;
+  const std::string file = FileName(std::filesystem::path(mesh.name).filename().string());
+  std::error_code code;
+  std::filesystem::create_directories(folder_, code);
+  std::filesystem::copy_file(mesh.file, folder_ / file, std::filesystem::copy_options::skip_existing, code);
+  failed_ = failed_ || code;
+  return prefix_ + file;
+}
+
 Meshes::Named Meshes::Mesh(int mesh) {
   const mjModel& m = source_.model();
   const std::string name = source_.NameOf(mjOBJ_MESH, mesh, "mesh");
@@ -64,7 +75,7 @@ Meshes::Named Meshes::Mesh(int mesh) {
   const char* const own_name = mj_id2name(&m, mjOBJ_MESH, mesh);
   const auto unread = source_.loaded().unread_meshes.find(own_name == nullptr ? "" : own_name);
   if (unread != source_.loaded().unread_meshes.end())
-    return known->second = {unread->second.first, unread->second.second};
+    return known->second = {Copy(unread->second), unread->second.scale};
   MeshParts parts;
   const float* const vertices = m.mesh_vert + 3 * m.mesh_vertadr[mesh];
   const int* const faces = m.mesh_face + 3 * m.mesh_faceadr[mesh];

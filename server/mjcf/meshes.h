@@ -27,6 +27,7 @@ class Meshes {
 
  private:
   struct Triangles;
+  std::string Copy(const UnreadMesh& mesh);
   std::string Write(const std::string& name, const Triangles& triangles);
 
   const Source& source_;

@@ -45,12 +45,16 @@ Source::Source(const Loaded& loaded, Words& words)
   ReadActuators();
 }
 
-std::string Source::NameOf(mjtObj type, int id, const std::string& otherwise) const {
-  const char* const given = mj_id2name(&model_, type, id);
-  std::string name = given == nullptr ? "" : given;
+std::string PlainName(std::string name) {
   for (char& c : name) {
     if (static_cast<unsigned char>(c) <= ' ' || c == ':') c = '_';
   }
+  return name;
+}
+
+std::string Source::NameOf(mjtObj type, int id, const std::string& otherwise) const {
+  const char* const given = mj_id2name(&model_, type, id);
+  std::string name = PlainName(given == nullptr ? "" : given);
   if (name.empty()) return otherwise + "_" + std::to_string(id);
   if (name.starts_with("__")) name = otherwise + name;  // SDF keeps those for itself
   return name == "world" ? otherwise + "_world" : name;

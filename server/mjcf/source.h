@@ -22,6 +22,9 @@ inline Pose ToPose(const mjtNum* p, const mjtNum* q) {
   return {ToVector(p), Quaternion(q[0], q[1], q[2], q[3]).normalized()};
 }
 
+/// `name` without what SDF or a list of names does not take.
+std::string PlainName(std::string name);
+
 class Source {
  public:
   Source(const Loaded& loaded, Words& words);

@@ -151,8 +151,8 @@ class WorldWriter {
       return;
     }
     std::string name = source_.BodyName(root);
-    const std::string given = m_.names == nullptr ? "" : m_.names;
-    if (moves && moving_ == 1 && !given.empty() && given != "MuJoCo Model") name = given;
+    const std::string given = PlainName(m_.names == nullptr ? "" : m_.names);
+    if (moves && moving_ == 1 && !given.empty() && given != "MuJoCo_Model") name = given;
     XMLElement& model = AddNamed(world, "model", FreeName(name));
     Pose X_WM = source_.X_WB(root);
     Pose X_WS = X_WM;  // where it starts

@@ -85,6 +85,15 @@ TEST(MjcfFilesTest, WhatANewerVersionHasIsLeftOutAndSaid) {
   EXPECT_NEAR(JointOf(answer, "hip")->max_effort, 7, 1e-9);
 }
 
+TEST(MjcfFilesTest, KeyframesOfSeveralLinesCount) {
+  const auto answer =
+      ReadMjcfText(Limb("leg", "<joint name=\"hip\" axis=\"0 1 0\"/>"),
+                   "<keyframe><key name=\"home\" qpos=\"\n 0 0 1\n  1 0 0 0\n .5\"/></keyframe>");
+  const JointModel* hip = JointOf(answer, "hip");
+  ASSERT_NE(hip, nullptr) << answer.messages;
+  EXPECT_NEAR(hip->start, 0.5, 1e-12);
+}
+
 TEST(MjcfFilesTest, AMeshThatIsNowhereIsSaidAndABoxStandsForIt) {
   const auto [robot, messages] = ReadAs(
       "rig.xml",
@@ -95,6 +104,27 @@ TEST(MjcfFilesTest, AMeshThatIsNowhereIsSaidAndABoxStandsForIt) {
   EXPECT_THAT(messages, HasSubstr("there is no 'absent.stl'"));
   EXPECT_EQ(robot->links[0].collisions.size(), 1u);
   EXPECT_NEAR(robot->links[0].mass_kg, 2, 1e-12);
+}
+
+TEST(MjcfFilesTest, AMeshThatLibmujocoDoesNotReadIsReadByUs) {
+  // STL as text.
+  const TempFolder folder;
+  std::string text = "solid flat\n";
+  for (const char* corner : {"1 1 0", "0 1 0"}) {
+    text += "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex " + std::string(corner) +
+            "\nendloop\nendfacet\n";
+  }
+  folder.Write("m/flat.stl", text + "endsolid flat\n");
+  folder.Write(
+      "rig.xml",
+      Mjcf("<compiler meshdir=\"m\"/><asset><mesh file=\"flat.stl\"/></asset><worldbody><body "
+           "name=\"base\"><freejoint/><inertial pos=\"0 0 0\" mass=\"2\" diaginertia=\".1 .1 .1\"/><geom "
+           "type=\"mesh\" mesh=\"flat\" contype=\"0\" conaffinity=\"0\"/><geom "
+           "size=\".1\"/></body></worldbody>"));
+  const auto [robot, messages] = ReadFile(folder, "rig.xml");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_THAT(messages, HasSubstr("mesh 'flat' is read by coopdyn itself"));
+  EXPECT_EQ(robot->links[0].visuals.size(), 2u);
 }
 
 TEST(MjcfFilesTest, IncludesAreReadAndLoopsRefused) {
