@@ -106,16 +106,17 @@ TEST(MjcfBodiesTest, ABodyThatNothingFreesIsFixed) {
 }
 
 TEST(MjcfBodiesTest, ABodyTurnedUprightKeepsItsDirections) {
-  // x points up: roll and yaw alone say nothing there.
-  const auto [robot, messages] =
-      ReadAs("arm.xml",
-             Mjcf("<worldbody><body name=\"base\" pos=\"0 0 1\"><geom size=\".1\"/><body name=\"arm\" "
-                  "quat=\".6123724 -.3535534 -.6123724 -.3535534\"><joint name=\"j\" axis=\"0 1 0\"/><geom "
-                  "size=\".1\"/></body></body></worldbody>"));
+  // x points down: roll and yaw alone say nothing there.
+  const auto [robot, messages] = ReadAs(
+      "arm.xml", Mjcf("<worldbody><body name=\"base\" pos=\"0 0 1\"><geom size=\".1\"/><body name=\"arm\" "
+                      "euler=\"90 90 90\"><joint name=\"j\" axis=\"0 1 0\"/><geom "
+                      "size=\".1\"/></body></body></worldbody>"));
   ASSERT_NE(robot, nullptr) << messages;
   ASSERT_EQ(robot->joints.size(), 1u);
-  const Quaternion q(0.6123724, -0.3535534, -0.6123724, -0.3535534);
-  EXPECT_NEAR((robot->joints[0].axis_R - q.normalized() * Vector3::UnitY()).norm(), 0, 1e-6);
+  const Quaternion q = portable::AngleAxis(kPi / 2, Vector3::UnitX()) *
+                       portable::AngleAxis(kPi / 2, Vector3::UnitY()) *
+                       portable::AngleAxis(kPi / 2, Vector3::UnitZ());
+  EXPECT_NEAR((robot->joints[0].axis_R - q * Vector3::UnitY()).norm(), 0, 1e-7);
 }
 
 TEST(MjcfBodiesTest, ActuatorsAreMotorsWithTheirGreatestForces) {
