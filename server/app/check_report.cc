@@ -40,6 +40,7 @@ Origin OriginOf(const std::string& file) {
   if (IsExperiment(*text, file)) return {"experiment", "", false, true};
   const auto root = ParseXml(*text, file, ignored);
   if (!root) return {extension == ".urdf" ? "URDF" : "SDF", "", true, false};
+  if (root->name == "mujoco") return {"MJCF", root->Attribute("model"), true, false};
   if (root->name == "robot") return {"URDF", root->Attribute("name"), true, false};
   const XmlNode* world = root->Child("world");
   const XmlNode* named = world == nullptr ? root->Child("model") : world;

@@ -12,6 +12,7 @@
 #include "server/app/commands.h"
 #include "server/app/options.h"
 #include "server/app/print.h"
+#include "server/model/mjcf.h"
 #include "server/model/readers.h"
 #include "server/model/resources.h"
 #include "server/model/text_file.h"
@@ -42,12 +43,32 @@ bool Write(const fs::path& file, const std::string& text) {
   return stream.good();
 }
 
+/// A file of MuJoCo: writes NAME.sdf and its meshes.
+int ConvertMjcf(const std::string& file, const std::string& wanted_out) {
+  const std::string name = fs::path(file).stem().string();
+  const fs::path out = wanted_out.empty() ? fs::path(name) : fs::path(wanted_out);
+  const fs::path target = out / (name + ".sdf");
+  std::error_code error;
+  for (const fs::path& one : {target, out / "meshes"}) {
+    if (fs::exists(one, error))
+      return Refuse(one.string() + " is there already: name another folder with --out");
+  }
+  Diagnostics diagnostics;
+  const auto text = TranslateMjcf(file, out / "meshes", "meshes/", diagnostics);
+  PrintErrorLines(diagnostics.ToString());
+  if (!text) return kExitErrors;
+  if (!Write(target, *text)) return Refuse(target.string() + " cannot be written");
+  Print("wrote {0}; go on with\n  coopdyn serve {0}\n", target.string());
+  return kExitOk;
+}
+
 int Convert(const ConvertOptions& options) {
   const SearchPath path = DataPath(options.scenario_folders);
   const auto found = path.FindScenario(options.file);
   Diagnostics diagnostics;
   const std::string file = found ? found->string() : options.file;
   const auto text = ReadTextFile(file, {file, 0}, diagnostics);
+  if (text && IsMjcf(*text)) return ConvertMjcf(file, options.out);
   std::set<fs::path> controllers;  // beside the experiment
   const auto has_controller = [&](const std::string& controller) {
     const auto beside = path.FindController(controller, fs::absolute(file).parent_path());
@@ -109,10 +130,10 @@ int Convert(const ConvertOptions& options) {
 
 void AddConvert(CLI::App& app, Chosen& chosen) {
   const auto given = std::make_shared<ConvertOptions>();
-  CLI::App* sub = app.add_subcommand("convert", "Write an experiment of YARS as a scenario and SDF models");
+  CLI::App* sub = app.add_subcommand("convert", "Write an experiment of YARS, or a model of MuJoCo, as SDF");
   sub->footer("Example: coopdyn convert experiment.xml --out mine && coopdyn serve mine/experiment.scenario");
   sub->add_option("file", given->file, "An .xml file, or a bare name on the search path")->required();
-  sub->add_option("--out", given->out, "The folder to write (default: the experiment's name)");
+  sub->add_option("--out", given->out, "The folder to write (default: the file's name)");
   sub->add_option("--scenarios", given->scenario_folders, "A folder with scenarios, worlds and robots");
   sub->callback([&chosen, given] { chosen = [given] { return Convert(*given); }; });
 }

@@ -12,6 +12,7 @@
 
 #include "protocol/ascii.h"
 #include "server/base/printable.h"
+#include "server/model/mjcf.h"
 #include "server/model/values.h"
 #include "server/model/xacro.h"
 
@@ -59,7 +60,10 @@ std::string Uploads::Objection(const std::string& name, const std::string& text)
         "characters: not '{}'",
         kMaxName, Printable(name));
   }
-  if (IsXacro(text, name))  // it may name any file of this machine
+  if (IsMjcf(text))  // it may name any file of this machine
+    return "MuJoCo's files that are sent are not read here: put the file into a folder and start the daemon "
+           "with --scenarios FOLDER, or send what coopdyn convert makes of it";
+  if (IsXacro(text, name))  // likewise
     return "xacro that is sent is not expanded here: send what 'xacro FILE' writes";
   if (extension == ".world" || extension == ".sdf" || extension == ".urdf") return {};
   if (extension == ".scenario" || extension == ".xml")

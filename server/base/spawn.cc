@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <csignal>
 #include <string>
+#include <system_error>
 #include <vector>
 
 namespace coopdyn {
@@ -41,6 +42,16 @@ int Spawn(const std::string& program, const std::vector<std::string>& arguments,
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&files);
   return code;
+}
+
+std::filesystem::path OwnProgram(const std::string& name) {
+  std::error_code code;
+  const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe", code).parent_path();
+  for (std::filesystem::path folder = own; folder.has_relative_path(); folder = folder.parent_path()) {
+    const bool is_ours = folder == own || std::filesystem::exists(folder / "CMakeCache.txt", code);
+    if (is_ours && std::filesystem::exists(folder / name, code)) return folder / name;
+  }
+  return {};
 }
 
 int WaitFor(pid_t process) {

@@ -5,6 +5,7 @@
 #include <sys/types.h>
 
 #include <array>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,10 @@ namespace coopdyn {
 /// the terminal is for us, and we end it. Returns 0, or an errno code.
 int Spawn(const std::string& program, const std::vector<std::string>& arguments,
           const std::array<int, 3>& streams, pid_t& process);
+
+/// The program `name` of ours, in the folder of this program or, for tests, in the build's folder above:
+/// nobody else's. Empty if it is not there.
+std::filesystem::path OwnProgram(const std::string& name);
 
 /// Waits for the end of `process`. Returns its wait status.
 int WaitFor(pid_t process);

@@ -69,6 +69,22 @@ std::size_t EditDistance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
+std::string_view RootElement(std::string_view text) {
+  constexpr std::string_view kSpaces = " \t\r\n";
+  for (;;) {
+    text.remove_prefix(std::min(text.find_first_not_of(kSpaces), text.size()));
+    const bool comment = text.starts_with("<!--");
+    if (!comment && !text.starts_with("<?") && !text.starts_with("<!DOCTYPE")) break;
+    const std::string_view end = comment ? "-->" : ">";
+    const std::size_t at = text.find(end, comment ? 4 : 2);
+    if (at == std::string_view::npos) return {};
+    text.remove_prefix(at + end.size());
+  }
+  const std::size_t end = text.find_first_of(" \t\r\n/>");
+  if (!text.starts_with('<') || end == std::string_view::npos) return {};
+  return text.substr(1, end - 1);
+}
+
 std::string Nearest(std::string_view word, std::span<const std::string> candidates) {
   constexpr std::size_t kLongest = 64, kShortest = 3;
   if (word.empty() || word.size() > kLongest) return {};

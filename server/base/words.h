@@ -20,6 +20,9 @@ std::vector<std::string> SplitWords(std::string_view text);
 /// `a, b and c`, each in single quotes if `quoted`.
 std::string JoinNames(std::span<const std::string> names, bool quoted = false);
 
+/// The name of the root element of an XML `text`; empty if it has none.
+std::string_view RootElement(std::string_view text);
+
 /// The candidate nearest to `word` if it is near enough to be a slip; empty otherwise. Case-insensitive.
 std::string Nearest(std::string_view word, std::span<const std::string> candidates);
 /// `; did you mean 'x'?`, or `; known are a, b and c` if nothing is near.

@@ -22,22 +22,11 @@ constexpr int kSilence_s =
     60;  // a process that may use less CPU time is stuck, or others keep it from the CPU
 constexpr const char* kConvert = "write it anew, for example with Blender";
 
-/// coopdyn-files in the folder of this program or, for tests, in the build's folder above: nobody else's.
-std::filesystem::path FilesProgram() {
-  std::error_code code;
-  const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe", code).parent_path();
-  for (std::filesystem::path folder = own; folder.has_relative_path(); folder = folder.parent_path()) {
-    const bool is_ours = folder == own || std::filesystem::exists(folder / "CMakeCache.txt", code);
-    if (is_ours && std::filesystem::exists(folder / kFilesProgram, code)) return folder / kFilesProgram;
-  }
-  return {};
-}
-
 }  // namespace
 
 bool FileReader::Start(std::string& why) {
   if (process_ > 0) return true;
-  const std::filesystem::path program = FilesProgram();
+  const std::filesystem::path program = OwnProgram(kFilesProgram);
   if (program.empty()) {
     why = std::string("coopdyn reads it by the program ") + kFilesProgram +
           ", which is not beside it: build all of coopdyn again (./start)";

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "server/model/mjcf.h"
 #include "server/model/resources.h"
 #include "server/model/text_file.h"
 #include "server/model/values.h"
@@ -62,6 +63,8 @@ void LeaveOutWrong(const std::set<std::string>& types, std::vector<Section>& sec
 
 bool IsExperiment(const std::string& text, const std::string& file) {
   if (rosiml::IsExperiment(text)) return true;
+  // The scenario that another file means begins so.
+  if (IsMjcf(text) || text.starts_with(';') || text.starts_with('[')) return false;
   const bool is_xml = ToLower(std::filesystem::path(file).extension().string()) == ".xml";
   return is_xml && text.find("<sdf") == std::string::npos;
 }

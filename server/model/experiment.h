@@ -16,7 +16,7 @@
 namespace coopdyn {
 
 /// Whether a text is such an experiment: by its first element; or its file ends in .xml, and
-/// it is no SDF.
+/// it is no SDF, no file of MuJoCo and no scenario.
 bool IsExperiment(const std::string& text, const std::string& file);
 
 /// The sections of the scenario that `text` is, with the lines of the XML, and of what stands behind it:

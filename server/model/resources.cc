@@ -113,6 +113,10 @@ Resources::Resources(const SearchPath& path, const fs::path& model_file)
   if (package_) roots_.push_back(*package_);
 }
 
+void Resources::Allow(const fs::path& folder) {
+  if (const auto root = Canonical(folder)) roots_.push_back(*root);
+}
+
 bool Resources::IsInside(const fs::path& file) const {
   return std::ranges::any_of(roots_, [&file](const fs::path& root) { return IsIn(root, file); });
 }

@@ -18,6 +18,9 @@ class Resources {
   /// one) may be used too.
   Resources(const SearchPath& path, const std::filesystem::path& model_file);
 
+  /// Files in `folder` may be used, too.
+  void Allow(const std::filesystem::path& folder);
+
   /// The existing file or folder that `uri` means in the file `from`; else nothing, and `why` says what to
   /// do.
   std::optional<std::filesystem::path> Find(const std::string& uri, const std::filesystem::path& from,

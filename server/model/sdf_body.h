@@ -67,10 +67,11 @@ void ReadAssembly(const std::vector<ModelScope>& scopes, ModelReading& reading);
 void MeasureModel(ModelReading& reading);
 /// The height of the lowest point of what moves, over the floor; infinite if there is nothing.
 double LowestOf(const RobotModel& robot, const Pose& X_WR);
-/// The robot of an SDF that has one <model> made for other programs.
+/// The robot of an SDF that has one <model> made for other programs. `in_world`: a world says where it
+/// stands.
 std::shared_ptr<const RobotModel> ReadRobotModelTree(XmlNode root, const std::string& file,
                                                      const std::string& type, const Resources* resources,
-                                                     Diagnostics& diagnostics);
+                                                     bool in_world, Diagnostics& diagnostics);
 
 /// Moves links and joints beyond joint `index` along it; false if it closes a loop.
 bool MoveJoint(RobotModel& robot, std::size_t index, double by);

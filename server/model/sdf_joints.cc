@@ -160,7 +160,8 @@ class JointReader {
     }
     if (*kind == Kind::kScrew) ReadPitch(joint, line, what, out);
     if (out.has_axis()) {
-      ReadAxis(*joint.Axis(0), joint.Type() == sdf::JointType::CONTINUOUS, line, out);
+      ReadAxis(*joint.Axis(0), joint.Type() == sdf::JointType::CONTINUOUS, StartOf(scope, joint, line), line,
+               out);
     } else {
       WarnPassive(joint, line, what);
     }
@@ -279,7 +280,21 @@ class JointReader {
     }
   }
 
-  void ReadAxis(const sdf::JointAxis& axis, bool endless, int line, JointModel& out) {
+  /// What coopdyn:start says, rad or m.
+  std::optional<double> StartOf(const ModelScope& scope, const sdf::Joint& joint, int line) {
+    const tinyxml2::XMLElement* const xml = XmlOf(scope, joint);
+    const char* const text = xml == nullptr ? nullptr : xml->Attribute("coopdyn:start");
+    if (text == nullptr) return std::nullopt;
+    const std::optional<double> start = ParsePlain(text);
+    if (start && std::abs(*start) <= kFar) return start;
+    reading_.Error(line, "coopdyn:start of joint '" + joint.Name() +
+                             "' is the position where it starts, a number of rad or m, not '" + text + "'");
+    return std::nullopt;
+  }
+
+  /// `start`: what the model says of it.
+  void ReadAxis(const sdf::JointAxis& axis, bool endless, const std::optional<double>& start, int line,
+                JointModel& out) {
     const std::string what = "joint '" + out.name + "'";
     if (!endless && axis.Lower() > -kNoLimit) out.lower = axis.Lower();
     if (!endless && axis.Upper() < kNoLimit) out.upper = axis.Upper();
@@ -291,6 +306,8 @@ class JointReader {
                         "it has no stops");
       out.lower = -JointModel::kInfinity;
       out.upper = JointModel::kInfinity;
+    } else if (start) {
+      out.start = std::clamp(*start, out.lower, out.upper);
     } else if (out.lower > 0 || out.upper < 0) {
       out.start = out.lower > 0 ? out.lower : out.upper;
       reading_.Mended(line,

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <utility>
 
+#include "server/model/mjcf.h"
 #include "server/model/readers.h"
 #include "server/model/sdf_body.h"
 #include "server/model/sdf_description.h"
@@ -160,6 +161,13 @@ std::shared_ptr<const RobotModel> ReadRobotModel(const std::filesystem::path& fi
   const std::string folder = std::filesystem::absolute(file).parent_path().filename().string();
   std::string stem = file.stem().string();
   if (is_xacro && stem.ends_with(".urdf")) stem.resize(stem.size() - 5);
+  if (IsMjcf(*text)) {
+    MeshFolder meshes;
+    auto root = ReadMjcfRobot(file, meshes, diagnostics);
+    if (!root) return nullptr;
+    const Resources all = ResourcesOf(path, file, meshes);
+    return ReadRobotModelTree(std::move(*root), name, stem, &all, false, diagnostics);
+  }
   const Resources resources(path, file);
   auto robot = ReadRobotModelText(*text, name, stem == "model" ? folder : stem, diagnostics, &resources);
   if (is_xacro && robot == nullptr)
@@ -186,11 +194,11 @@ std::shared_ptr<const RobotModel> ReadRobotModelText(const std::string& text, co
 
 std::shared_ptr<const RobotModel> ReadRobotModelTree(XmlNode root, const std::string& file,
                                                      const std::string& type, const Resources* resources,
-                                                     Diagnostics& diagnostics) {
+                                                     bool in_world, Diagnostics& diagnostics) {
   Diagnostics found, read;
   ModelSource source;
   source.foreign = true;
-  source.in_world = true;
+  source.in_world = in_world;
   if (resources != nullptr) source.parts_folder = resources->parts_folder();
   ComposeTree(std::move(root), resources, source, found);
   diagnostics.Append(found);

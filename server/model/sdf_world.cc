@@ -9,6 +9,7 @@
 
 #include "server/base/portable_math.h"
 #include "server/model/gazebo_plugins.h"
+#include "server/model/mjcf.h"
 #include "server/model/model_source.h"
 #include "server/model/resources.h"
 #include "server/model/sdf_body.h"
@@ -33,28 +34,24 @@ std::string Exact(const Vector3& v) {
 
 /// Roll, pitch, yaw about the fixed axes.
 std::string Angles(const Quaternion& q) {
-  const Matrix3 R = q.toRotationMatrix();
-  const double pitch = portable::Asin(std::clamp(-R(2, 0), -1.0, 1.0));
-  return Exact(Vector3(portable::Atan2(R(2, 1), R(2, 2)), pitch, portable::Atan2(R(1, 0), R(0, 0))));
+  return Exact(ToRollPitchYaw(q));
 }
 
 class WorldConverter {
  public:
-  WorldConverter(std::filesystem::path file, const SearchPath& path, Diagnostics& diagnostics)
-      : file_(std::move(file)), resources_(path, file_), diagnostics_(diagnostics) {}
+  WorldConverter(std::filesystem::path file, Resources resources, Diagnostics& diagnostics)
+      : file_(std::move(file)), resources_(std::move(resources)), diagnostics_(diagnostics) {}
 
-  std::optional<SdfWorld> Convert(const std::string& text) {
-    auto root = ParseXml(text, file_.string(), diagnostics_);
-    if (!root) return std::nullopt;
-    XmlNode* world = root->Child("world");
+  std::optional<SdfWorld> Convert(XmlNode root) {
+    XmlNode* world = root.Child("world");
     // Several models in a file are a world, too, and so are several bodies in a model.
-    if (world == nullptr && IsOneRobot(*root)) return OneRobot();
-    if (world == nullptr && CountModels(*root) > 0) world = &*root;
-    if (root->name != "sdf" || world == nullptr) {
-      diagnostics_.Error(root->where, "an SDF world starts with <sdf version=\"1.9\"> and holds a <world>");
+    if (world == nullptr && IsOneRobot(root)) return OneRobot();
+    if (world == nullptr && CountModels(root) > 0) world = &root;
+    if (root.name != "sdf" || world == nullptr) {
+      diagnostics_.Error(root.where, "an SDF world starts with <sdf version=\"1.9\"> and holds a <world>");
       return std::nullopt;
     }
-    Upgrade(*root, root->Attribute("version"));
+    Upgrade(root, root.Attribute("version"));
     const bool names_ground = std::ranges::any_of(world->children, [](const XmlNode& child) {
       return ToLower(child.TextOf("uri")).find("ground") != std::string::npos;
     });
@@ -78,9 +75,12 @@ class WorldConverter {
     needless_.Say(diagnostics_);
     if (diagnostics_.has_errors()) return std::nullopt;
     if (floor_.empty() && !names_ground && world->name == "world") {
-      diagnostics_.Mended(world->where,
-                          "the world has no ground plane, and gets a floor of 100 x 100 m at z = 0: write "
-                          "<include><uri>model://ground_plane</uri></include> if that is meant");
+      diagnostics_.Mended(
+          world->where,
+          "the world has no ground plane, and gets a floor of 100 x 100 m at z = 0: write " +
+              std::string(world->where.line == 0 ? "<geom type=\"plane\" size=\"50 50 1\"/>"
+                                                 : "<include><uri>model://ground_plane</uri></include>") +
+              " if that is meant");
     }
     return SdfWorld{"; The scenario that " + file_.filename().string() +
                         " means.\n[SIMULATION]\noverlaps yes\n" + simulation_ + "\n[FLOOR]\n" +
@@ -226,7 +226,8 @@ class WorldConverter {
     if (IsGround(model, X_WM)) return;
     const std::string name = NewName(model.Attribute("name"));
     const std::string type = ShortWorldModelType(file_, name);
-    const auto read = ReadRobotModelTree(std::move(root), file_.string(), type, &resources_, diagnostics_);
+    const auto read =
+        ReadRobotModelTree(std::move(root), file_.string(), type, &resources_, true, diagnostics_);
     if (read == nullptr) return;
     Pose X_WR = X_WM * Pose{read->p_MR, Quaternion::Identity()};
     const bool are_things = AreThings(*read);
@@ -329,7 +330,15 @@ std::optional<SdfWorld> ReadSdfWorld(const std::filesystem::path& file, const Se
                                      Diagnostics& diagnostics) {
   const auto text = ReadTextFile(file.string(), {file.string(), 0}, diagnostics);
   if (!text) return std::nullopt;
-  return WorldConverter(file, path, diagnostics).Convert(*text);
+  if (IsMjcf(*text)) {
+    MeshFolder meshes;
+    auto root = ReadMjcf(file, meshes, diagnostics);
+    if (!root) return std::nullopt;
+    return WorldConverter(file, ResourcesOf(path, file, meshes), diagnostics).Convert(std::move(*root));
+  }
+  auto root = ParseXml(*text, file.string(), diagnostics);
+  if (!root) return std::nullopt;
+  return WorldConverter(file, Resources(path, file), diagnostics).Convert(std::move(*root));
 }
 
 }  // namespace coopdyn

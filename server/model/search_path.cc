@@ -230,7 +230,7 @@ std::vector<std::string> SearchPath::RobotNames() const {
 bool IsModelPath(const std::string& type) {
   const std::string lower = ToLower(type);
   return type.find_first_of("/\\#") != std::string::npos || lower.ends_with(".sdf") ||
-         lower.ends_with(".urdf") || lower.ends_with(".xacro");
+         lower.ends_with(".urdf") || lower.ends_with(".xacro") || lower.ends_with(".xml");
 }
 
 std::string WorldModelType(const fs::path& world, const std::string& model) {
@@ -274,7 +274,7 @@ fs::path ModelPath(const std::string& type, const fs::path& beside) {
 std::optional<std::map<std::string, std::shared_ptr<const RobotModel>>> ModelsOf(const fs::path& world,
                                                                                  const SearchPath& path,
                                                                                  Diagnostics& diagnostics) {
-  if (ToLower(world.extension().string()) == ".xml") {
+  if (IsExperimentFile(world)) {
     auto models = ReadExperimentModels(world, path, diagnostics);
     if (diagnostics.has_errors()) return std::nullopt;
     return models;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "server/base/words.h"
 #include "server/rosiml/grammar.h"
 #include "server/rosiml/reader.h"
 #include "server/rosiml/write_scenario.h"
@@ -11,18 +12,7 @@
 namespace coopdyn::rosiml {
 
 bool IsExperiment(std::string_view text) {
-  constexpr std::string_view kSpaces = " \t\r\n";
-  for (;;) {
-    text.remove_prefix(std::min(text.find_first_not_of(kSpaces), text.size()));
-    const bool comment = text.starts_with("<!--");
-    if (!comment && !text.starts_with("<?") && !text.starts_with("<!DOCTYPE")) break;
-    const std::string_view end = comment ? "-->" : ">";
-    const std::size_t at = text.find(end, comment ? 4 : 2);
-    if (at == std::string_view::npos) return false;
-    text.remove_prefix(at + end.size());
-  }
-  constexpr std::string_view kRoot = "<rosiml";
-  return text.starts_with(kRoot) && text.find_first_of(" \t\r\n/>") == kRoot.size();
+  return RootElement(text) == "rosiml";
 }
 
 std::optional<Translation> TranslateSound(std::string_view text, const std::string& file,

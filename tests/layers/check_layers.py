@@ -23,6 +23,7 @@ ONLY_IN = {
     r"sdf/": ["server/model"],
     r"sleef": ["server/base"],
     r"assimp/": ["server/files"],
+    r"mujoco/": ["server/mjcf"],
     r"sqlite3": ["server/record", "clients/cpp"],
     r"matio": ["server/replay"],
 }

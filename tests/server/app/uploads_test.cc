@@ -58,6 +58,15 @@ TEST_F(UploadsTest, XacroIsRefused) {
   EXPECT_EQ(uploads.Keep("s.urdf", "<robot name=\"s\"><!-- <xacro:a/> --></robot>").status, 200U);
 }
 
+TEST_F(UploadsTest, MuJoCosFilesAreRefused) {
+  const std::string text = "<!-- a --><mujoco><include file=\"/etc/hostname\"/></mujoco>";
+  for (const char* name : {"r.xml", "r.sdf"}) {
+    const Upload upload = uploads.Keep(name, text);
+    EXPECT_EQ(upload.status, 400U);
+    EXPECT_THAT(upload.text, HasSubstr("MuJoCo's files that are sent are not read here"));
+  }
+}
+
 TEST_F(UploadsTest, TheFolderIsForThisUserAloneAndGoesAtTheEnd) {
   {
     Uploads kept(folder, path);

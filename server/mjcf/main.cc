@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// coopdyn-mjcf FILE FOLDER PREFIX: writes the MJCF model FILE as an SDF world on stdout. Its meshes go to
+// FOLDER as PREFIX + name. On stderr: lines `warning: …`, or what is wrong, and then the exit code is 1.
+// coopdyn starts it, so that a file that breaks libmujoco ends no daemon.
+#include <mujoco/mujoco.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <new>
+#include <string>
+
+#include "server/base/sanitizers.h"
+#include "server/mjcf/load.h"
+#include "server/mjcf/meshes.h"
+#include "server/mjcf/source.h"
+#include "server/mjcf/words.h"
+#include "server/mjcf/world.h"
+
+namespace coopdyn::mjcf {
+
+namespace {
+
+void SetLimit(__rlimit_resource resource, rlim_t limit) {
+  const rlimit both{limit, limit};
+  setrlimit(resource, &both);
+}
+
+[[noreturn]] void Fail(const char* why) {
+  std::fputs(why, stderr);
+  std::fputc('\n', stderr);
+  std::fflush(stderr);
+  _exit(1);
+}
+
+void LimitProcess() {
+  constexpr rlim_t kCpu_s = 60;
+  SetLimit(RLIMIT_CORE, 0);
+  SetLimit(RLIMIT_CPU, kCpu_s);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they map terabytes
+  SetLimit(RLIMIT_DATA, rlim_t{4} << 30);
+#endif
+  std::set_new_handler([] { Fail("reading it takes more than 4 GiB of memory: simplify it"); });
+  // Theirs write a file, wait for Enter and end the process.
+  mju_user_error = [](const char* text) { Fail(text); };
+  mju_user_warning = [](const char* text) { std::fprintf(stderr, "warning: %s\n", text); };
+}
+
+int Run(const std::string& file, const std::string& folder, const std::string& prefix) {
+  Words words;
+  const Loaded loaded = Load(file, words);
+  if (loaded.model == nullptr) Fail(loaded.why.c_str());
+  const Source source(loaded, words);
+  Meshes meshes(source, folder, prefix);
+  const std::string text = WriteWorld(source, meshes);
+  if (meshes.failed()) Fail(("its meshes cannot be written to " + folder).c_str());
+  for (const std::string& line : words.Lines()) std::fprintf(stderr, "warning: %s\n", line.c_str());
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  return std::fflush(stdout) == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+}  // namespace coopdyn::mjcf
+
+int main(int argc, char** argv) {
+  if (argc != 4) {
+    std::fputs("coopdyn-mjcf is started by coopdyn itself; write coopdyn convert model.xml\n", stderr);
+    return 2;
+  }
+  coopdyn::mjcf::LimitProcess();
+  _exit(coopdyn::mjcf::Run(argv[1], argv[2], argv[3]));  // libmujoco's static objects need no end
+}

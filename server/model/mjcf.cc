@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+#include "server/model/mjcf.h"
+
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <vector>
+
+#include "server/base/printable.h"
+#include "server/base/run_program.h"
+#include "server/base/spawn.h"
+#include "server/base/words.h"
+#include "server/model/model_source.h"
+#include "server/model/readers.h"
+
+namespace coopdyn {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kProgram = "coopdyn-mjcf";
+constexpr std::size_t kMostBytes = 64u << 20;
+
+void ForgetLines(XmlNode& node) {
+  node.where.line = 0;
+  for (XmlNode& child : node.children) ForgetLines(child);
+}
+
+/// Reports the lines `warning: …`. The rest in one line.
+std::string TakeWarnings(std::string_view text, const SourceLine& where, Diagnostics& diagnostics) {
+  constexpr std::string_view kWarning = "warning: ";
+  constexpr std::size_t kMost = 500;
+  std::string rest;
+  while (!text.empty()) {
+    const std::size_t end = text.find('\n');
+    const std::string_view line = text.substr(0, end);
+    if (line.starts_with(kWarning))
+      diagnostics.Warning(where, Printable(line.substr(kWarning.size())));
+    else if (!line.empty())
+      rest += (rest.empty() ? "" : "; ") + std::string(line);
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  }
+  return Printable(rest, kMost);
+}
+
+std::string WhyEnded(const ProgramEnd& end, const std::string& said) {
+  if (WIFSIGNALED(end.status) && WTERMSIG(end.status) == SIGXCPU)
+    return "libmujoco takes more than 60 s of CPU time for it: simplify it";
+  if (!WIFEXITED(end.status)) return "libmujoco crashed: the file, or one that it names, is damaged";
+  return "libmujoco: " + (said.empty() ? "it cannot be read" : said);
+}
+
+bool IsStatic(const XmlNode& model) {
+  return model.TextOf("static") == "true";
+}
+
+}  // namespace
+
+MeshFolder::MeshFolder() {
+  std::error_code code;
+  std::string name = (fs::temp_directory_path(code) / "coopdyn-mjcf-XXXXXX").string();
+  if (!code && ::mkdtemp(name.data()) != nullptr) path_ = name;
+}
+
+MeshFolder::~MeshFolder() {
+  std::error_code ignored;
+  if (!path_.empty()) fs::remove_all(path_, ignored);
+}
+
+bool IsMjcf(std::string_view text) {
+  return RootElement(text) == "mujoco";
+}
+
+std::optional<std::string> TranslateMjcf(const fs::path& file, const fs::path& meshes,
+                                         const std::string& prefix, Diagnostics& diagnostics) {
+  const SourceLine where{file.string(), 0};
+  const auto fail = [&](const std::string& text) {
+    diagnostics.Error(where, text);
+    return std::nullopt;
+  };
+  const fs::path program = OwnProgram(kProgram);
+  if (program.empty()) {
+    return fail(
+        std::string("MuJoCo's files are read by the program ") + kProgram +
+        ", which is not beside coopdyn: install libmujoco-dev and build again (./start), or write SDF "
+        "where there is one: coopdyn convert FILE");
+  }
+  if (meshes.empty()) return fail("there is no room for its meshes in the folder for temporary files");
+  NoEnd why = NoEnd::kNone;
+  const auto end = RunProgram(program, {file.string(), meshes.string(), prefix}, kMostBytes, why);
+  if (why == NoEnd::kNoProgram) return fail(program.string() + " cannot be started");
+  if (!end) return fail(std::string(kProgram) + " wrote nothing for a minute, or more than 64 MiB");
+  const std::string said = TakeWarnings(end->error, where, diagnostics);
+  if (!end->succeeded()) return fail(WhyEnded(*end, said));
+  return end->out;
+}
+
+std::optional<XmlNode> ReadMjcf(const fs::path& file, const MeshFolder& meshes, Diagnostics& diagnostics) {
+  const auto text = TranslateMjcf(file, meshes.path(), meshes.path().string() + "/", diagnostics);
+  auto root = text ? ParseXml(*text, file.string(), diagnostics) : std::nullopt;
+  if (root) ForgetLines(*root);
+  return root;
+}
+
+std::optional<XmlNode> ReadMjcfRobot(const fs::path& file, const MeshFolder& meshes,
+                                     Diagnostics& diagnostics) {
+  auto root = ReadMjcf(file, meshes, diagnostics);
+  XmlNode* const world = root ? root->Child("world") : nullptr;
+  if (world == nullptr) return std::nullopt;
+  std::vector<XmlNode> models;
+  for (XmlNode& child : world->children) {
+    if (child.name == "model" && !IsStatic(child)) models.push_back(std::move(child));
+  }
+  std::vector<std::string> names;
+  for (const XmlNode& model : models) names.push_back(model.Attribute("name"));
+  const auto is_driven = [](const XmlNode& one) {
+    return HasAny(one, "effort") || HasAny(one, "coopdyn:thruster");
+  };
+  if (std::ranges::count_if(models, is_driven) == 1)
+    std::erase_if(models, [&](const XmlNode& one) { return !is_driven(one); });
+  if (models.size() != 1) {
+    const std::string name = file.filename().string();
+    diagnostics.Error(
+        {file.string(), 0},
+        models.empty()
+            ? "nothing in it moves, so it is no robot: serve it as a world (coopdyn serve " + name + ")"
+            : "it holds several robots, " + JoinNames(names) + ": name one of them, type " + name + "#" +
+                  names.front() + ", or serve the file itself (coopdyn serve " + name + ")");
+    return std::nullopt;
+  }
+  std::erase_if(models.front().children, [](const XmlNode& one) { return one.name == "pose"; });
+  root->children = std::move(models);
+  return root;
+}
+
+Resources ResourcesOf(const SearchPath& path, const fs::path& file, const MeshFolder& meshes) {
+  Resources resources(path, file);
+  resources.Allow(meshes.path());
+  return resources;
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+// Worlds and sensors of MuJoCo's files, files for newer versions, and damaged ones.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "server/model/mjcf.h"
+#include "tests/server/mjcf/mjcf_rig.h"
+
+namespace coopdyn {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string MessagesOf(const std::string& text) {
+  return ReadAs("rig.xml", text).messages;
+}
+
+TEST(MjcfFilesTest, AWorldHasItsFloorThingsAndRobots) {
+  const auto [world, messages] = ReadMjcfWorld(
+      Mjcf("<option timestep=\".005\" gravity=\"0 0 -3\"/><worldbody><geom type=\"plane\" size=\"7 8 "
+           "1\"/><geom name=\"wall\" "
+           "type=\"box\" size=\".1 1 .5\" pos=\"2 0 .5\"/><body name=\"a\" pos=\"0 0 .2\"><freejoint/><geom "
+           "size=\".1\"/>" +
+           Limb("leg", "<joint name=\"hip\"/>") +
+           "</body><body name=\"crate\" pos=\"1 1 1\"><freejoint/><geom "
+           "type=\"box\" size=\".1 .1 .1\"/></body></worldbody>"));
+  ASSERT_TRUE(world) << messages;
+  EXPECT_THAT(world->scenario, AllOf(HasSubstr("size 14 16"), HasSubstr("gravity 3\n"),
+                                     HasSubstr("step 0.005"), HasSubstr("[wall]\ntype box"),
+                                     HasSubstr("[crate]\ntype box"), HasSubstr("[ROBOT_1]\ntype rig.a")));
+  EXPECT_THAT(messages, Not(HasSubstr("ground plane")));
+}
+
+TEST(MjcfFilesTest, OneRobotAndAFloorIsThatRobotAndTwoAreNamed) {
+  const std::string floor = "<worldbody><geom type=\"plane\" size=\"5 5 1\"/></worldbody>";
+  const std::string robot = "<worldbody><body name=\"a\"><freejoint/><geom size=\".1\"/></body></worldbody>";
+  EXPECT_NE(ReadAs("rig.xml", Mjcf(floor + robot)).robot, nullptr);
+  const std::string other = "<worldbody><body name=\"b\"><freejoint/><geom size=\".1\"/></body></worldbody>";
+  EXPECT_THAT(MessagesOf(Mjcf(floor + robot + other)),
+              HasSubstr("it holds several robots, a and b: name one of them, type rig.xml#a"));
+  EXPECT_THAT(MessagesOf(Mjcf(floor)), HasSubstr("nothing in it moves, so it is no robot"));
+}
+
+TEST(MjcfFilesTest, SensorsOnSitesAreModules) {
+  const auto [robot, messages] = ReadMjcfText(
+      "<site name=\"head\" pos=\"0 0 .3\"/><site name=\"toe\"/><camera name=\"eye\" pos=\".1 0 0\"/>",
+      "<sensor><gyro site=\"head\"/><accelerometer site=\"head\"/><rangefinder name=\"beam\" "
+      "site=\"toe\"/><touch "
+      "name=\"skin\" site=\"toe\"/><subtreecom body=\"base\"/></sensor>");
+  ASSERT_NE(robot, nullptr) << messages;
+  std::string modules;
+  for (const ModuleModel& module : robot->modules()) modules += module.name + "=" + module.type + " ";
+  EXPECT_THAT(modules, AllOf(HasSubstr("head=imu "), HasSubstr("beam=lidar "), HasSubstr("skin=contact "),
+                             HasSubstr("eye=camera ")));
+  EXPECT_THAT(messages, HasSubstr("sensors that have no equal here are left out: subtreecom"));
+}
+
+TEST(MjcfFilesTest, AnActuatorOnASiteIsAThruster) {
+  const auto [robot, messages] = ReadMjcfText(
+      "<site name=\"jet\" pos=\".1 0 0\"/>",
+      "<actuator><motor name=\"push\" site=\"jet\" gear=\"0 0 2 0 0 0\" ctrlrange=\"0 3\"/></actuator>");
+  ASSERT_NE(robot, nullptr) << messages;
+  std::string modules;
+  for (const ModuleModel& module : robot->modules()) modules += module.name + " ";
+  EXPECT_THAT(modules, HasSubstr("thrusters"));
+}
+
+TEST(MjcfFilesTest, WhatANewerVersionHasIsLeftOutAndSaid) {
+  const auto answer = ReadMjcfText(
+      "<frame pos=\"0 0 .1\"><geom size=\".05\" mass=\".5\"/></frame>" +
+          Limb("leg", "<joint name=\"hip\" axis=\"0 1 0\" actuatorfrcrange=\"-7 7\" fancy=\"1\"/>"),
+      "<option integrator=\"implicitfast\"/><actuator><motor joint=\"hip\" ctrlrange=\"-20 "
+      "20\"/></actuator>");
+  ASSERT_NE(answer.robot, nullptr) << answer.messages;
+  EXPECT_THAT(answer.messages, AllOf(HasSubstr("'fancy' of <joint> is not known to libmujoco"),
+                                     HasSubstr("'implicitfast' of 'integrator' of <option> is not known"),
+                                     Not(HasSubstr("<frame>"))));
+  // A frame's shapes stay, and so does the greatest torque.
+  EXPECT_NEAR(answer.robot->links[0].mass_kg, 2.5, 1e-9);
+  EXPECT_NEAR(JointOf(answer, "hip")->max_effort, 7, 1e-9);
+}
+
+TEST(MjcfFilesTest, KeyframesOfSeveralLinesCount) {
+  const auto answer =
+      ReadMjcfText(Limb("leg", "<joint name=\"hip\" axis=\"0 1 0\"/>"),
+                   "<keyframe><key name=\"home\" qpos=\"\n 0 0 1\n  1 0 0 0\n .5\"/></keyframe>");
+  const JointModel* hip = JointOf(answer, "hip");
+  ASSERT_NE(hip, nullptr) << answer.messages;
+  EXPECT_NEAR(hip->start, 0.5, 1e-12);
+}
+
+TEST(MjcfFilesTest, AMeshThatIsNowhereIsSaidAndABoxStandsForIt) {
+  const auto [robot, messages] = ReadAs(
+      "rig.xml",
+      Mjcf("<asset><mesh file=\"absent.stl\"/></asset><worldbody><body name=\"base\"><freejoint/><inertial "
+           "pos=\"0 0 0\" "
+           "mass=\"2\" diaginertia=\".1 .1 .1\"/><geom type=\"mesh\" mesh=\"absent\"/></body></worldbody>"));
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_THAT(messages, HasSubstr("there is no 'absent.stl'"));
+  EXPECT_EQ(robot->links[0].collisions.size(), 1u);
+  EXPECT_NEAR(robot->links[0].mass_kg, 2, 1e-12);
+}
+
+TEST(MjcfFilesTest, AMeshThatLibmujocoDoesNotReadIsReadByUs) {
+  // STL as text.
+  const TempFolder folder;
+  std::string text = "solid flat\n";
+  for (const char* corner : {"1 1 0", "0 1 0"}) {
+    text += "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex " + std::string(corner) +
+            "\nendloop\nendfacet\n";
+  }
+  folder.Write("m/flat.stl", text + "endsolid flat\n");
+  folder.Write(
+      "rig.xml",
+      Mjcf("<compiler meshdir=\"m\"/><asset><mesh file=\"flat.stl\"/></asset><worldbody><body "
+           "name=\"base\"><freejoint/><inertial pos=\"0 0 0\" mass=\"2\" diaginertia=\".1 .1 .1\"/><geom "
+           "type=\"mesh\" mesh=\"flat\" contype=\"0\" conaffinity=\"0\"/><geom "
+           "size=\".1\"/></body></worldbody>"));
+  const auto [robot, messages] = ReadFile(folder, "rig.xml");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_THAT(messages, HasSubstr("mesh 'flat' is read by coopdyn itself"));
+  EXPECT_EQ(robot->links[0].visuals.size(), 2u);
+}
+
+TEST(MjcfFilesTest, IncludesAreReadAndLoopsRefused) {
+  const TempFolder folder;
+  folder.Write("part.xml", "<mujocoinclude><geom size=\".1\"/></mujocoinclude>");
+  folder.Write("rig.xml",
+               Mjcf("<worldbody><body><freejoint/><include file=\"part.xml\"/></body></worldbody>"));
+  EXPECT_NE(ReadFile(folder, "rig.xml").robot, nullptr);
+  folder.Write("rig.xml", "<mujoco>\n<include file=\"rig.xml\"/></mujoco>");
+  EXPECT_THAT(ReadFile(folder, "rig.xml").messages, HasSubstr("already included; Element 'include', line 2"));
+}
+
+TEST(MjcfFilesTest, DamagedFilesAreErrorsWithTheirLines) {
+  EXPECT_THAT(MessagesOf("<mujoco>\n<worldbody><body></worldbody></mujoco>"),
+              HasSubstr("error: libmujoco: XML"));
+  EXPECT_THAT(MessagesOf(Mjcf("<worldbody>\n<body><freejoint/><geom size=\"-1\"/></body></worldbody>")),
+              HasSubstr("line = 3"));
+  EXPECT_THAT(MessagesOf(Mjcf("<worldbody><body><freejoint/></body></worldbody>")),
+              HasSubstr("error: libmujoco"));
+  std::string deep = "<mujoco><worldbody>";
+  for (int i = 0; i < 20'000; ++i) deep += "<body>";
+  EXPECT_THAT(MessagesOf(deep), HasSubstr("error: libmujoco"));
+  EXPECT_THAT(MessagesOf(Mjcf("<worldbody><body><freejoint/><geom size=\"1e300\"/></body></worldbody>")),
+              HasSubstr("error: "));
+}
+
+TEST(MjcfFilesTest, NothingStaysInTheTemporaryFolder) {
+  std::filesystem::path path;
+  {
+    const MeshFolder meshes;
+    path = meshes.path();
+    EXPECT_TRUE(std::filesystem::exists(path));
+  }
+  EXPECT_FALSE(path.empty());
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+}  // namespace
+}  // namespace coopdyn
