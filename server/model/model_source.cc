@@ -319,7 +319,10 @@ void ComposeTree(XmlNode root, const Resources* resources, ModelSource& source, 
   ExpandChains(*root.Child("model"), diagnostics);
   GatherMimics(*root.Child("model"));
   FreeNames(*root.Child("model"), diagnostics);
-  if (source.foreign) NumberSensors(*root.Child("model"), diagnostics);
+  if (source.foreign) {
+    NumberSensors(*root.Child("model"), diagnostics);
+    FixStillJoints(*root.Child("model"), diagnostics);
+  }
   CheckNames(*root.Child("model"), diagnostics);
   if (source.foreign) {
     root.Set("coopdyn:foreign", "true");

@@ -74,6 +74,9 @@ bool HasChains(const XmlNode& node);
 void FreeNames(XmlNode& model, Diagnostics& diagnostics);
 /// Gives a sensor that is called like another of its link or joint a name of its own, and says so.
 void NumberSensors(XmlNode& model, Diagnostics& diagnostics);
+/// Makes fixed ones of joints whose axis has no direction and whose limits are both 0: so some models hold
+/// sensors of forces.
+void FixStillJoints(XmlNode& model, Diagnostics& diagnostics);
 /// Reports joints that join no links, and names that two have: libsdformat's words have no lines.
 void CheckNames(const XmlNode& model, Diagnostics& diagnostics);
 

@@ -41,6 +41,12 @@ void DropWorld(XmlNode& model, Diagnostics& diagnostics) {
   });
 }
 
+/// Whether the direction of an <axis> is 0 0 0.
+bool IsZero(const XmlNode& axis) {
+  const std::vector<std::string> xyz = SplitWords(axis.TextOf("xyz"));
+  return xyz.size() == 3 && std::ranges::all_of(xyz, [](const auto& x) { return ParsePlain(x) == 0; });
+}
+
 /// Collisions and visuals that have the same name.
 void NumberShapes(XmlNode& link) {
   for (const char* kind : {"collision", "visual"}) {
@@ -82,13 +88,27 @@ void CheckJoint(const XmlNode& joint, const std::set<std::string>& names, Diagno
   if (const std::string child = joint.TextOf("child"); !child.empty() && child == joint.TextOf("parent"))
     diagnostics.Error(joint.where, what + " joins link '" + child + "' to itself: name two links");
   const XmlNode* axis = joint.Child("axis");
-  const std::vector<std::string> xyz = SplitWords(axis == nullptr ? "" : axis->TextOf("xyz"));
-  if (xyz.size() == 3 && std::ranges::all_of(xyz, [](const auto& x) { return ParsePlain(x) == 0; }))
+  if (axis != nullptr && IsZero(*axis))
     diagnostics.Error(axis->where,
                       "the <xyz> of " + what + " is the direction of its axis: it cannot be 0 0 0");
 }
 
 }  // namespace
+
+void FixStillJoints(XmlNode& model, Diagnostics& diagnostics) {
+  for (XmlNode& child : model.children) {
+    if (child.name == "model") FixStillJoints(child, diagnostics);
+    const XmlNode* axis = child.name == "joint" ? child.Child("axis") : nullptr;
+    const XmlNode* limit = axis == nullptr ? nullptr : axis->Child("limit");
+    if (limit == nullptr || !IsZero(*axis) || ParsePlain(limit->TextOf("lower")) != 0 ||
+        ParsePlain(limit->TextOf("upper")) != 0)
+      continue;
+    diagnostics.Warning(axis->where, "joint '" + child.Attribute("name") +
+                                         "' has no direction and no way to go: it is taken as fixed");
+    child.Set("type", "fixed");
+    std::erase_if(child.children, [](const XmlNode& one) { return one.name == "axis"; });
+  }
+}
 
 void CheckNames(const XmlNode& model, Diagnostics& diagnostics) {
   std::set<std::string> names, joints;
