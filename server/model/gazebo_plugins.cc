@@ -20,6 +20,32 @@ bool HasWord(const std::string& text, std::string_view word) {
   return text.find(word) != std::string::npos;
 }
 
+/// Lower case, without - and _.
+std::string Plain(const std::string& text) {
+  std::string plain = ToLower(text);
+  std::erase_if(plain, [](char c) { return c == '-' || c == '_'; });
+  return plain;
+}
+
+/// What a model does otherwise without a plug-in; nothing if that is not known.
+std::string WhyItMatters(const XmlNode& plugin) {
+  const std::string word = PluginWord(plugin);
+  if (word == "trackedvehicle" || word == "trackcontroller")
+    return "its tracks do not move, and nothing drives them; wheels with a DiffDrive would";
+  if (word == "detachablejoint")
+    return "the model '" + plugin.TextOf("child_model") +
+           "' is not attached, and moves on its own; for the whole run a link with <joint type=\"fixed\"> "
+           "would hold it";
+  if (word == "liftdrag" || word == "advancedliftdrag" || word == "liftdragplugin")
+    return "air and water do not push wings and fins, so planes do not fly and rudders do not steer";
+  if (word == "buoyancy" || word == "hydrodynamics" || word == "buoyancyengine")
+    return "no water carries or slows anything: set gravity 0 in the scenario for what floats";
+  if (word == "windeffects") return "no wind blows";
+  if (word == "planarmove" || word == "velocitycontrol" || word == "trajectoryfollower")
+    return "it moves a model without wheels or forces; thrusters would push it";
+  return {};
+}
+
 /// The text of the first of these elements that is there.
 std::string FirstOf(const XmlNode& node, std::initializer_list<const char*> names) {
   for (const char* name : names) {
@@ -72,36 +98,18 @@ class PluginTranslator {
   }
 
   void TranslateOne(const GazeboPlugin& plugin) {
-    const std::string word = PluginWord(plugin.node);
     const std::string file = ToLower(plugin.node.Attribute("filename"));
-    if (IsControlBoard(word, file)) return ReadYarpBoard(plugin);
+    if (PluginWord(plugin.node) == "controlboard" && HasWord(file, "yarp")) return ReadYarpBoard(plugin);
     if (needless_.Take(plugin.node)) return;
+    // Of Gazebo classic either may say what it is.
+    const std::string word = Plain(file + " " + plugin.node.Attribute("name"));
     if (AddDrive(plugin, word) || AddMecanum(plugin, word) || AddRotor(plugin, word) ||
         AddJoints(plugin, word))
       return;
     // Its joints stand in <ros2_control> or in <transmission>s.
     const bool is_ros = HasWord(file, "ros_control") || HasWord(file, "ros2_control");
     if (is_ros && model_.Child("coopdyn:gazebo_joint") != nullptr) return;
-    const std::string why = WhyItMatters(plugin, word);
-    LeaveOut(plugin, "plug-in '" + plugin.node.Attribute("filename") + "' is not used by coopdyn" +
-                         (why.empty() ? "" : ": " + why));
-  }
-
-  /// What a model does otherwise without a plug-in; nothing if that is not known.
-  static std::string WhyItMatters(const GazeboPlugin& plugin, const std::string& word) {
-    if (word == "trackedvehicle" || word == "trackcontroller")
-      return "its tracks do not move, and nothing drives them; wheels with a DiffDrive would";
-    if (word == "detachablejoint")
-      return "the model '" + plugin.node.TextOf("child_model") +
-             "' is not attached, and moves on its own; for the whole run a link with <joint type=\"fixed\"> "
-             "would hold it";
-    if (word == "liftdrag" || word == "advancedliftdrag" || word == "liftdragplugin")
-      return "air and water do not push wings and fins, so planes do not fly and rudders do not steer";
-    if (word == "buoyancy" || word == "hydrodynamics" || word == "buoyancyengine")
-      return "there is no water that carries or slows it: set gravity 0 in the scenario, if it floats";
-    if (word == "planarmove" || word == "velocitycontrol" || word == "trajectoryfollower")
-      return "it moves a model without wheels or forces; thrusters would push it";
-    return {};
+    LeaveOut(plugin, UnusedPlugin(plugin.node));
   }
 
   bool AddDrive(const GazeboPlugin& plugin, const std::string& word) {
@@ -165,12 +173,12 @@ class PluginTranslator {
 
   /// A propeller: a thruster along its axis, whose reaction turns what holds it.
   bool AddRotor(const GazeboPlugin& plugin, const std::string& word) {
-    const bool is_motor =
-        word == "multicoptermotormodel" || word == "motormodel" || word == "rotorsgazebomotormodel";
-    const bool is_jet = word == "spacecraftthrustermodel";
+    const bool is_motor = HasWord(word, "motormodel") && !HasWord(word, "generic");
+    const bool is_jet = HasWord(word, "spacecraftthruster");
     const auto joints = JointsOf(plugin, {"jointName", "joint_name"});
     const auto links = JointsOf(plugin, {"linkName", "link_name"});
-    if (is_jet ? links.empty() : !(is_motor || word == "thruster") || joints.empty()) return false;
+    if (is_jet ? links.empty() : !(is_motor || PluginWord(plugin.node) == "thruster") || joints.empty())
+      return false;
     if (is_motor && plugin.node.TextOf("motorType") == "position") return false;
     // Defaults of the plug-ins.
     const auto number = [&plugin](const char* key, double otherwise) {
@@ -211,10 +219,6 @@ class PluginTranslator {
     return !joints.empty();
   }
 
-  static bool IsControlBoard(const std::string& word, const std::string& file) {
-    return word == "controlboard" && HasWord(file, "yarp");
-  }
-
   void ReadYarpBoard(const GazeboPlugin& plugin) {
     constexpr std::size_t kMostBoards = 100, kMostBytes = 1u << 20;
     const std::string uri = plugin.node.TextOf("yarpConfigurationFile");
@@ -250,8 +254,8 @@ class PluginTranslator {
     }
     if (left_out.empty()) return;
     diagnostics_.Warning(boards_.front()->node.where,
-                         "control boards without joints of their own are left out, as wider ones have these "
-                         "or no <yarpConfigurationFile> names them: " +
+                         "control boards that have no joints are left out, as wider boards have these, or no "
+                         "<yarpConfigurationFile> names any: " +
                              JoinWords(left_out));
   }
 
@@ -278,8 +282,13 @@ std::string PluginWord(const XmlNode& plugin) {
        {"lib", "gz-sim-", "gz-sim", "ignition-gazebo-", "gazebo_ros_", "gazebo_yarp_", "gazebo_", "yarp-"}) {
     if (word.starts_with(start)) word.erase(0, start.size());
   }
-  std::erase_if(word, [](char c) { return c == '-' || c == '_'; });
-  return word;
+  return Plain(word);
+}
+
+std::string UnusedPlugin(const XmlNode& plugin) {
+  const std::string why = WhyItMatters(plugin);
+  return "plug-in '" + plugin.Attribute("filename") + "' is not used by coopdyn" + (why.empty() ? "" : ": ") +
+         why;
 }
 
 bool NeedlessPlugins::Take(const XmlNode& plugin) {

@@ -33,6 +33,9 @@ class NeedlessPlugins {
   SourceLine first_;
 };
 
+/// That `plugin` is not used, and what a model does otherwise without it, if that is known.
+std::string UnusedPlugin(const XmlNode& plugin);
+
 /// " (also 2 more times)" of what was left out `count` times; nothing for 1.
 std::string MoreTimes(int count);
 

@@ -33,7 +33,8 @@ class Gatherer {
 
  private:
   void Visit(const XmlNode& node, const fs::path& file) {
-    if (node.name == "uri" || node.name == "albedo_map") Look(node.text, file);
+    if (node.name == "uri" || node.name == "albedo_map" || node.name == "yarpConfigurationFile")
+      Look(node.text, file);
     if (node.Has("filename") && node.name != "plugin") Look(node.Attribute("filename"), file);
     for (const XmlNode& child : node.children) Visit(child, file);
   }

@@ -69,6 +69,8 @@ class WorldConverter {
         ReadAmbient(child);
       } else if (child.name == "plugin" && needless_.Take(child)) {
         // Told below.
+      } else if (child.name == "plugin") {
+        diagnostics_.Warning(child.where, UnusedPlugin(child));
       } else if (child.name != "physics" && child.name != "gravity") {
         diagnostics_.Warning(child.where, "<" + child.name + "> in <world> is not used by coopdyn");
       }

@@ -14,7 +14,7 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::size_t kMostNames = kMaxModelParts;
+constexpr std::size_t kMostNames = kMaxModelParts, kMostDevices = 50;
 
 /// The words of a line without its comment; lists lose their parentheses, strings their quotes.
 std::vector<std::string> WordsOfLine(std::string_view line) {
@@ -36,8 +36,8 @@ void ReadWrapper(const std::vector<std::string>& words, YarpIni& ini) {
     ini.name = words[1].substr(words[1].find_last_of("/%") + 1);
   } else if (key == "networks") {
     ini.networks.assign(words.begin() + 1,
-                        words.begin() + static_cast<long>(std::min(words.size(), kMostNames)));
-  } else if (words.size() == 5 && ini.ranges.size() < kMostNames) {
+                        words.begin() + static_cast<long>(std::min(words.size(), kMostDevices)));
+  } else if (words.size() == 5 && ini.ranges.size() < kMostDevices) {
     const auto board = JointIndex(words[1]), first = JointIndex(words[3]), last = JointIndex(words[4]);
     if (board && first && last) ini.ranges[key] = {*board, *first, *last};
   }
@@ -109,7 +109,7 @@ YarpIni ParseYarpIni(std::string_view text) {
       ini.is_coupled = ini.is_coupled || section == "COUPLING";
     } else if (section == "WRAPPER") {
       ReadWrapper(words, ini);
-    } else if (words.front() == "jointNames" && words.size() > 1 && ini.devices.size() < kMostNames) {
+    } else if (words.front() == "jointNames" && words.size() > 1 && ini.devices.size() < kMostDevices) {
       const auto most = static_cast<long>(std::min(words.size(), kMostNames + 1));
       ini.devices.push_back({section, {words.begin() + 1, words.begin() + most}});
     } else if (words.front() == "yarpDeviceName" && words.size() > 1) {

@@ -122,6 +122,39 @@ TEST(GazeboPluginsTest, AThrusterWithoutItsLinkIsLeftOutAndThatIsSaid) {
   EXPECT_THAT(messages, HasSubstr("the thruster of 'none' is left out, since the model has no such link"));
 }
 
+TEST(GazeboPluginsTest, AThrusterOfASpacecraftPushesAlongZOfItsLink) {
+  const auto [robot, messages] =
+      ReadCraft(Plugin("gz-sim-spacecraft-thruster-model-system", "gz::sim::systems::SpacecraftThrusterModel",
+                       "<link_name>base</link_name><max_thrust>1.4</max_thrust>"));
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_THAT(JointsOf(*robot, "thrusters"), ElementsAre("base")) << messages;
+  EXPECT_EQ(robot->joints.back().max_effort, 1.4);
+  EXPECT_EQ(robot->joints.back().child, 0);
+}
+
+TEST(GazeboPluginsTest, AMotorModelOfAnotherKindIsLeftOut) {
+  const auto [robot, messages] =
+      ReadCraft(Plugin("libGenericMotorModelPlugin.so", "gz::sim::systems::GenericMotorModel", kMotor) +
+                Plugin("libgazebo_motor_model.so", "m", kMotor + "<motorType>position</motorType>"));
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_THAT(JointsOf(*robot, "thrusters"), ElementsAre());
+  EXPECT_THAT(messages, AllOf(HasSubstr("plug-in 'libGenericMotorModelPlugin.so' is not used"),
+                              HasSubstr("plug-in 'libgazebo_motor_model.so' is not used")));
+}
+
+TEST(GazeboPluginsTest, AJointWithoutDirectionAndWayIsFixed) {
+  const auto [robot, messages] = ReadSdf(
+      kBase + SdfLink("leg", "0 0 0.4 0 0 0", kSdfBox) +
+      "<joint name=\"ft\" type=\"revolute\"><parent>base</parent><child>leg</child><axis><xyz>0 0 0</xyz>"
+      "<limit><lower>0</lower><upper>0</upper></limit></axis>"
+      "<sensor name=\"s\" type=\"force_torque\"><always_on>1</always_on></sensor></joint>\n");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_TRUE(robot->joints.empty());
+  EXPECT_EQ(robot->links.size(), 1u);
+  EXPECT_NE(robot->Find<WrenchModel>(), nullptr);
+  EXPECT_THAT(messages, HasSubstr("joint 'ft' has no direction and no way to go: it is taken as fixed"));
+}
+
 TEST(GazeboPluginsTest, NamesInAModelInsideAreThoseOfThatModel) {
   const auto [robot, messages] = ReadSdf(
       "<model name=\"in\">" + kBase + SdfLink("arm", "0 0 0.4 0 0 0", "<box><size>0.1 0.1 0.1</size></box>") +

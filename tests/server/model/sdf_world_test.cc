@@ -54,6 +54,18 @@ const std::string kArm =
     "<joint name=\"turn\" type=\"revolute\"><parent>base</parent><child>arm</child><axis><xyz>0 0 1</xyz>"
     "<limit><effort>1</effort><velocity>1</velocity></limit></axis></joint>\n";
 
+TEST_F(SdfWorldTest, ItsPlugInsAreToldOnce) {
+  Load(
+      "<plugin filename=\"gz-sim-physics-system\" name=\"gz::sim::systems::Physics\"/>\n"
+      "<plugin filename=\"gz-sim-sensors-system\" name=\"gz::sim::systems::Sensors\"/>\n"
+      "<plugin filename=\"gz-sim-buoyancy-system\" name=\"gz::sim::systems::Buoyancy\"/>\n");
+  EXPECT_THAT(messages(), HasSubstr("plug-in 'gz-sim-buoyancy-system' is not used by coopdyn: no water"));
+  EXPECT_THAT(messages(),
+              HasSubstr("lab.sdf:2: warning: what these plug-ins give is there anyway, sensors as "
+                        "their <sensor> says: gz::sim::systems::Physics, "
+                        "gz::sim::systems::Sensors\n"));
+}
+
 TEST_F(SdfWorldTest, WhatHasJointsIsARobotAndWhatIsSimpleAThing) {
   const auto scenario =
       Load(Model("left arm", kArm, "1 2 0 0 0 1.5") + Model("right", kArm, "3 0 0 0 0 0") +
