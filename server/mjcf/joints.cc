@@ -59,11 +59,7 @@ void AddDynamics(int joint, const Source& source, XMLElement& axis) {
     Add(dynamics, "spring_reference", Number(m.qpos_spring[at] - m.qpos0[at]));
     Add(dynamics, "spring_stiffness", Number(stiffness));
   }
-  if (friction <= 0) return;
-  if (damping > 0 || stiffness > 0)
-    source.words().Say("frictionloss of a joint with damping or stiffness is left out");
-  else
-    Add(dynamics, "friction", Number(friction));
+  if (friction > 0) Add(dynamics, "friction", Number(friction));
 }
 
 void AddAxis(int joint, const Couplings& couplings, const Source& source, XMLElement& element) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "server/model/missing_files.h"
 #include "tests/server/model/foreign_rig.h"
 
 namespace coopdyn::gazebo_plugins {
@@ -240,6 +241,13 @@ TEST(GazeboPluginsTest, ABoardWhoseFileIsNowhereIsSaid) {
     EXPECT_THAT(JointsOf(*robot, "rear"), ElementsAre());
     EXPECT_THAT(messages, HasSubstr("the control board of '" + file + "' is left out"));
   }
+}
+
+TEST(GazeboPluginsTest, TheFileOfABoardThatIsNowhereIsLookedFor) {
+  const TempFolder folder;
+  WriteBoards(folder);
+  const std::string file = folder.Write("rig/model.sdf", TwoBoards("model://other/rear.ini"));
+  EXPECT_THAT(MissingUris(file, SearchPath()), ElementsAre("model://other/rear.ini"));
 }
 
 TEST(GazeboPluginsTest, ARecordedRobotHasItsBoardsWithoutTheirFiles) {
