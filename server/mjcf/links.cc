@@ -62,11 +62,22 @@ bool AddShape(int geom, const Source& source, Meshes& meshes, XMLElement& parent
   }
 }
 
+/// A contact has the greater condim of two geoms: 1, without friction, counts only if the whole world has it.
+bool IsFrictionless(const mjModel& m) {
+  bool has_ground = false;
+  for (int geom = 0; geom < m.ngeom; ++geom) {
+    if (!Collides(m, geom)) continue;
+    if (m.geom_condim[geom] > 1) return false;
+    has_ground = has_ground || m.geom_bodyid[geom] == 0;
+  }
+  return has_ground;
+}
+
 void AddFriction(int geom, const mjModel& m, XMLElement& collision) {
   const mjtNum* const friction = m.geom_friction + 3 * geom;
   const int dimensions = m.geom_condim[geom];
   XMLElement& element = Add(Add(collision, "surface"), "friction");
-  Add(Add(element, "ode"), "mu", Number(dimensions == 1 ? 0 : friction[0]));
+  Add(Add(element, "ode"), "mu", Number(IsFrictionless(m) ? 0 : friction[0]));
   if (dimensions >= 4) {
     // The arm of the torque is friction[1]; SDF's is 3π/16 of a patch's radius.
     XMLElement& torsional = Add(element, "torsional");

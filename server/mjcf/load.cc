@@ -186,7 +186,8 @@ class Mender {
       words_.Say("a body has moments of inertia that no body has: libmujoco balances them", false);
       return true;
     }
-    if (const std::string number = Between(error, "key ", ":"); error.find("invalid q") != std::string::npos)
+    if (const std::string number = Between(error, "key ", ":");
+        error.find("size, expected") != std::string::npos)
       return LeaveOutKey(std::atoi(number.c_str()), error);
     const std::size_t at = error.rfind("line ");
     int line = 0;

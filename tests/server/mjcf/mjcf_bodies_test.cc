@@ -192,7 +192,21 @@ TEST(MjcfBodiesTest, FrictionIsTheFirstNumberAndTheOthersAsTheDimensionsSay) {
   EXPECT_NEAR(robot->links[0].collisions[0].friction, 0.7, 1e-12);
   EXPECT_NEAR(robot->links[0].collisions[0].spinning_friction_m, 0.02, 1e-9);
   EXPECT_NEAR(robot->links[0].collisions[0].rolling_friction_m, 0.003, 1e-12);
-  EXPECT_EQ(robot->links[0].collisions[1].friction, 0);
+  // A contact has the greater condim of two geoms.
+  EXPECT_EQ(robot->links[0].collisions[1].friction, 1);
+}
+
+TEST(MjcfBodiesTest, OnlyAWorldWithoutFrictionHasNone) {
+  const std::string ball = "<body><freejoint/><geom size=\".1\" condim=\"1\"/></body>";
+  const auto slippery =
+      ReadAs("ball.xml",
+             Mjcf("<worldbody><geom type=\"plane\" size=\"5 5 1\" condim=\"1\"/>" + ball + "</worldbody>"));
+  ASSERT_NE(slippery.robot, nullptr) << slippery.messages;
+  EXPECT_EQ(slippery.robot->links[0].collisions[0].friction, 0);
+  const auto usual =
+      ReadAs("ball.xml", Mjcf("<worldbody><geom type=\"plane\" size=\"5 5 1\"/>" + ball + "</worldbody>"));
+  ASSERT_NE(usual.robot, nullptr) << usual.messages;
+  EXPECT_EQ(usual.robot->links[0].collisions[0].friction, 1);
 }
 
 TEST(MjcfBodiesTest, WhatTouchesNothingIsOnlyDrawnAndHiddenGroupsAreNot) {

@@ -50,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(ConcaveTest, StepLengths, ::testing::Values(1, 5, 10));
 TEST_P(StepLengths, ABallThatFallsIntoACupLiesOnItsBottom) {
   constexpr double kRadius_m = 0.02, kBottom_m = 0.005;
   PhysicsScene scene;
-  scene.step_length = std::chrono::milliseconds(GetParam());
+  scene.step_length = GetParam() * Nanoseconds{1'000'000};
   scene.robot_model = Free(Cup(), 0.2);
   scene.AddRobot(0, 0);
   scene.Add(Sphere{kRadius_m}, At(0.004, 0.002, 0.15), 0.03);
@@ -65,7 +65,7 @@ TEST_P(StepLengths, ABallThatFallsIntoACupLiesOnItsBottom) {
 TEST_P(StepLengths, AHookHangsOnABar) {
   constexpr double kBar_m = 0.01;
   PhysicsScene scene;
-  scene.step_length = std::chrono::milliseconds(GetParam());
+  scene.step_length = GetParam() * Nanoseconds{1'000'000};
   scene.robot_model = Free(Hook(), 0.2);
   // Its bar is 5 mm above the other.
   scene.AddRobot(At(0, 0, 0.4));
