@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <set>
@@ -15,7 +14,6 @@
 #include "server/base/log.h"
 #include "server/base/worker_pool.h"
 #include "server/controllers/controller_host.h"
-#include "server/model/mjcf.h"
 #include "server/model/scenario.h"
 #include "server/model/sdf_world.h"
 #include "server/model/text_file.h"
@@ -63,13 +61,6 @@ bool IsRobotModel(const std::string& file) {
   Diagnostics ignored;
   const auto text = ReadTextFile(file, {file, 0}, ignored);
   return !text || IsOneSdfModel(*text);
-}
-
-/// Such a file is a world, but mostly with one robot.
-bool IsMjcfFile(const std::string& file) {
-  Diagnostics ignored;
-  const auto text = ReadTextFile(file, {file, 0}, ignored);
-  return text && IsMjcf(*text);
 }
 
 constexpr const char* kAlone = "model";
@@ -136,20 +127,11 @@ Checked CheckFile(const std::string& file, RobotLibrary& robots, Diagnostics& di
     return {};
   }
   if (!IsPipe(file)) {
-    Checked checked = CheckSeeds(
+    return CheckSeeds(
         [&](std::optional<std::uint64_t> seed, Diagnostics& found) {
           return LoadScenario(file, robots, found, false, seed, settings);
         },
         controllers, diagnostics);
-    if (checked.frame != nullptr && !checked.lines.empty() && IsMjcfFile(file)) {
-      const auto& all = checked.frame->scene->scenario->robots;
-      // What has no motor is scenery.
-      for (const RobotEntry& robot : all) {
-        if (all.size() == 1 || robot.model->has_actuators())
-          std::ranges::copy(DescribeModel(*robot.model), std::back_inserter(checked.lines));
-      }
-    }
-    return checked;
   }
   std::optional<std::string> text = ReadPipe(file, diagnostics);
   if (text) text = WithSettings(std::move(*text), settings, diagnostics);

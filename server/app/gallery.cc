@@ -10,6 +10,7 @@
 
 #include "protocol/ascii.h"
 #include "protocol/json_text.h"
+#include "server/app/checker.h"
 #include "server/app/model_text.h"
 #include "server/model/text_file.h"
 #include "server/model/values.h"

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "server/model/image_file.h"
+#include "server/model/resources.h"
 #include "server/model/values.h"
 
 namespace coopdyn {

@@ -29,10 +29,15 @@ class MeshLoader {
         diagnostics_(diagnostics),
         fills_gaps_(is_foreign && resources != nullptr && !resources->is_strict()) {}
 
-  /// `shape`: the collision or visual around `node`. False if its mesh cannot be used.
+  void LoadAll(XmlNode& root) {
+    to_come_ = Count(root);
+    Load(root);
+  }
+
+ private:
+  /// `is_visual`: `node` lies in a visual. False if its mesh cannot be used.
   bool Load(XmlNode& node, bool is_visual = false) {
-    if (node.name == "mesh" && node.Child("uri") != nullptr) return LoadOne(node, is_visual);
-    if (node.name == "heightmap") return LoadOne(node, is_visual);
+    if (IsNamed(node)) return LoadOne(node, is_visual);
     const bool visual = is_visual || node.name == "visual";
     if (node.name == "visual") TakeTexture(node);
     if (node.name == "link") stand_in_ = StandIn::Of(node);
@@ -57,8 +62,17 @@ class MeshLoader {
     return good;
   }
 
- private:
+  static bool IsNamed(const XmlNode& node) {
+    return node.name == "heightmap" || (node.name == "mesh" && node.Child("uri") != nullptr);
+  }
+  static std::size_t Count(const XmlNode& node) {
+    std::size_t count = IsNamed(node) ? 1 : 0;
+    for (const XmlNode& child : node.children) count += Count(child);
+    return count;
+  }
+
   bool LoadOne(XmlNode& mesh, bool is_visual) {
+    --to_come_;
     if (mesh.Child("uri") == nullptr) mesh.Add("uri");
     XmlNode& uri = *mesh.Child("uri");
     if (table_.contains(uri.text)) return true;
@@ -169,7 +183,8 @@ class MeshLoader {
     const std::string name = at.name == "uri" ? at.text : at.name;
     const std::size_t left = kMaxModelTriangles - triangles_, count = mesh.data->triangles.size();
     // So that something is left for those that follow.
-    const std::size_t most = std::max(left / 2, std::min(left, kFewTriangles));
+    const std::size_t few = kFewTriangles * to_come_;
+    const std::size_t most = left > 2 * few ? left - few : left / (to_come_ + 1);
     if (count > most && most > 0 && !mesh.is_heights) {
       const MeshData& data = *mesh.data;
       MeshParts parts{data.vertices, data.triangles, data.color, data.skin};
@@ -321,6 +336,7 @@ class MeshLoader {
   FileReader reader_;
   std::map<std::string, std::string> keys_;
   std::size_t triangles_ = 0;
+  std::size_t to_come_ = 0;  // named meshes that are not loaded yet
   std::map<std::filesystem::path, std::shared_ptr<const Image>> textures_;
   std::shared_ptr<const Image> texture_;  // of the visual at hand
   std::array<double, 3> tint_{1, 1, 1};
@@ -329,7 +345,7 @@ class MeshLoader {
 }  // namespace
 
 void LoadMeshes(XmlNode& root, const Resources* resources, MeshTable& table, Diagnostics& diagnostics) {
-  MeshLoader(resources, root.Attribute("coopdyn:foreign") == "true", table, diagnostics).Load(root);
+  MeshLoader(resources, root.Attribute("coopdyn:foreign") == "true", table, diagnostics).LoadAll(root);
 }
 
 }  // namespace coopdyn
