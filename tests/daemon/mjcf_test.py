@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: MIT
+"""MuJoCo's model files: one is served, recorded and converted. Skipped where coopdyn-mjcf was not built."""
+import json
+import unittest
+from pathlib import Path
+
+from harness import BINARY, Daemon
+from recording import RecordingTestCase, equal_steps, tool
+
+STEPS = 200
+
+MODEL = """<mujoco model="pup">
+  <option timestep="0.005"/>
+  <asset><mesh name="wedge" vertex="0 0 0  .2 0 0  0 .2 0  0 0 .2"/></asset>
+  <worldbody>
+    <geom type="plane" size="5 5 1"/>
+    <body name="trunk" pos="0 0 .5" euler="90 90 90">
+      <freejoint/>
+      <geom type="mesh" mesh="wedge"/>
+      <body name="leg" pos="0 0 -.1">
+        <joint name="hip" axis="0 1 0" range="-60 60" damping=".1"/>
+        <geom type="capsule" size=".03" fromto="0 0 0 0 0 -.2"/>
+      </body>
+    </body>
+  </worldbody>
+  <actuator><motor joint="hip" ctrlrange="-5 5"/></actuator>
+</mujoco>
+"""
+
+
+@unittest.skipUnless(Path(BINARY).with_name("coopdyn-mjcf").exists(), "libmujoco-dev was not there when coopdyn was built")
+class MjcfTest(RecordingTestCase):
+    def setUp(self):
+        super().setUp()
+        self.model = self.folder / "pup.xml"
+        self.model.write_text(MODEL)
+
+    def run_hash(self, world, *options):
+        """The hash of the state after a second without anybody."""
+        summary = self.folder / "summary.json"
+        with Daemon(None, "--mode", "free", "--duration", "1", "--no-render", "--summary", str(summary), *options,
+                    name=str(world)) as daemon:
+            daemon.process.wait()
+        return json.loads(summary.read_text())["hash"]
+
+    def test_its_robot_is_driven(self):
+        with Daemon(None, "--mode", "free", name=str(self.model)) as daemon:
+            simulation, joints = (daemon.text(f"/{name}") for name in ("simulation", "pup/joints"))
+            simulation.must("pause")
+            simulation.must("reset 1")
+            joints.must("set_positions 0.5")
+            simulation.must("step 400")
+            self.assertAlmostEqual(joints.must("get_joints").data[0], 0.5, delta=0.01)
+
+    def test_a_recording_needs_the_file_no_more(self):
+        self.run_hash(self.model, "--record", str(self.file))
+        self.model.unlink()
+        self.assertEqual(equal_steps(self.file), STEPS)
+
+    def test_a_converted_one_runs_alike(self):
+        out = self.folder / "out"
+        code, said = tool("convert", self.model, "--out", out)
+        self.assertEqual(code, 0, said)
+        self.assertTrue((out / "meshes" / "wedge.stl").exists())
+        self.assertEqual(self.run_hash(self.model), self.run_hash(out / "pup.sdf"))
+        code, said = tool("convert", self.model, "--out", out)
+        self.assertEqual(code, 1)
+        self.assertIn("is there already: name another folder with --out", said)
+
+    def test_a_scenario_has_it_as_a_robot(self):
+        scenario = self.folder / "two.scenario"
+        scenario.write_text("[FLOOR]\nsize 10 10\n[ROBOT_1]\ntype pup.xml\nposition 0 0\n"
+                            "[ROBOT_2]\ntype pup.xml#pup\nposition 2 0 1\n")
+        code, said = tool("check", scenario)
+        self.assertEqual(code, 0, said)
+        self.assertIn("2 robots", said)
+
+
+if __name__ == "__main__":
+    unittest.main()
