@@ -72,7 +72,7 @@ class MeshLoader {
   }
 
   bool LoadOne(XmlNode& mesh, bool is_visual) {
-    --to_come_;
+    if (to_come_ > 0) --to_come_;  // a box with a picture becomes one more
     if (mesh.Child("uri") == nullptr) mesh.Add("uri");
     XmlNode& uri = *mesh.Child("uri");
     if (table_.contains(uri.text)) return true;
