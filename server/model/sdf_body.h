@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The parts of a robot that libsdformat reads: links with their shapes (sdf_links.cc), joints
-// (sdf_joints.cc), and its measures (model_measure.cc). One thread.
+// The parts of a robot that libsdformat reads: links with their shapes (sdf_links.cc) and masses
+// (sdf_inertia.cc), joints (sdf_joints.cc), and its measures (model_measure.cc). One thread.
 #pragma once
 
 #include <ignition/math/Pose3.hh>
 #include <memory>
 #include <sdf/Model.hh>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -55,6 +56,24 @@ struct ModelScope {
 /// `model`, and those inside it.
 std::vector<ModelScope> ScopesOf(const sdf::Model& model, const tinyxml2::XMLElement& xml,
                                  ModelReading& reading);
+
+/// Mass, centre of mass and moments of links.
+class InertiaReader {
+ public:
+  InertiaReader(const std::vector<ModelScope>& scopes, ModelReading& reading);
+  /// `out` has its name and shapes. `inertial`: its element in the composed text; null if there is none.
+  void Read(const sdf::Link& link, const tinyxml2::XMLElement* inertial, LinkModel& out) const;
+
+ private:
+  /// By the densities of its collisions, kg/m³; of a mesh about the middle of its box.
+  void Weigh(const std::string& densities, int line, LinkModel& out) const;
+  /// `is_solid`: its moments are those of its first shape.
+  void ReadInertial(const sdf::Link& link, bool is_solid, LinkModel& out) const;
+
+  ModelReading& reading_;
+  std::set<std::string> welded_;  // links whose mass others have, to which fixed joints hold them
+  std::set<std::string> still_;   // links that are fixed to the world
+};
 
 void ReadLinks(const std::vector<ModelScope>& scopes, ModelReading& reading);
 void ReadJoints(const std::vector<ModelScope>& scopes, ModelReading& reading);

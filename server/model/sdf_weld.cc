@@ -185,7 +185,8 @@ void AddMass(double added_kg, const Vector3& inertia_kg_m2, const Pose& X_LI, Li
     return R * inertia.asDiagonal() * R.transpose() +
            part_kg * (d.squaredNorm() * Matrix3::Identity() - d * d.transpose());
   };
-  const Eigen::SelfAdjointEigenSolver<Matrix3> moments(about(to.mass_kg, to.inertia_kg_m2, to.X_LI) +
+  const Vector3 own = to.mass_kg > 0 ? to.inertia_kg_m2 : Vector3::Zero();
+  const Eigen::SelfAdjointEigenSolver<Matrix3> moments(about(to.mass_kg, own, to.X_LI) +
                                                        about(added_kg, inertia_kg_m2, X_LI));
   Matrix3 axes = moments.eigenvectors();
   if (axes.determinant() < 0) axes.col(0) *= -1;

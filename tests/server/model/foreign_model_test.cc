@@ -291,6 +291,21 @@ TEST(ForeignModelTest, AMassOfNearlyNothingIsNoMass) {
   EXPECT_THAT(messages, HasSubstr("it gets 10 g"));
 }
 
+TEST(UrdfTest, ABaseWithoutMassHasThatOfWhatIsFixedToIt) {
+  const auto hold = [](const std::string& parent, const std::string& child) {
+    return "<joint name=\"" + child + "\" type=\"fixed\"><parent link=\"" + parent + "\"/><child link=\"" +
+           child + "\"/></joint>\n";
+  };
+  const auto [robot, messages] =
+      ReadUrdf("<link name=\"footprint\"/><link name=\"base\"/>" + UrdfBox("trunk") +
+               hold("footprint", "base") + hold("base", "trunk"));
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_EQ(robot->links.size(), 1u);
+  EXPECT_EQ(robot->links[0].mass_kg, 1);
+  EXPECT_NEAR(robot->links[0].inertia_kg_m2.x(), 0.01, 1e-12);
+  EXPECT_THAT(messages, Not(HasSubstr("10 g")));
+}
+
 TEST(ForeignModelTest, ASensorInTheWrongPlaceIsLeftOut) {
   const auto [robot, messages] =
       ReadSdf("<link name=\"l\"><sensor name=\"ft\" type=\"force_torque\"/>" +
