@@ -22,14 +22,14 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kVersion = 1;
 constexpr std::string_view kExtension = ".parts";
 constexpr std::size_t kMostFiles = 2000;
-constexpr std::uintmax_t kMostBytes = 1u << 20;
+constexpr std::uintmax_t kMostPartBytes = 1u << 20;
 
 template <typename T>
 void Put(const T& value, std::string& bytes) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
 }
 template <typename T>
-bool Take(std::string_view& bytes, T& value) {
+bool TakeValue(std::string_view& bytes, T& value) {
   if (bytes.size() < sizeof(value)) return false;
   std::memcpy(&value, bytes.data(), sizeof(value));
   bytes.remove_prefix(sizeof(value));
@@ -47,7 +47,7 @@ std::string HeadOf(const MeshData& mesh, int most) {
 std::optional<PartCorners> ReadParts(const fs::path& file, const MeshData& mesh, int most) {
   std::error_code code;
   const auto size = fs::file_size(file, code);
-  if (code || size > kMostBytes || !fs::is_regular_file(file, code)) return std::nullopt;
+  if (code || size > kMostPartBytes || !fs::is_regular_file(file, code)) return std::nullopt;
   std::string bytes(size, '\0');
   std::ifstream stream(file, std::ios::binary);
   if (!stream.read(bytes.data(), static_cast<std::streamsize>(size))) return std::nullopt;
@@ -101,18 +101,18 @@ std::optional<PartCorners> PartsFromBytes(std::string_view bytes, const MeshData
   if (bytes.size() < head.size() + sizeof(hash) || !bytes.starts_with(head)) return std::nullopt;
   std::string_view end = bytes.substr(bytes.size() - sizeof(hash));
   bytes.remove_suffix(sizeof(hash));
-  if (!Take(end, hash) || hash != HashOfBytes(bytes)) return std::nullopt;
+  if (!TakeValue(end, hash) || hash != HashOfBytes(bytes)) return std::nullopt;
   bytes.remove_prefix(head.size());
-  if (!Take(bytes, count) || count > static_cast<std::uint64_t>(most)) return std::nullopt;
+  if (!TakeValue(bytes, count) || count > static_cast<std::uint64_t>(most)) return std::nullopt;
   PartCorners parts(count);
   constexpr std::uint64_t kMostCorners = 300;
   const Vector3 reach_m = mesh.half_m + Vector3::Constant(0.01);
   for (auto& corners : parts) {
-    if (!Take(bytes, count) || count > kMostCorners) return std::nullopt;
+    if (!TakeValue(bytes, count) || count > kMostCorners) return std::nullopt;
     corners.resize(count);
     for (Vector3& corner : corners) {
       for (double& x : corner) {
-        if (!Take(bytes, x)) return std::nullopt;
+        if (!TakeValue(bytes, x)) return std::nullopt;
       }
       if (!(corner.cwiseAbs().array() <= reach_m.array()).all()) return std::nullopt;
     }

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kProgram = "coopdyn-mjcf";
-constexpr std::size_t kMostBytes = 64u << 20;
+constexpr std::size_t kMostSdfBytes = 64u << 20;
 
 void ForgetLines(XmlNode& node) {
   node.where.line = 0;
@@ -90,7 +90,7 @@ std::optional<std::string> TranslateMjcf(const fs::path& file, const fs::path& m
   }
   if (meshes.empty()) return fail("there is no room for its meshes in the folder for temporary files");
   NoEnd why = NoEnd::kNone;
-  const auto end = RunProgram(program, {file.string(), meshes.string(), prefix}, kMostBytes, why);
+  const auto end = RunProgram(program, {file.string(), meshes.string(), prefix}, kMostSdfBytes, why);
   if (why == NoEnd::kNoProgram) return fail(program.string() + " cannot be started");
   if (!end) return fail(std::string(kProgram) + " wrote nothing for a minute, or more than 64 MiB");
   const std::string said = TakeWarnings(end->error, where, diagnostics);

@@ -53,6 +53,21 @@ std::optional<fs::path> PackageOf(const fs::path& file) {
   return std::nullopt;
 }
 
+/// Whether the ROS package in `folder` is called `name`: by its package.xml, or by its folder if that says
+/// none.
+bool IsCalled(const fs::path& folder, const std::string& name) {
+  Diagnostics ignored;
+  const fs::path file = folder / "package.xml";
+  const auto text = ReadTextFile(file.string(), {}, ignored);
+  tinyxml2::XMLDocument document;
+  const bool is_good = text && IsModelSize(*text, file.string(), ignored) &&
+                       document.Parse(text->c_str(), text->size()) == tinyxml2::XML_SUCCESS;
+  const auto* root = is_good ? document.RootElement() : nullptr;
+  const auto* said = root == nullptr ? nullptr : root->FirstChildElement("name");
+  const bool says = said != nullptr && said->GetText() != nullptr;
+  return name == (says ? std::string(Trim(said->GetText())) : folder.filename().string());
+}
+
 /// Folders that hold all sorts of things are no packages, whatever a model calls its own.
 bool HoldsAll(const fs::path& folder) {
   const fs::path above = folder.parent_path();
@@ -160,7 +175,7 @@ void Resources::AddNamed(const std::string& path, const fs::path& folder, std::v
         places.push_back({beside / path, Canonical(beside / name)});
     }
   }
-  if (package_) places.push_back({*package_ / inner, {}});
+  if (package_ && IsCalled(*package_, name.string())) places.push_back({*package_ / inner, {}});
   places.push_back({folder / path, {}});  // as PyBullet has it
 }
 

@@ -58,6 +58,9 @@ class WorldConverter {
     ExpandIncludes(*world, &resources_, diagnostics_);
     ReadSimulation(*world);
     for (const XmlNode& child : world->children) {
+      if (child.name == "model" || child.name == "frame") frames_.emplace(child.Attribute("name"), &child);
+    }
+    for (const XmlNode& child : world->children) {
       if (child.name == "model") {
         AddBodies(child);
       } else if (child.name == "light" && child.Attribute("type") == "point") {
@@ -68,7 +71,7 @@ class WorldConverter {
         // Told below.
       } else if (child.name == "plugin") {
         LeaveOutPlugin(child, 1, diagnostics_);
-      } else if (child.name != "physics" && child.name != "gravity") {
+      } else if (child.name != "physics" && child.name != "gravity" && child.name != "frame") {
         diagnostics_.LeftOut(child.where, "<" + child.name + "> in <world>");
       }
     }
@@ -204,6 +207,40 @@ class WorldConverter {
     for (const XmlNode& body : bodies) AddModel(body);
   }
 
+  /// X_WF of a model or `<frame>` of the world.
+  Pose PoseInWorld(const XmlNode& framed, int depth = 0) {
+    constexpr int kMostDeep = 100;
+    const XmlNode* const pose = framed.Child("pose");
+    std::string base = pose == nullptr ? "" : pose->Attribute("relative_to");
+    if (base.empty()) base = framed.Attribute("attached_to");
+    Pose X_WB;
+    if (!base.empty() && base != "world") {
+      const auto found = frames_.find(base);
+      if (found != frames_.end() && depth < kMostDeep) {
+        X_WB = PoseInWorld(*found->second, depth + 1);
+      } else {
+        diagnostics_.Warning(framed.where, "there is no model or frame '" + base +
+                                               "' in the world that a <pose> could be relative_to: it is one "
+                                               "in the world");
+      }
+    }
+    return X_WB * PoseOf(pose);
+  }
+
+  static Pose PoseOf(const XmlNode* pose) {
+    std::vector<double> p;
+    for (const std::string& word : SplitWords(pose == nullptr ? "" : pose->text))
+      p.push_back(ParsePlain(word).value_or(0));
+    p.resize(7);
+    if (pose != nullptr && pose->Attribute("rotation_format") == "quat_xyzw") {
+      const Quaternion q(p[6], p[3], p[4], p[5]);
+      return {{p[0], p[1], p[2]}, q.norm() > 1e-6 ? q.normalized() : Quaternion::Identity()};
+    }
+    const std::string degrees = pose == nullptr ? "" : pose->Attribute("degrees");
+    const double unit = degrees == "true" || degrees == "1" ? std::numbers::pi / 180 : 1;
+    return {{p[0], p[1], p[2]}, FromRollPitchYaw(unit * p[3], unit * p[4], unit * p[5])};
+  }
+
   void AddModel(const XmlNode& given) {
     XmlNode root;
     root.name = "sdf";
@@ -211,16 +248,11 @@ class WorldConverter {
     root.Set("version", "1.9");
     root.children.push_back(given);
     XmlNode& model = root.children.back();
-    Pose X_WM;
-    if (const XmlNode* pose = model.Child("pose")) {
-      std::vector<double> p;
-      for (const std::string& word : SplitWords(pose->text)) p.push_back(ParsePlain(word).value_or(0));
-      p.resize(6);
-      if (pose->Has("relative_to") || pose->Has("degrees") || pose->Has("rotation_format"))
-        diagnostics_.Warning(
-            pose->where,
-            "attributes of a model's <pose> are not used: it is x y z roll pitch yaw in the world");
-      X_WM = {{p[0], p[1], p[2]}, FromRollPitchYaw(p[3], p[4], p[5])};
+    const Pose X_WM = PoseInWorld(model);
+    if (model.Has("placement_frame")) {
+      diagnostics_.Warning(given.where,
+                           "placement_frame is not used: <pose> says where the model's own frame is");
+      model.Remove("placement_frame");
     }
     std::erase_if(model.children, [](const XmlNode& one) { return one.name == "pose"; });
     if (IsGround(model, X_WM)) return;
@@ -313,6 +345,7 @@ class WorldConverter {
   std::string simulation_, floor_, things_, lights_, robots_;
   std::map<std::string, std::shared_ptr<const RobotModel>> models_;  // by their new names
   std::map<std::string, SourceLine> places_;
+  std::map<std::string, const XmlNode*> frames_;  // models and frames of the world
   std::set<std::string> names_;
   int robot_count_ = 0, light_count_ = 0;
 };

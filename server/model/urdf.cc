@@ -105,7 +105,7 @@ class UrdfConverter {
       bool floats = false, holds = false;
       for (const auto& [link, joint] : parents_) {
         if (TextOfEnd(*joint, "parent") != name) continue;
-        (joint->Attribute("type") == "floating" ? floats : holds) = true;
+        (IsDropped(*joint) ? floats : holds) = true;
       }
       if (!floats || holds) continue;
       free_roots_.insert(name);

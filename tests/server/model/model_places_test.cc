@@ -67,6 +67,15 @@ TEST(ModelPlacesTest, ANeighbourIsFoundIfItIsAPackageOrAModel) {
   EXPECT_NE(ReadWith(folder, "arms/robots/r.urdf", uri).robot, nullptr);
 }
 
+TEST(ModelPlacesTest, OnesOwnPackageIsNotTakenForAnother) {
+  const TempFolder folder;
+  folder.Write("mine/meshes/m.obj", kWedge);
+  folder.Write("mine/package.xml", "<package><name>arms</name></package>");
+  EXPECT_NE(ReadWith(folder, "mine/robots/r.urdf", "package://arms/meshes/m.obj").robot, nullptr);
+  EXPECT_THAT(ReadWith(folder, "mine/robots/r.urdf", "package://other/meshes/m.obj").messages,
+              HasSubstr("there is no 'package://other/meshes/m.obj'"));
+}
+
 TEST(ModelPlacesTest, ModelsLieInTheFolderModelsBesideThatOfWorlds) {
   const TempFolder folder;
   folder.Write("models/hand/meshes/m.obj", kWedge);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <numbers>
 #include <string>
 
 #include "tests/server/model/read_text.h"
@@ -317,6 +318,33 @@ TEST_F(SdfWorldTest, SeveralIncludesInAFileAreAWorld) {
       "<name>second</name><pose>0 5 0 0 0 0</pose></include></sdf>");
   ASSERT_NE(scenario, nullptr) << messages();
   EXPECT_EQ(scenario->robots.size(), 2u);
+}
+
+TEST_F(SdfWorldTest, PosesMayBeInDegreesQuaternionsAndRelativeToModelsAndFrames) {
+  const auto model = [](const std::string& name, const std::string& pose) {
+    return "<model name=\"" + name + "\">" + pose + kArm + "</model>\n";
+  };
+  const auto scenario =
+      Load(model("turned", "<pose degrees=\"true\">1 2 0 0 0 90</pose>") +
+           model("quat", "<pose rotation_format=\"quat_xyzw\">0 8 0 0 0 0.70710678 0.70710678</pose>") +
+           "<frame name=\"f\" attached_to=\"turned\"><pose>1 0 0 0 0 0</pose></frame>" +
+           model("behind", "<pose relative_to=\"f\">2 0 0 0 0 0</pose>"));
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_EQ(messages(), "");
+  ASSERT_EQ(scenario->robots.size(), 3u);
+  EXPECT_NEAR(Heading(scenario->robots[0].X_WR.q), std::numbers::pi / 2, 1e-6);
+  EXPECT_NEAR(Heading(scenario->robots[1].X_WR.q), std::numbers::pi / 2, 1e-6);
+  EXPECT_NEAR((scenario->robots[2].X_WR.p - Vector3(1, 5, 0)).norm(), 0, 1e-9);
+  EXPECT_NEAR(Heading(scenario->robots[2].X_WR.q), std::numbers::pi / 2, 1e-6);
+}
+
+TEST_F(SdfWorldTest, FramesThatNameEachOtherAreSaid) {
+  const auto scenario = Load(
+      "<frame name=\"a\" attached_to=\"b\"/><frame name=\"b\" attached_to=\"a\"/>"
+      "<model name=\"arm\"><pose relative_to=\"a\">0 0 0 0 0 0</pose>" +
+      kArm + "</model>");
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_THAT(messages(), HasSubstr("warning: there is no model or frame"));
 }
 
 TEST_F(SdfWorldTest, LooseLinksNeedNoCanonicalOne) {

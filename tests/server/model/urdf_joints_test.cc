@@ -76,6 +76,14 @@ TEST(UrdfJointsTest, APlanarJointMayHangOnTheWorld) {
   EXPECT_EQ(robot->joints.size(), 3u);
 }
 
+TEST(UrdfJointsTest, AnEmptyRootOnWhichItMovesInAPlaneIsTheWorld) {
+  const auto [robot, messages] = ReadUrdf("<link name=\"odom\"/>" + Body("puck") +
+                                          JointOf("planar", "odom", "puck", "<axis xyz=\"0 0 1\"/>"));
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_TRUE(robot->fixed_base);
+  EXPECT_EQ(robot->joints.size(), 3u);
+}
+
 TEST(UrdfJointsTest, ProductsOfInertiaThatNoBodyHasAreMendedAndSaid) {
   std::string body = Body("base");
   body.replace(body.find("ixy=\"0\""), 7, "ixy=\"3\"");
