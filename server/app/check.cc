@@ -100,10 +100,10 @@ int Check(const CheckOptions& options) {
     } else {
       const CheckReport report = MakeReport(file, checked, diagnostics, path, ServeOptionsOf(options));
       Say(options, report);
+      is_model = report.model != nullptr;
       loses = loses || report.verdict == CheckVerdict::kRunsWithLosses;
     }
     if (checked.frame != nullptr) {
-      is_model = checked.model != nullptr;
       last = std::move(checked.frame);
     }
     PrintErrorLines(diagnostics.ToString());

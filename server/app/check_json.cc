@@ -25,7 +25,7 @@ json::array ListOf(const std::vector<Finding>& findings) {
 
 json::array JointsOf(const RobotModel& model) {
   json::array joints;
-  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+  for (const std::size_t j : MovingJoints(model)) {
     const JointModel& joint = model.joints[j];
     joints.push_back({{"name", joint.name},
                       {"type", ToString(joint.kind)},
@@ -63,7 +63,7 @@ json::object JsonOf(const CheckReport& report) {
     object["mass_kg"] = MovingMass(model);
     object["size_m"] = {size.x(), size.y(), size.z()};
   }
-  if (report.has_page && report.model == nullptr) {
+  if (report.has_page && (report.model == nullptr || !report.robots.empty())) {
     json::array robots;
     for (const std::string& robot : report.robots) robots.emplace_back(robot);
     object["robots"] = std::move(robots);

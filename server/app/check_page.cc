@@ -14,10 +14,30 @@ namespace coopdyn {
 
 namespace {
 
-/// What fits, printable.
+/// Without the folders that were looked in.
+std::string Shortened(std::string text) {
+  const std::size_t begin = text.find(" (looked for in "), end = text.find(')', begin);
+  if (begin != std::string::npos && end != std::string::npos) text.erase(begin, end + 1 - begin);
+  return text;
+}
+
+/// Where the last clause begins that `text` has before `most`, outside of quotes; 0: there is none.
+std::size_t EndOfClause(const std::string& text, std::size_t most) {
+  bool quoted = false;
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < most; ++i) {
+    if (text[i] == '\'') quoted = !quoted;
+    if (!quoted && text[i + 1] == ' ' && std::string_view(",;:").find(text[i]) != std::string_view::npos)
+      found = i;
+  }
+  return found;
+}
+
+/// What fits, printable: whole clauses, so that no command is cut, unless these are too long.
 std::string Cut(const std::string& text, std::size_t most) {
   std::string cut = Printable(text);
   if (cut.size() <= most) return cut;
+  if (const std::size_t clause = EndOfClause(cut, most); clause > most / 3) most = clause;
   while (most > 0 && (static_cast<unsigned char>(cut[most]) & 0xc0) == 0x80) --most;
   cut.resize(most);
   return cut + " …";
@@ -28,7 +48,7 @@ class PageText {
   explicit PageText(bool verbose) : verbose_(verbose) {}
 
   void Line(std::string_view indent, const std::string& text) {
-    constexpr std::size_t kWidest = 190;
+    constexpr std::size_t kWidest = 290;
     text_ += std::string(indent) + (verbose_ ? Printable(text) : Cut(text, kWidest)) + '\n';
   }
 
@@ -58,30 +78,34 @@ class PageText {
   std::string text_;
 };
 
-std::string FindingText(const Finding& one, const std::string& file) {
+std::string FindingText(const Finding& one, const std::string& file, bool verbose) {
   const std::filesystem::path from = one.where.file;
   const std::string short_name = (from.parent_path().filename() / from.filename()).string();
   std::string text = one.where.file == file ? "" : Cut(short_name, 60) + " ";
   if (one.where.line > 0) text += "line " + std::to_string(one.where.line);
   if (!text.empty()) text += ": ";
-  constexpr std::size_t kLongest = 120, kLongestAlone = 150;
-  text += Cut(one.what, one.why.empty() ? kLongestAlone : kLongest);
+  constexpr std::size_t kLongest = 150, kLongestAlone = 260;
+  text += verbose ? one.what : Cut(Shortened(one.what), one.why.empty() ? kLongestAlone : kLongest);
   if (one.count > 1) text += " (" + std::to_string(one.count) + " times)";
   return one.why.empty() ? text : text + ": " + one.why;
 }
 
 void AddModel(const RobotModel& model, PageText& page) {
-  const std::size_t joints = model.joints.size();
-  std::size_t motors = 0;
-  for (std::size_t j = 0; j < joints; ++j) motors += HasMotor(model, j) ? 1u : 0u;
+  const std::vector<std::size_t> joints = MovingJoints(model);
+  const auto motors = std::ranges::count_if(joints, [&](std::size_t j) { return HasMotor(model, j); });
+  const auto thrusts =
+      static_cast<std::size_t>(std::ranges::count_if(model.joints, [](const JointModel& one) {
+        return one.kind == JointModel::Kind::kForce || one.kind == JointModel::Kind::kTorque;
+      }));
+  const std::string thrusters = thrusts == 0 ? "" : "; " + CountOf(thrusts, "thruster");
   const Vector3 size = SizeOf(model);
   const auto rounded = [](double value) { return FormatNumber(std::round(value * 1e3) / 1e3); };
   page.Line("  ", "size " + rounded(size.x()) + " x " + rounded(size.y()) + " x " + rounded(size.z()) +
                       " m; " + (model.drive() != nullptr ? std::string("a drive; ") : "") +
-                      std::to_string(motors) + " of " + CountOf(joints, "joint") +
-                      (motors == 1 ? " has a motor" : " have motors"));
+                      std::to_string(motors) + " of " + CountOf(joints.size(), "joint") +
+                      (motors == 1 ? " has a motor" : " have motors") + thrusters);
   const std::vector<ModuleModel> modules = model.modules();
-  page.List(joints, 6, "Joints:", [&](std::size_t i) { return JointText(model, i); });
+  page.List(joints.size(), 6, "Joints:", [&](std::size_t i) { return JointText(model, joints[i]); });
   const std::vector<std::string> parts = PartTexts(model);
   page.List(parts.size(), 3, "Concave meshes:", [&](std::size_t i) { return parts[i]; });
   page.List(modules.size(), 6, "Modules:", [&](std::size_t i) { return ModuleText(model, modules[i]); });
@@ -97,9 +121,16 @@ std::string PageOf(const CheckReport& report, bool verbose) {
   page.Line("  ", report.format + (report.name.empty() ? "" : " '" + report.name + "'") +
                       (report.lines.empty() ? "" : ": " + report.lines.front()));
   if (report.model != nullptr) AddModel(*report.model, page);
+  if (verbose && report.driven.size() > 1) {
+    for (const auto& [name, model] : report.driven) {
+      page.Line("", "Robot " + name + ":");
+      AddModel(*model, page);
+    }
+  }
   page.List(report.robots.size(), 6, "Robots:", [&](std::size_t i) { return report.robots[i]; });
   const auto add = [&](const std::vector<Finding>& all, std::size_t most, const std::string& title) {
-    page.List(all.size(), most, title, [&](std::size_t i) { return FindingText(all[i], report.file); });
+    page.List(all.size(), most, title,
+              [&](std::size_t i) { return FindingText(all[i], report.file, verbose); });
   };
   add(report.errors, 8, "Wrong:");
   add(report.left_out, 5, "Left out, and it matters:");

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "server/app/left_out.h"
+#include "server/base/printable.h"
 #include "server/base/words.h"
 #include "server/model/experiment.h"
 #include "server/model/missing_files.h"
@@ -59,13 +60,14 @@ std::string ShapeOf(const std::string& text) {
   return shape;
 }
 
-/// Joins what is alike: the same thing left out, or what differs in names and numbers alone.
+/// Joins what is alike: the same thing left out, or what differs in names and numbers alone (unless
+/// `by_name`).
 class Findings {
  public:
   explicit Findings(std::vector<Finding>& all) : all_(all) {}
-  void Add(const Diagnostic& one, std::string what, std::string why) {
+  void Add(const Diagnostic& one, std::string what, std::string why, bool by_name = false) {
     const auto [place, is_new] =
-        places_.emplace((one.what.empty() ? ShapeOf(what) : what) + why, all_.size());
+        places_.emplace((one.what.empty() && !by_name ? ShapeOf(what) : what) + why, all_.size());
     if (is_new) {
       all_.push_back({one.where, std::move(what), std::move(why), one.count});
     } else {
@@ -79,10 +81,15 @@ class Findings {
 };
 
 /// What `uri` belongs to, and how that is brought here.
-MissingPart PartOf(const std::string& uri) {
+MissingPart PartOf(const std::string& uri, const Resources& resources, const std::string& file) {
   if (uri.starts_with("http")) return {uri, 1, "gz fuel download -u " + ShellWord(uri)};
   const std::size_t begin = uri.find("//") + 2;
   const std::string part = uri.substr(begin, uri.find('/', begin) - begin);
+  std::string ignored;
+  if (uri.find("://") != std::string::npos && resources.Find(uri.substr(0, begin) + part, file, ignored)) {
+    return {"files of " + uri.substr(0, begin) + part, 1,
+            "it is there without " + uri.substr(std::min(uri.size(), begin + part.size() + 1))};
+  }
   if (uri.starts_with("package://")) {
     std::string debian = ToLower(part);
     std::ranges::replace(debian, '_', '-');
@@ -96,16 +103,18 @@ MissingPart PartOf(const std::string& uri) {
 }
 
 bool Names(const Diagnostic& one, const std::string& uri) {
-  return one.text.find("'" + uri + "'") != std::string::npos;
+  return one.text.find("'" + Printable(uri) + "'") != std::string::npos;
 }
 
-std::vector<MissingPart> MissingOf(const std::vector<std::string>& uris, const Diagnostics& diagnostics) {
+std::vector<MissingPart> MissingOf(const std::vector<std::string>& uris, const Diagnostics& diagnostics,
+                                   const SearchPath& path, const std::string& file) {
+  const Resources resources(path, file);
   std::vector<MissingPart> parts;
   for (const std::string& uri : uris) {
     // Nobody looks for the scripts of materials.
     if (std::ranges::none_of(diagnostics.all(), [&](const Diagnostic& one) { return Names(one, uri); }))
       continue;
-    MissingPart part = PartOf(uri);
+    MissingPart part = PartOf(uri, resources, file);
     part.collides = std::ranges::any_of(diagnostics.all(), [&](const Diagnostic& one) {
       return one.level != Diagnostic::Level::kNote && Names(one, uri);
     });
@@ -118,6 +127,16 @@ std::vector<MissingPart> MissingOf(const std::vector<std::string>& uris, const D
     }
   }
   return parts;
+}
+
+/// `one` says that `uri` is not found: adds that it is left out.
+void AddMissing(const Diagnostic& one, const std::string& uri, Findings& left_out) {
+  const std::size_t until = one.text.find("until then ");
+  const std::string why = until == std::string::npos ? "" : one.text.substr(until);
+  if (one.text.starts_with("mesh")) return left_out.Add(one, "a mesh that is not found", why);
+  const bool is_model = one.text.starts_with("<include>");
+  const std::string what = (is_model ? "model '" : "file '") + uri + "' is not found";
+  left_out.Add(one, what, is_model ? why : one.text.substr(0, one.text.find(": there is no ")), true);
 }
 
 /// In a world nobody knows whose plug-in it is: that of a robot that has what stands for it.
@@ -146,11 +165,12 @@ int FirstRobot(const Frame& frame) {
 }
 
 DriveLines DriveOf(const std::string& file, const std::string& options, const Checked& checked) {
-  if (checked.model != nullptr) return DriveLinesFor(file, options, "robot1", checked.model.get());
+  const double step_s = ToSeconds(checked.frame->scene->scenario->simulation.step.value_or(kDefaultStep));
+  if (checked.model != nullptr) return DriveLinesFor(file, options, "robot1", checked.model.get(), step_s);
   const int robot = FirstRobot(*checked.frame);
-  if (robot < 0) return DriveLinesFor(file, options, "", nullptr);
+  if (robot < 0) return DriveLinesFor(file, options, "", nullptr, step_s);
   const RobotEntry& entry = checked.frame->scene->robots[static_cast<std::size_t>(robot)].entry;
-  return DriveLinesFor(file, options, entry.name, entry.model.get());
+  return DriveLinesFor(file, options, entry.name, entry.model.get(), step_s);
 }
 
 }  // namespace
@@ -177,13 +197,13 @@ CheckReport MakeReport(const std::string& file, const Checked& checked, const Di
     report.name = report.model != nullptr ? report.model->type : checked.frame->scene->scenario->name;
   std::vector<std::string> uris;
   if (origin.has_page && !diagnostics.all().empty()) uris = MissingUris(found, path);
-  report.missing = MissingOf(uris, diagnostics);
+  report.missing = MissingOf(uris, diagnostics, path, found);
 
   bool loses = false;
   Findings errors(report.errors), mended(report.mended), left_out(report.left_out), harmless(report.harmless);
   for (const Diagnostic& one : diagnostics.all()) {
-    const bool is_missing =
-        std::ranges::any_of(uris, [&](const std::string& uri) { return Names(one, uri); });
+    const auto missing = std::ranges::find_if(uris, [&](const std::string& uri) { return Names(one, uri); });
+    const bool is_missing = missing != uris.end();
     const Consequence consequence =
         one.level == Diagnostic::Level::kWarning ? ConsequenceIn(one, checked) : Consequence{};
     const std::string& what = one.what.empty() ? one.text : one.what;
@@ -195,13 +215,10 @@ CheckReport MakeReport(const std::string& file, const Checked& checked, const Di
       if (!is_missing) harmless.Add(one, what, consequence.why);
     } else {
       loses = true;
-      if (is_missing) {
-        const std::size_t until = one.text.find("until then ");
-        left_out.Add(one, "a mesh that is not found",
-                     until == std::string::npos ? "" : one.text.substr(until));
-      } else {
+      if (is_missing)
+        AddMissing(one, *missing, left_out);
+      else
         left_out.Add(one, what, consequence.why);
-      }
     }
   }
   const std::size_t said =
@@ -221,7 +238,11 @@ CheckReport MakeReport(const std::string& file, const Checked& checked, const Di
   if (loses && !origin.is_own) report.verdict = CheckVerdict::kRunsWithLosses;
   if (!origin.has_page) return report;
   if (report.model == nullptr) {
-    for (const SceneRobot& robot : checked.frame->scene->robots) report.robots.push_back(robot.entry.name);
+    for (const SceneRobot& robot : checked.frame->scene->robots) {
+      report.robots.push_back(robot.entry.name);
+      if (robot.entry.sockets) report.driven.emplace_back(robot.entry.name, robot.entry.model);
+    }
+    if (report.driven.size() == 1) report.model = report.driven.front().second;
   }
   report.drive = DriveOf(file, options, checked);
   return report;

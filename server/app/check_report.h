@@ -6,6 +6,7 @@
 #include <boost/json/fwd.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/app/checker.h"
@@ -39,8 +40,10 @@ struct CheckReport {
   bool has_page = false;  // a model, or a world in SDF
   CheckVerdict verdict = CheckVerdict::kRuns;
   std::vector<std::string> lines;           // Checked::lines
-  std::shared_ptr<const RobotModel> model;  // as there
-  std::vector<std::string> robots;          // of a world: `name (type)`
+  std::shared_ptr<const RobotModel> model;  // as there; of a world: of its only robot with sockets
+  /// Of a world: its robots with sockets, by their names.
+  std::vector<std::pair<std::string, std::shared_ptr<const RobotModel>>> driven;
+  std::vector<std::string> robots;  // of a world: `name (type)`
   std::vector<Finding> errors, mended, left_out, harmless;
   std::vector<MissingPart> missing;
   std::optional<DriveLines> drive;

@@ -58,8 +58,11 @@ std::string Daemon::StartScenario() {
   const bool built =
       scenario != nullptr && !diagnostics.has_errors() && stepper_.Start(scenario, diagnostics);
   if (!built) return diagnostics.ToString();
-  for (const Diagnostic& warning : diagnostics.all())
-    logger_->warn("{}: {}", ToString(warning.where), warning.text);
+  const std::size_t said = std::min(diagnostics.all().size(), Diagnostics::kMaxKept);
+  for (std::size_t i = 0; i < said; ++i)
+    logger_->warn("{}: {}", ToString(diagnostics.all()[i].where), diagnostics.all()[i].text);
+  if (const auto all = static_cast<std::size_t>(diagnostics.warnings()); all > said)
+    logger_->warn("and {} more warnings: coopdyn check sums them up", all - said);
   return {};
 }
 

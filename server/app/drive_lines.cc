@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "server/app/model_text.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
@@ -46,6 +47,40 @@ double GoalOf(const JointModel& joint) {
   const double way = joint.slides() ? 0.05 : 0.3;
   const double up = std::min(joint.start + way, joint.upper), down = std::max(joint.start - way, joint.lower);
   return up - joint.start >= joint.start - down ? up : down;
+}
+
+/// `value` for each of `count`, in brackets, and the same for YARP: (1 2) VALUE VALUE.
+std::pair<std::string, std::string> ForEach(std::size_t count, const std::string& value) {
+  std::string list, numbers, values;
+  for (std::size_t i = 1; i <= count; ++i) {
+    list += (i == 1 ? "" : ", ") + value;
+    numbers += (i == 1 ? "" : " ") + std::to_string(i);
+    values += " " + value;
+  }
+  return {"[" + list + "]", "(" + numbers + ")" + values};
+}
+
+/// The wheels of a Mecanum drive turn on and on.
+Try TryWheels(const std::string& name, const ActuatorModel& wheels) {
+  const auto [list, yarp] = ForEach(wheels.joints.size(), "2");
+  return {"j", "joints('wheels')", "set_velocities(" + list + ")", "r.get_pose()",
+          "echo 'set_velocities " + yarp + "' | yarp rpc /" + name + "/wheels"};
+}
+
+/// All thrusters push, a tenth more than the weight, if they can.
+std::optional<Try> TryHover(const std::string& name, const RobotModel& model,
+                            const ActuatorModel& thrusters) {
+  constexpr double kGravity_m_s2 = 9.81, kRises = 1.1;
+  const std::size_t count = thrusters.joints.size();
+  const double each_n = kRises * kGravity_m_s2 * MovingMass(model) / static_cast<double>(count);
+  const auto can = [&](int j) {
+    const JointModel& one = model.joints[static_cast<std::size_t>(j)];
+    return one.kind == JointModel::Kind::kForce && one.max_effort >= each_n;
+  };
+  if (!std::ranges::all_of(thrusters.joints, can)) return std::nullopt;
+  const auto [list, yarp] = ForEach(count, Rounded3(each_n));
+  return Try{"t", "thrusters()", "set_thrusts(" + list + ")", "r.get_pose_3d()",
+             "echo 'set_thrusts " + yarp + "' | yarp rpc /" + name + "/" + thrusters.module};
 }
 
 Try TryBoard(const std::string& name, const RobotModel& model, const ActuatorModel& board) {
@@ -98,6 +133,10 @@ Try TryOf(const std::string& name, const RobotModel& model) {
   }
   for (const ActuatorModel& one : model.actuators) {
     if (one.module.empty() || one.joints.empty()) continue;
+    if (one.is_board() && one.module == "wheels") return TryWheels(name, one);
+    if (one.is_thrusters()) {
+      if (auto hover = TryHover(name, model, one)) return *std::move(hover);
+    }
     if (one.is_board()) return TryBoard(name, model, one);
     if (one.is_muscles() || one.is_thrusters()) return TryFirst(name, model, one);
   }
@@ -118,7 +157,7 @@ std::string ShellWord(const std::string& text) {
 }
 
 DriveLines DriveLinesFor(const std::string& file, const std::string& options, const std::string& name,
-                         const RobotModel* model) {
+                         const RobotModel* model, double step_s) {
   DriveLines lines;
   lines.serve = "coopdyn serve " + ShellWord(file) + options + "\n";
   lines.yarp = "yarp conf 127.0.0.1 10000\n";
@@ -133,11 +172,12 @@ DriveLines DriveLinesFor(const std::string& file, const std::string& options, co
   const std::string command =
       attempt.command.empty() ? "" : (attempt.part.empty() ? "r." : attempt.part + ".") + attempt.command;
   const auto line = [](const std::string& text, const char* end) { return text.empty() ? "" : text + end; };
+  const std::string steps = std::to_string(std::max(1L, std::lround(1 / step_s)));
   const std::string robot = "sim = coopdyn.connect(); r = sim.robot('" + name + "')";
   lines.python = "import coopdyn\n" + robot + (part.empty() ? "" : "; " + part) + "\n" + line(command, "\n") +
-                 "for k in range(100): sim.step()\nprint(" + attempt.reading + "); sim.close()\n";
+                 "for k in range(" + steps + "): sim.step()\nprint(" + attempt.reading + "); sim.close()\n";
   lines.matlab = robot + ";" + (part.empty() ? "" : " " + part + ";") + "\n" + line(command, ";\n") +
-                 "for k = 1:100, sim.step(); end\ndisp(" + attempt.reading + "); sim.close();\n";
+                 "for k = 1:" + steps + ", sim.step(); end\ndisp(" + attempt.reading + "); sim.close();\n";
   lines.yarp += attempt.yarp + "\n";
   return lines;
 }

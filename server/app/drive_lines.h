@@ -17,9 +17,9 @@ struct DriveLines {
 };
 
 /// `file`: what is served, with `options` (each begins with a blank). `name`, `model`: of a robot in it with
-/// sockets; a null model: it has none.
+/// sockets; a null model: it has none. The programs run for about 1 s in steps of `step_s`.
 DriveLines DriveLinesFor(const std::string& file, const std::string& options, const std::string& name,
-                         const RobotModel* model);
+                         const RobotModel* model, double step_s = 0.01);
 
 /// `text` as one word of a shell.
 std::string ShellWord(const std::string& text);

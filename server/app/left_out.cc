@@ -114,6 +114,8 @@ const std::vector<PluginRow>& PluginRows() {
   return rows;
 }
 
+constexpr const char* kTunes = "it tunes another solver: contacts and stops are stiff here";
+
 /// What an element does not change, or does.
 struct ElementRow {
   std::vector<std::string_view> names;
@@ -235,7 +237,7 @@ const std::vector<ElementRow>& ElementRows() {
         "rolling_friction",
         "spinning_friction",
         "inertia_scaling"},
-       "it tunes another solver: contacts and stops are stiff here",
+       kTunes,
        false},
       {{"gravity", "turnGravityOff"}, "its links fall like all others", true},
       {{"self_collide", "selfCollide", "self_collision_checking"},
@@ -248,7 +250,6 @@ const std::vector<ElementRow>& ElementRows() {
       {{"enable_wind", "wind"}, "there is no wind here", true},
       {{"actor"}, "nobody walks here", true},
       {{"population"}, "what it would place is not there", true},
-      {{"collision"}, "that part collides with nothing", true},
       {{"loop_joint"}, "the loop stays open", true},
       {{"force_element"}, "its force is missing", true},
       {{"collision_filter_group", "drake:collision_filter_group"},
@@ -256,6 +257,7 @@ const std::vector<ElementRow>& ElementRows() {
        false},
       {{"battery"}, "it runs on forever: no battery empties here", true},
       {{"fluid_added_mass", "buoyancy"}, "there is no water here", true},
+      {{"mujoco"}, "it is for MuJoCo's reader of URDF alone", false},
       {{"mu_viscous", "mu_coulomb", "command_effort", "current", "gear_velocity", "K", "D"},
        "its maker's programs alone read it; URDF has <dynamics damping friction>",
        false},
@@ -302,6 +304,15 @@ Consequence OfPlugin(const std::string& file, const RobotModel* robot) {
   return {true, "coopdyn runs no plug-ins of others, so what it does is missing"};
 }
 
+/// URDF's own <sensor>: the same mostly stands in <gazebo>, too.
+Consequence OfUrdfSensor(const RobotModel* robot) {
+  const bool has_sensor = robot != nullptr && std::ranges::any_of(robot->sensors, [](const SensorModel& one) {
+                            return one.type() != PoseModel::kType;
+                          });
+  if (has_sensor) return {false, "the sensors in <gazebo> count"};
+  return {true, "sensors stand in <gazebo reference=\"LINK\">"};
+}
+
 }  // namespace
 
 Consequence ConsequenceOf(const std::string& what, const RobotModel* robot) {
@@ -311,11 +322,16 @@ Consequence ConsequenceOf(const std::string& what, const RobotModel* robot) {
   const std::string element = Between(what, '<', '>');
   const std::string name = element.substr(0, element.find(' '));
   if (name == "plugin") return {false, "it only says where Gazebo publishes"};
+  if (what == "<sensor> in <robot>") return OfUrdfSensor(robot);
   if (name == "sensor") return {true, "there is no such sensor here"};
+  if (name == "collision") {
+    if (what.ends_with("in <gazebo reference>")) return {false, kTunes};
+    return {true, "that part collides with nothing"};
+  }
   for (const ElementRow& row : ElementRows()) {
     if (std::ranges::find(row.names, name) != row.names.end()) return {row.matters, std::string(row.why)};
   }
-  return {true, "coopdyn does not know it, so what it means is missing"};
+  return {true, "coopdyn does not know it, so its effect is missing"};
 }
 
 Consequence ConsequenceOf(const Diagnostic& warning, const RobotModel* robot) {
@@ -329,6 +345,13 @@ Consequence ConsequenceOf(const Diagnostic& warning, const RobotModel* robot) {
       {"has no module 'motors'", "nothing can drive it here"},
       {"does not steer", "it drives straight on alone"},
   };
+  constexpr std::pair<std::string_view, const char*> kHarmless[] = {
+      {"what only decorates the world is left out", "it changes looks alone"},
+      {"' of 'integrator' of <option>", "coopdyn has an integrator of its own"},
+  };
+  for (const auto& [text, why] : kHarmless) {
+    if (warning.text.find(text) != std::string::npos) return {false, why};
+  }
   for (const auto& [text, why] : kSaid) {
     if (warning.text.find(text) != std::string::npos) return {true, why};
   }

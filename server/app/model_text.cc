@@ -38,6 +38,17 @@ std::string CountOf(std::size_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
+std::vector<std::size_t> MovingJoints(const RobotModel& model) {
+  std::vector<std::size_t> joints;
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const JointModel::Kind kind = model.joints[j].kind;
+    if (kind != JointModel::Kind::kForce && kind != JointModel::Kind::kTorque &&
+        kind != JointModel::Kind::kLimiter)
+      joints.push_back(j);
+  }
+  return joints;
+}
+
 bool HasMotor(const RobotModel& model, std::size_t joint) {
   return std::ranges::any_of(model.actuators, [joint](const ActuatorModel& actuator) {
     return !actuator.module.empty() && std::ranges::count(actuator.joints, static_cast<int>(joint)) > 0;
@@ -60,11 +71,11 @@ std::string SummaryOf(const RobotModel& model) {
   const auto carriers =
       static_cast<std::size_t>(std::ranges::count(model.links, true, &LinkModel::is_carrier));
   return "robot " + model.type + ", " + CountOf(model.links.size() - carriers, "link") + ", " +
-         CountOf(model.joints.size(), "joint") + ", " + CountOf(model.sector_count(), "distance sensor") +
-         ", " + CountOf(model.modules().size(), "module") + "; " +
-         (model.fixed_base ? "fixed to the world, moving mass " : "mass ") + Rounded4(MovingMass(model)) +
-         " kg, footprint radius " + Rounded4(model.footprint_radius_m) + " m, height " +
-         Rounded4(model.height_m) + " m";
+         CountOf(MovingJoints(model).size(), "joint") + ", " +
+         CountOf(model.sector_count(), "distance sensor") + ", " + CountOf(model.modules().size(), "module") +
+         "; " + (model.fixed_base ? "fixed to the world, moving mass " : "mass ") +
+         Rounded4(MovingMass(model)) + " kg, footprint radius " + Rounded4(model.footprint_radius_m) +
+         " m, height " + Rounded4(model.height_m) + " m";
 }
 
 std::vector<std::string> PartTexts(const RobotModel& model) {

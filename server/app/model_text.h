@@ -22,6 +22,8 @@ std::string JointText(const RobotModel& model, std::size_t joint);
 /// `module arm (joints): shoulder, elbow`.
 std::string ModuleText(const RobotModel& model, const ModuleModel& module);
 
+/// Those that are no thrusters or limiters, which are kept as joints too.
+std::vector<std::size_t> MovingJoints(const RobotModel& model);
 /// An actuator with a module drives it.
 bool HasMotor(const RobotModel& model, std::size_t joint);
 /// Of all that moves, kg.

@@ -10,6 +10,8 @@ namespace coopdyn {
 
 namespace {
 
+constexpr std::size_t kMostWarnings = 2000;
+
 std::string Counted(std::size_t count, const char* what) {
   return std::to_string(count) + " more " + what + (count == 1 ? "" : "s");
 }
@@ -74,26 +76,32 @@ void Diagnostics::Keep(Diagnostic diagnostic) {
     };
     place = std::upper_bound(all_.begin(), all_.end(), diagnostic, before);
   }
-  const bool is_full = all_.size() >= kMaxKept;
-  if (is_full && place == all_.end() && diagnostic.level != Diagnostic::Level::kError) return;
   diagnostic.text = Printable(diagnostic.text);
+  const auto is_error = [](const Diagnostic& one) { return one.level == Diagnostic::Level::kError; };
+  const bool counts_as_error = is_error(diagnostic);
   all_.insert(place, std::move(diagnostic));
-  if (!is_full) return;
-  const auto warning = std::find_if(all_.rbegin(), all_.rend(), [](const Diagnostic& kept) {
-    return kept.level != Diagnostic::Level::kError;
-  });
-  all_.erase(warning == all_.rend() ? std::prev(all_.end()) : std::prev(warning.base()));
+  const auto errors = static_cast<std::size_t>(std::count_if(all_.begin(), all_.end(), is_error));
+  if (counts_as_error ? errors <= kMaxKept : all_.size() - errors <= kMostWarnings) return;
+  // The last error goes, or the last of what matters least.
+  const auto by_level = [](const Diagnostic& a, const Diagnostic& b) { return a.level < b.level; };
+  const auto last = counts_as_error ? std::min_element(all_.rbegin(), all_.rend(), by_level)
+                                    : std::max_element(all_.rbegin(), all_.rend(), by_level);
+  all_.erase(std::prev(last.base()));
 }
 
 std::string Diagnostics::ToString() const {
   std::string out;
-  std::size_t errors = 0;
+  const auto errors = static_cast<std::size_t>(std::ranges::count_if(
+      all_, [](const Diagnostic& one) { return one.level == Diagnostic::Level::kError; }));
+  std::size_t warnings = 0;
   for (const Diagnostic& diagnostic : all_) {
+    const bool is_error = diagnostic.level == Diagnostic::Level::kError;
+    if (!is_error && warnings + errors >= kMaxKept) continue;
     out += coopdyn::ToString(diagnostic) + '\n';
-    if (diagnostic.level == Diagnostic::Level::kError) ++errors;
+    if (!is_error) ++warnings;
   }
   const std::size_t more_errors = static_cast<std::size_t>(errors_) - errors;
-  const std::size_t more_warnings = static_cast<std::size_t>(warnings_) - (all_.size() - errors);
+  const std::size_t more_warnings = static_cast<std::size_t>(warnings_) - warnings;
   if (more_errors + more_warnings > 0) {
     out += "and " + (more_errors > 0 ? Counted(more_errors, "error") : std::string());
     if (more_warnings > 0) out += (more_errors > 0 ? ", " : "") + Counted(more_warnings, "warning");

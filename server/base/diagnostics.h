@@ -29,7 +29,7 @@ struct Diagnostic {
   int count = 1;          // how many of these there are, `where` the first
 };
 
-/// Collects diagnostics: all are counted, the first ones are kept. One thread.
+/// Collects diagnostics: all are counted, 100 errors and 2000 warnings kept. One thread.
 class Diagnostics {
  public:
   static constexpr std::size_t kMaxKept = 100;
@@ -58,9 +58,9 @@ class Diagnostics {
   bool has_errors() const { return errors_ > 0; }
   int errors() const { return errors_; }
   int warnings() const { return warnings_; }
-  /// The first ones, at most kMaxKept; errors rather than warnings.
+  /// The first ones: at most kMaxKept errors, and 2000 warnings; notes go first.
   const std::vector<Diagnostic>& all() const { return all_; }
-  /// `file:line: error: text`, one a line, each ended by '\n'; then how many more there are.
+  /// `file:line: error: text`, one a line, each ended by '\n'; kMaxKept lines; then how many more.
   std::string ToString() const;
 
  private:

@@ -156,10 +156,10 @@ class PluginTranslator {
     }
     if (wheels.size() != 4) return false;
     AddGroup(plugin, "wheels", wheels);
-    diagnostics_.Warning(plugin.node.where,
-                         "the Mecanum drive is the group 'wheels' (front left, front right, back left, back "
-                         "right): docs/models.md has their speeds for a velocity; their <fdir1> makes the "
-                         "rollers");
+    diagnostics_.Note(plugin.node.where,
+                      "the Mecanum drive is the group 'wheels' (front left, front right, back left, back "
+                      "right): docs/models.md has their speeds for a velocity; their <fdir1> makes the "
+                      "rollers");
     return true;
   }
 

@@ -17,6 +17,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Without blanks and line ends around it.
+std::string WithoutBlanks(const std::string& text) {
+  constexpr const char* kBlanks = " \t\r\n";
+  const std::size_t begin = text.find_first_not_of(kBlanks);
+  if (begin == std::string::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin);
+}
+
 class Gatherer {
  public:
   Gatherer(const Resources& resources, std::vector<std::string>& missing)
@@ -39,7 +47,8 @@ class Gatherer {
     for (const XmlNode& child : node.children) Visit(child, file);
   }
 
-  void Look(const std::string& uri, const fs::path& file) {
+  void Look(const std::string& written, const fs::path& file) {
+    const std::string uri = WithoutBlanks(written);  // as readers name it
     std::string why;
     if (uri.empty() || !seen_.insert(uri).second) return;
     const auto found = resources_.Find(uri, file, why);

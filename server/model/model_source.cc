@@ -31,6 +31,12 @@ class Includer {
       : resources_(resources), leaves_out_(leaves_out), diagnostics_(diagnostics) {}
 
   bool has_left_out() const { return leaves_out_ && !missing_.empty(); }
+  /// 'URI' and 2 more.
+  std::string left_out() const {
+    const std::string more =
+        missing_.size() < 2 ? "" : " and " + std::to_string(missing_.size() - 1) + " more";
+    return "'" + *missing_.begin() + "'" + more + " (a warning each)";
+  }
 
   void Expand(XmlNode& parent, int depth) {
     std::vector<XmlNode> all;
@@ -196,7 +202,7 @@ void ExpandIncludes(XmlNode& root, const Resources* resources, Diagnostics& diag
   Includer includer(resources, root.name == "world" && !is_strict, diagnostics);
   includer.Expand(root, 0);
   if (includer.has_left_out() && root.Child("model") == nullptr)
-    diagnostics.Error(root.where, "nothing that this world includes is there: see the warnings above");
+    diagnostics.Error(root.where, "nothing that this world includes is there: " + includer.left_out());
 }
 
 std::optional<ModelSource> ComposeModel(const std::string& given, const std::string& file,

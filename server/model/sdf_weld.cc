@@ -161,9 +161,9 @@ class Welder {
     }
     if (!foreign_ || loose.empty()) return;
     robot_.has_loose = true;
-    diagnostics_.Note({file_, first_line}, "no joint leads from " + Link(0) + " to " + JoinNames(loose) +
-                                               ": they move on their own, and the robot's pose is that of " +
-                                               Link(0));
+    diagnostics_.Mended({file_, first_line},
+                        "no joint leads from " + Link(0) + " to " + JoinNames(loose) +
+                            ": they move on their own, and the robot's pose is that of " + Link(0));
   }
 
   ModelLines lines_;                       // of robot_'s links and joints

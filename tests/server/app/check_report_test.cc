@@ -131,6 +131,58 @@ TEST_F(CheckReportTest, MissingFilesAreJoinedByTheirPackageWithACommand) {
   EXPECT_THAT(report.missing[0].bring, HasSubstr("sudo apt install ros-$ROS_DISTRO-my-hands"));
 }
 
+TEST_F(CheckReportTest, ManyHarmlessFindingsHideNoLoss) {
+  std::string parts = Link("base");
+  for (int i = 0; i < 150; ++i)
+    parts += Link("l" + std::to_string(i)) + "<joint name=\"j" + std::to_string(i) +
+             "\" type=\"fixed\"><parent link=\"base\"/><child link=\"l" + std::to_string(i) +
+             "\"/></joint><gazebo reference=\"l" + std::to_string(i) + "\"><kp>1</kp></gazebo>\n";
+  const std::string last = "<gazebo><plugin filename=\"libfoo.so\" name=\"f\"/></gazebo>";
+  EXPECT_EQ(Robot(parts).verdict, CheckVerdict::kRuns);
+  const CheckReport report = Robot(parts + last);
+  ASSERT_EQ(report.left_out.size(), 1u) << PageOf(report, true);
+  EXPECT_EQ(report.left_out[0].what, "plug-in 'libfoo.so'");
+}
+
+constexpr const char* kTwoModels =
+    "<sdf version=\"1.9\"><world name=\"w\"><model name=\"box\"><static>1</static><link name=\"l\"/></model>"
+    "<include><uri>\n  model://nowhere_1\n</uri></include>"
+    "<include><uri>\n  model://nowhere_2\n</uri></include></world></sdf>";
+
+TEST_F(CheckReportTest, ModelsThatAreNotFoundAreNamedEachEvenWithLineBreaks) {
+  const CheckReport report = Report(kTwoModels, "w.sdf");
+  ASSERT_EQ(report.missing.size(), 2u);
+  EXPECT_EQ(report.missing[1].what, "model nowhere_2");
+  ASSERT_EQ(report.left_out.size(), 2u);
+  EXPECT_EQ(report.left_out[0].what, "model 'model://nowhere_1' is not found");
+}
+
+TEST_F(CheckReportTest, AModelThatIsThereWithoutAFileIsNotToBeFetched) {
+  std::filesystem::create_directories(folder_.path() / "hand");
+  std::ofstream(folder_.path() / "hand/model.sdf") << "<sdf version=\"1.9\"/>";
+  const CheckReport report = Robot(
+      "<link name=\"base\"><visual><geometry><mesh filename=\"model://hand/a.stl\"/></geometry></visual>" +
+      std::string(kLink) + "</link>");
+  ASSERT_EQ(report.missing.size(), 1u);
+  EXPECT_EQ(report.missing[0].what, "files of model://hand");
+  EXPECT_EQ(report.missing[0].bring, "it is there without a.stl");
+}
+
+TEST_F(CheckReportTest, ThePageCutsNoCommand) {
+  const std::string url = "https://fuel.gazebosim.org/1.0/" + std::string(120, 'a') + "/models/b";
+  CheckReport report;
+  report.left_out.push_back({{"a.sdf", 3},
+                             "there is no '" + url +
+                                 "' in the cache of Gazebo (looked for in /a, /b): coopdyn "
+                                 "fetches nothing; write gz fuel download -u '" +
+                                 url + "', or copy it",
+                             "",
+                             1});
+  EXPECT_THAT(PageOf(report, false), Not(HasSubstr("download -u")));
+  EXPECT_THAT(PageOf(report, false), HasSubstr("coopdyn fetches nothing …\n"));
+  EXPECT_THAT(PageOf(report, true), HasSubstr("download -u '" + url + "', or copy it\n"));
+}
+
 TEST_F(CheckReportTest, ScriptsOfMaterialsAreNotMissed) {
   const CheckReport report = Report(
       "<sdf version=\"1.6\"><model name=\"m\"><link name=\"base\"><visual name=\"v\"><geometry><box><size>1 "
@@ -168,6 +220,8 @@ TEST_F(CheckReportTest, AWorldOfOthersTellsWhichRobotsItHasAndDrivesOne) {
   EXPECT_EQ(report.name, "lab");
   EXPECT_EQ(report.verdict, CheckVerdict::kRunsWithLosses) << PageOf(report, true);
   ASSERT_EQ(report.robots, std::vector<std::string>{"cart"});
+  EXPECT_THAT(PageOf(report, false), HasSubstr("Joints:\n  joint j: hinge"));
+  EXPECT_EQ(JsonOf(report).at("joints").at(0).at("name"), "j");
   ASSERT_TRUE(report.drive.has_value());
   EXPECT_THAT(report.drive->python,
               HasSubstr("r = sim.robot('cart'); j = r.joints('joints')\nj.set_positions("));

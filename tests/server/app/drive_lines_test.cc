@@ -58,6 +58,35 @@ TEST(DriveLinesTest, WhatDoesNotMoveIsRead) {
   EXPECT_THAT(lines.yarp, HasSubstr("/robot1/imu_2/state:o\n"));
 }
 
+TEST(DriveLinesTest, ThrustersCarryATenthMoreThanTheWeight) {
+  RobotModel copter;
+  copter.links.resize(1);
+  copter.links[0].mass_kg = 2;
+  JointModel rotor;
+  rotor.kind = JointModel::Kind::kForce;
+  rotor.max_effort = 20;
+  copter.joints = {rotor, rotor};
+  copter.actuators.push_back({"thrusters", {0, 1}, ThrustersModel{}});
+  const DriveLines lines = DriveLinesFor("a.sdf", "", "robot1", &copter);
+  EXPECT_THAT(lines.python, HasSubstr("t.set_thrusts([10.791, 10.791])\n"));  // 1.1 · 2 · 9.81 / 2
+  EXPECT_THAT(lines.yarp, HasSubstr("echo 'set_thrusts (1 2) 10.791 10.791' | yarp rpc /robot1/thrusters\n"));
+  copter.joints[0].max_effort = copter.joints[1].max_effort = 5;  // a boat
+  copter.joints[0].name = "screw";
+  EXPECT_THAT(DriveLinesFor("a.sdf", "", "robot1", &copter).python, HasSubstr("t.set_thrusts(2.5, 'screw')"));
+}
+
+TEST(DriveLinesTest, MecanumWheelsGetSpeeds) {
+  RobotModel cart = Arm(-1, 1);
+  cart.actuators[0].module = "wheels";
+  EXPECT_THAT(DriveLinesFor("a.sdf", "", "robot1", &cart).python, HasSubstr("j.set_velocities([2])\n"));
+}
+
+TEST(DriveLinesTest, ProgramsRunForASecond) {
+  const RobotModel arm = Arm(-1, 1);
+  EXPECT_THAT(DriveLinesFor("a.urdf", "", "robot1", &arm, 0.004).python, HasSubstr("range(250)"));
+  EXPECT_THAT(DriveLinesFor("a.urdf", "", "robot1", &arm, 0.004).matlab, HasSubstr("k = 1:250,"));
+}
+
 TEST(DriveLinesTest, AFileNameIsOneWordOfTheShell) {
   EXPECT_EQ(ShellWord("models/a-1.urdf"), "models/a-1.urdf");
   EXPECT_EQ(ShellWord("my robot.urdf"), "'my robot.urdf'");

@@ -54,5 +54,24 @@ TEST(LeftOutTest, LooksAndSolversAreNoLossGravityIs) {
   }
 }
 
+TEST(LeftOutTest, ASensorOfUrdfIsNoLossIfGazeboHasSensors) {
+  RobotModel robot;
+  EXPECT_TRUE(ConsequenceOf("<sensor> in <robot>", &robot).matters);
+  robot.AddSensor("imu", ImuModel{});
+  EXPECT_FALSE(ConsequenceOf("<sensor> in <robot>", &robot).matters);
+}
+
+TEST(LeftOutTest, ACollisionThatGazeboTunesIsNoLoss) {
+  EXPECT_FALSE(ConsequenceOf("<collision> in <gazebo reference>", nullptr).matters);
+  EXPECT_TRUE(ConsequenceOf("<collision> in <visual>", nullptr).matters);
+  EXPECT_FALSE(ConsequenceOf("<mujoco> in <robot>", nullptr).matters);
+}
+
+TEST(LeftOutTest, DecorationAndIntegratorsOfMujocoAreNoLoss) {
+  for (const char* text : {"what only decorates the world is left out (3 times)",
+                           "'implicitfast' of 'integrator' of <option> is not known to libmujoco 2.3"})
+    EXPECT_FALSE(ConsequenceOf(Diagnostic{Diagnostic::Level::kWarning, {}, text}, nullptr).matters) << text;
+}
+
 }  // namespace
 }  // namespace coopdyn
