@@ -9,6 +9,7 @@
 #include "protocol/json_text.h"
 #include "server/app/check_report.h"
 #include "server/app/commands.h"
+#include "server/app/drive_lines.h"
 #include "server/app/options.h"
 #include "server/app/print.h"
 #include "server/app/run_report.h"
@@ -39,7 +40,7 @@ void Search(const std::string& file, const std::string& below, SearchPath& path)
     FoundFolders found = FoldersWith(missing, below);
     if (found.folders.empty()) break;
     for (std::filesystem::path& folder : found.folders) {
-      options += " --scenarios '" + Printable(folder.string()) + "'";
+      options += " --scenarios " + ShellWord(folder.string());
       path.folders.push_back(std::move(folder));
     }
     const std::vector<std::string> before = std::move(missing);

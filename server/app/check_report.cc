@@ -93,7 +93,9 @@ MissingPart PartOf(const std::string& uri, const Resources& resources, const std
   if (uri.starts_with("package://")) {
     std::string debian = ToLower(part);
     std::ranges::replace(debian, '_', '-');
-    const bool is_name = ShellWord(debian) == debian;
+    const bool is_name =
+        !debian.empty() && debian.front() != '-' && debian.back() != '-' &&
+        debian.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") == std::string::npos;
     return {"package " + part, 1,
             is_name ? "sudo apt install ros-$ROS_DISTRO-" + debian : "get that package"};
   }

@@ -13,6 +13,7 @@
 #include "protocol/ascii.h"
 #include "server/base/printable.h"
 #include "server/model/mjcf.h"
+#include "server/model/text_file.h"
 #include "server/model/values.h"
 #include "server/model/xacro.h"
 
@@ -60,10 +61,12 @@ std::string Uploads::Objection(const std::string& name, const std::string& text)
         "characters: not '{}'",
         kMaxName, Printable(name));
   }
-  if (IsMjcf(text))  // it may name any file of this machine
+  Diagnostics ignored;
+  const std::string read = DecodeText(text, {}, ignored).value_or(text);  // as its reader will
+  if (IsMjcf(read))  // it may name any file of this machine
     return "MuJoCo's files that are sent are not read here: put the file into a folder and start the daemon "
            "with --scenarios FOLDER, or send what coopdyn convert makes of it";
-  if (IsXacro(text, name))  // likewise
+  if (IsXacro(read, name))  // likewise
     return "xacro that is sent is not expanded here: send what 'xacro FILE' writes";
   if (extension == ".world" || extension == ".sdf" || extension == ".urdf") return {};
   if (extension == ".scenario" || extension == ".xml")

@@ -70,7 +70,8 @@ std::size_t EditDistance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string_view RootElement(std::string_view text) {
-  constexpr std::string_view kSpaces = " \t\r\n";
+  constexpr std::string_view kSpaces = " \t\r\n", kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   for (;;) {
     text.remove_prefix(std::min(text.find_first_not_of(kSpaces), text.size()));
     const bool comment = text.starts_with("<!--");

@@ -3,9 +3,11 @@
 // FOLDER as PREFIX + name. On stderr: lines `warning: …`, or what is wrong, and then the exit code is 1.
 // coopdyn starts it, so that a file that breaks libmujoco ends no daemon.
 #include <mujoco/mujoco.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdio>
 #include <new>
 #include <string>
@@ -37,6 +39,11 @@ void LimitProcess() {
   constexpr rlim_t kCpu_s = 60;
   SetLimit(RLIMIT_CORE, 0);
   SetLimit(RLIMIT_CPU, kCpu_s);
+  SetLimit(RLIMIT_FSIZE, rlim_t{1} << 30);
+  std::signal(SIGXFSZ, SIG_IGN);
+  // Whoever started it may be killed, and what it reads may never come.
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  ::alarm(2 * kCpu_s);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they map terabytes
   SetLimit(RLIMIT_DATA, rlim_t{4} << 30);
 #endif

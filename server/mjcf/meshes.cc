@@ -25,6 +25,8 @@ std::string FileName(std::string name) {
                           c == '-' || c == '_' || c == '.';
     if (!is_plain) c = '_';
   }
+  constexpr std::size_t kLongest = 100;
+  if (name.size() > kLongest) name.erase(0, name.size() - kLongest);  // what a file is lies at its end
   return name.starts_with('.') ? "_" + name : name;
 }
 
@@ -33,6 +35,14 @@ std::string FileName(std::string name) {
 struct Meshes::Triangles {
   std::vector<std::array<Corner, 3>> all;
 };
+
+std::string Meshes::NewFile(const std::string& name) {
+  const std::filesystem::path plain = FileName(name);
+  std::string file = plain.string();
+  for (int i = 2; !files_.insert(file).second; ++i)
+    file = plain.stem().string() + "_" + std::to_string(i) + plain.extension().string();
+  return file;
+}
 
 /// As STL, whose normals nobody needs.
 std::string Meshes::Write(const std::string& name, const Triangles& triangles) {
@@ -48,7 +58,7 @@ std::string Meshes::Write(const std::string& name, const Triangles& triangles) {
   }
   std::error_code code;
   std::filesystem::create_directories(folder_, code);
-  const std::string file = FileName(name) + ".stl";
+  const std::string file = NewFile(name + ".stl");
   std::ofstream stream(folder_ / file, std::ios::binary);
   stream << bytes;
   stream.close();
@@ -59,18 +69,20 @@ std::string Meshes::Write(const std::string& name, const Triangles& triangles) {
 /// The file is named as it is written if it is nowhere: then its reader says so.
 std::string Meshes::Copy(const UnreadMesh& mesh) {
   if (mesh.name.empty() || mesh.file.empty()) return mesh.name;
-  const std::string file = FileName(std::filesystem::path(mesh.name).filename().string());
+  const auto [copied, is_new] = copied_.try_emplace(mesh.file);
+  if (!is_new) return prefix_ + copied->second;
+  copied->second = NewFile(std::filesystem::path(mesh.name).filename().string());
   std::error_code code;
   std::filesystem::create_directories(folder_, code);
-  std::filesystem::copy_file(mesh.file, folder_ / file, std::filesystem::copy_options::skip_existing, code);
+  std::filesystem::copy_file(mesh.file, folder_ / copied->second, code);
   failed_ = failed_ || code;
-  return prefix_ + file;
+  return prefix_ + copied->second;
 }
 
 Meshes::Named Meshes::Mesh(int mesh) {
   const mjModel& m = source_.model();
   const std::string name = source_.NameOf(mjOBJ_MESH, mesh, "mesh");
-  const auto [known, is_new] = written_.try_emplace(name);
+  const auto [known, is_new] = written_.try_emplace("mesh " + std::to_string(mesh));
   if (!is_new) return known->second;
   const char* const own_name = mj_id2name(&m, mjOBJ_MESH, mesh);
   const auto unread = source_.loaded().unread_meshes.find(own_name == nullptr ? "" : own_name);
@@ -107,7 +119,7 @@ Meshes::Named Meshes::Mesh(int mesh) {
 Meshes::Named Meshes::Heights(int field) {
   const mjModel& m = source_.model();
   const std::string name = source_.NameOf(mjOBJ_HFIELD, field, "hfield");
-  const auto [known, is_new] = written_.try_emplace("hfield " + name);
+  const auto [known, is_new] = written_.try_emplace("hfield " + std::to_string(field));
   if (!is_new) return known->second;
   const int rows = m.hfield_nrow[field], columns = m.hfield_ncol[field];
   const mjtNum* const size = m.hfield_size + 4 * field;

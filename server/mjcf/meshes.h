@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 
 #include "server/mjcf/source.h"
@@ -27,13 +28,17 @@ class Meshes {
 
  private:
   struct Triangles;
+  /// A name for a file that no other has.
+  std::string NewFile(const std::string& name);
   std::string Copy(const UnreadMesh& mesh);
   std::string Write(const std::string& name, const Triangles& triangles);
 
   const Source& source_;
   const std::filesystem::path folder_;
   const std::string prefix_;
-  std::map<std::string, Named> written_;
+  std::map<std::string, Named> written_;       // by kind and index
+  std::map<std::string, std::string> copied_;  // the file's name here, by its path
+  std::set<std::string> files_;                // names that are taken
   bool failed_ = false;
 };
 

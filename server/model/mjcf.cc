@@ -49,6 +49,8 @@ std::string TakeWarnings(std::string_view text, const SourceLine& where, Diagnos
 std::string WhyEnded(const ProgramEnd& end, const std::string& said) {
   if (WIFSIGNALED(end.status) && WTERMSIG(end.status) == SIGXCPU)
     return "libmujoco takes more than 60 s of CPU time for it: simplify it";
+  if (WIFSIGNALED(end.status) && WTERMSIG(end.status) == SIGKILL)
+    return "the program that reads it was killed: is there too little memory?";
   if (!WIFEXITED(end.status)) return "libmujoco crashed: the file, or one that it names, is damaged";
   return "libmujoco: " + (said.empty() ? "it cannot be read" : said);
 }

@@ -41,6 +41,8 @@ void TakeSolids(const MeshData& data, const std::filesystem::path& folder, int i
 
 void MakeHulls(ModelReading& reading) {
   RobotModel& robot = reading.robot;
+  constexpr int kMostConcave = 100;  // each takes up to half a second
+  int concave = 0;
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     if (robot.fixed_base && i == 0) continue;  // its triangles themselves
     std::vector<LinkShape>& collisions = robot.links[i].collisions;
@@ -57,6 +59,16 @@ void MakeHulls(ModelReading& reading) {
                           "' moves, and its <heightmap> cannot: fix the link to the world, or write "
                           "<static>true</static>");
         continue;
+      }
+      if (collisions[c].most_parts > 1 && ++concave > kMostConcave) {
+        collisions[c].most_parts = 1;
+        if (concave == kMostConcave + 1) {
+          const auto frame = std::ranges::find(robot.frames, robot.links[i].name, &FrameModel::name);
+          reading.Mended(reading.lines.links[static_cast<std::size_t>(frame - robot.frames.begin())],
+                         "the robot has more than " + std::to_string(kMostConcave) +
+                             " meshes that collide: from link '" + robot.links[i].name +
+                             "' on each is its convex hull");
+        }
       }
       TakeSolids(*mesh->data, reading.source.parts_folder, static_cast<int>(c), robot, collisions[c], pieces);
     }

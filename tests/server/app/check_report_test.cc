@@ -57,9 +57,8 @@ TEST_F(CheckReportTest, AModelOfWhichNothingIsLostRuns) {
 }
 
 TEST_F(CheckReportTest, WhatIsMendedIsNoLoss) {
-  const CheckReport report =
-      Robot("<link name=\"base\"/>\n" + Link("tip") +
-            "<joint name=\"j\" type=\"fixed\"><parent link=\"base\"/><child link=\"tip\"/></joint>");
+  const CheckReport report = Robot(
+      "<link name=\"base\"><collision><geometry><sphere radius=\"0.1\"/></geometry></collision></link>");
   EXPECT_EQ(report.verdict, CheckVerdict::kRuns);
   ASSERT_EQ(report.mended.size(), 2u);  // no mass, and it stood below the floor
   EXPECT_THAT(report.mended[0].what + report.mended[1].what, HasSubstr("it gets 10 g"));

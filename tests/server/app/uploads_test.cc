@@ -60,10 +60,12 @@ TEST_F(UploadsTest, XacroIsRefused) {
 
 TEST_F(UploadsTest, MuJoCosFilesAreRefused) {
   const std::string text = "<!-- a --><mujoco><include file=\"/etc/hostname\"/></mujoco>";
-  for (const char* name : {"r.xml", "r.sdf"}) {
-    const Upload upload = uploads.Keep(name, text);
-    EXPECT_EQ(upload.status, 400U);
-    EXPECT_THAT(upload.text, HasSubstr("MuJoCo's files that are sent are not read here"));
+  for (const char* name : {"r.xml", "r.sdf", "r.world"}) {
+    for (const std::string& start : {std::string(), std::string("\xEF\xBB\xBF")}) {  // a byte-order mark
+      const Upload upload = uploads.Keep(name, start + text);
+      EXPECT_EQ(upload.status, 400U);
+      EXPECT_THAT(upload.text, HasSubstr("MuJoCo's files that are sent are not read here"));
+    }
   }
 }
 
