@@ -161,7 +161,7 @@ class ModelTest(unittest.TestCase):
             (Path(folder) / "a.urdf").write_text(self.LINK.format("package://hands/meshes/m.obj"))
             done = run("check", "--strict", "--search", "ws", "a.urdf", cwd=folder)
             self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertIn("a.urdf: what it names is found with --scenarios 'ws/src'", done.stdout.decode())
+            self.assertIn("a.urdf: what it names is found with --scenarios ws/src", done.stdout.decode())
             done = run("check", "--strict", "--scenarios", "ws/src", "a.urdf", cwd=folder)
             self.assertEqual(done.returncode, 0, done.stderr)
             (meshes / "m.obj").unlink()
