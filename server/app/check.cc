@@ -30,9 +30,13 @@ struct CheckOptions {
   bool digests = false, strict = false, json = false, verbose = false;
 };
 
+std::string ScenariosOption(const std::string& folder) {
+  return " --scenarios " + ShellWord(folder);
+}
+
 /// Says which folders below `below` have what `file` names and `path` does not find, and puts them on it. A
-/// model that is found may name more.
-void Search(const std::string& file, const std::string& below, SearchPath& path) {
+/// model that is found may name more. As options of `serve`.
+std::string Search(const std::string& file, const std::string& below, SearchPath& path) {
   std::string options;
   std::vector<std::string> missing = MissingUris(file, path);
   const std::size_t count = missing.size();
@@ -40,7 +44,7 @@ void Search(const std::string& file, const std::string& below, SearchPath& path)
     FoundFolders found = FoldersWith(missing, below);
     if (found.folders.empty()) break;
     for (std::filesystem::path& folder : found.folders) {
-      options += " --scenarios " + ShellWord(folder.string());
+      options += ScenariosOption(folder.string());
       path.folders.push_back(std::move(folder));
     }
     const std::vector<std::string> before = std::move(missing);
@@ -50,12 +54,14 @@ void Search(const std::string& file, const std::string& below, SearchPath& path)
   if (count == 0) Print("{}: all that it names is found\n", file);
   if (!options.empty()) Print("{}: what it names is found with{}\n", file, options);
   for (const std::string& uri : missing) Print("{}: '{}' is nowhere in {}\n", file, Printable(uri), below);
+  return options;
 }
 
 /// What of `options` a file that was read with them is to be served with.
 std::string ServeOptionsOf(const CheckOptions& options) {
   std::string words;
-  for (const std::string& folder : options.scenario_folders) words += " --scenarios " + ShellWord(folder);
+  for (const std::string& folder : options.scenario_folders) words += ScenariosOption(folder);
+  for (const std::string& setting : options.settings) words += " --set " + ShellWord(setting);
   return words + (options.strict ? " --strict" : "");
 }
 
@@ -71,14 +77,14 @@ void Say(const CheckOptions& options, const CheckReport& report) {
 }
 
 /// Empty, or why there is no picture.
-std::string DrawPicture(const Frame& frame, bool is_model, const std::string& file) {
+std::string DrawPicture(const Frame& frame, bool is_model, bool has_page, const std::string& file) {
   std::string unusable;
   const RendererKind renderer = RendererFromEnvironment(RendererKind::kAuto, unusable);
   if (!unusable.empty()) return unusable;
   ImageRequest request;
   request.width = 1280;
   request.height = 720;
-  request.show_joints = is_model;
+  request.show_joints = has_page;
   request.show_names = !is_model;
   return RenderPicture(frame, request, renderer, file).value_or("");
 }
@@ -86,11 +92,12 @@ std::string DrawPicture(const Frame& frame, bool is_model, const std::string& fi
 int Check(const CheckOptions& options) {
   SearchPath path = DataPath(options.scenario_folders);
   path.is_strict = options.strict;
+  std::string serve_options = ServeOptionsOf(options);
   if (!options.search.empty()) {
-    for (const std::string& file : options.files) Search(file, options.search, path);
+    for (const std::string& file : options.files) serve_options += Search(file, options.search, path);
   }
   RobotLibrary robots(path);
-  bool failed = false, loses = false, is_model = false;
+  bool failed = false, loses = false, is_model = false, has_page = false;
   FramePtr last;
   for (const std::string& file : options.files) {
     Diagnostics diagnostics;
@@ -99,9 +106,10 @@ int Check(const CheckOptions& options) {
       if (checked.frame != nullptr && !diagnostics.has_errors())
         PrintLines(JsonText(boost::json::value_from(DigestsNow(*checked.frame))) + "\n");
     } else {
-      const CheckReport report = MakeReport(file, checked, diagnostics, path, ServeOptionsOf(options));
+      const CheckReport report = MakeReport(file, checked, diagnostics, path, serve_options);
       Say(options, report);
-      is_model = report.model != nullptr;
+      is_model = checked.model != nullptr;
+      has_page = report.has_page;
       loses = loses || report.verdict == CheckVerdict::kRunsWithLosses;
     }
     if (checked.frame != nullptr) {
@@ -115,7 +123,7 @@ int Check(const CheckOptions& options) {
       PrintError("coopdyn: --picture needs a scenario, a world or a robot model\n");
       return kExitWrongUse;
     }
-    if (const std::string error = DrawPicture(*last, is_model, options.picture); !error.empty()) {
+    if (const std::string error = DrawPicture(*last, is_model, has_page, options.picture); !error.empty()) {
       PrintError("coopdyn: {}\n", error);
       return kExitErrors;
     }

@@ -39,11 +39,26 @@ json::array JointsOf(const RobotModel& model) {
   return joints;
 }
 
+json::value DriveOf(const std::optional<DriveLines>& drive) {
+  if (!drive) return nullptr;
+  return json::object{
+      {"serve", drive->serve}, {"python", drive->python}, {"matlab", drive->matlab}, {"yarp", drive->yarp}};
+}
+
 json::array ModulesOf(const RobotModel& model) {
   json::array modules;
   for (const ModuleModel& module : model.modules())
     modules.push_back({{"name", module.name}, {"type", module.type}});
   return modules;
+}
+
+void AddModel(const RobotModel& model, json::object& object) {
+  const Vector3 size = SizeOf(model);
+  object["links"] = model.links.size();
+  object["joints"] = JointsOf(model);
+  object["modules"] = ModulesOf(model);
+  object["mass_kg"] = MovingMass(model);
+  object["size_m"] = {size.x(), size.y(), size.z()};
 }
 
 }  // namespace
@@ -54,18 +69,15 @@ json::object JsonOf(const CheckReport& report) {
                       {"name", report.name},
                       {"verdict", ToString(report.verdict)},
                       {"summary", report.lines.empty() ? "" : report.lines.front()}};
-  if (report.model != nullptr) {
-    const RobotModel& model = *report.model;
-    const Vector3 size = SizeOf(model);
-    object["links"] = model.links.size();
-    object["joints"] = JointsOf(model);
-    object["modules"] = ModulesOf(model);
-    object["mass_kg"] = MovingMass(model);
-    object["size_m"] = {size.x(), size.y(), size.z()};
-  }
+  if (report.model != nullptr) AddModel(*report.model, object);
   if (report.has_page && (report.model == nullptr || !report.robots.empty())) {
     json::array robots;
-    for (const std::string& robot : report.robots) robots.emplace_back(robot);
+    for (const CheckedRobot& robot : report.robots) {
+      json::object one{{"name", robot.name}};
+      AddModel(*robot.model, one);
+      one["drive"] = DriveOf(robot.drive);
+      robots.push_back(std::move(one));
+    }
     object["robots"] = std::move(robots);
   }
   object["errors"] = ListOf(report.errors);
@@ -77,13 +89,7 @@ json::object JsonOf(const CheckReport& report) {
     missing.push_back(
         {{"what", part.what}, {"count", part.count}, {"collides", part.collides}, {"bring", part.bring}});
   object["missing"] = std::move(missing);
-  object["drive"] = nullptr;
-  if (report.drive) {
-    object["drive"] = {{"serve", report.drive->serve},
-                       {"python", report.drive->python},
-                       {"matlab", report.drive->matlab},
-                       {"yarp", report.drive->yarp}};
-  }
+  object["drive"] = DriveOf(report.drive);
   return object;
 }
 

@@ -8,6 +8,7 @@
 #include "server/app/check_report.h"
 #include "server/app/model_text.h"
 #include "server/base/printable.h"
+#include "server/base/words.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
@@ -90,9 +91,32 @@ std::string FindingText(const Finding& one, const std::string& file, bool verbos
   return one.why.empty() ? text : text + ": " + one.why;
 }
 
+std::string MotorText(const RobotModel& model) {
+  const std::vector<std::size_t> joints = MovingJoints(model);
+  if (joints.empty()) return "no joints";
+  const auto motors = std::ranges::count_if(joints, [&](std::size_t j) { return HasMotor(model, j); });
+  return std::to_string(motors) + " of " + CountOf(joints.size(), "joint") +
+         (motors == 1 ? " has a motor" : " have motors");
+}
+
+/// The robots of a world, each in a line; those without sockets in one.
+std::vector<std::string> RobotTexts(const std::vector<CheckedRobot>& robots) {
+  std::vector<std::string> texts, others;
+  for (const CheckedRobot& robot : robots) {
+    if (!robot.drive) {
+      others.push_back(robot.name);
+      continue;
+    }
+    std::vector<std::string> modules;
+    for (const ModuleModel& module : robot.model->modules()) modules.push_back(module.name);
+    texts.push_back(robot.name + ": " + MotorText(*robot.model) + "; modules " + JoinNames(modules));
+  }
+  if (!others.empty()) texts.push_back("nothing to drive or read, so no sockets: " + JoinNames(others));
+  return texts;
+}
+
 void AddModel(const RobotModel& model, PageText& page) {
   const std::vector<std::size_t> joints = MovingJoints(model);
-  const auto motors = std::ranges::count_if(joints, [&](std::size_t j) { return HasMotor(model, j); });
   const auto thrusts =
       static_cast<std::size_t>(std::ranges::count_if(model.joints, [](const JointModel& one) {
         return one.kind == JointModel::Kind::kForce || one.kind == JointModel::Kind::kTorque;
@@ -100,10 +124,10 @@ void AddModel(const RobotModel& model, PageText& page) {
   const std::string thrusters = thrusts == 0 ? "" : "; " + CountOf(thrusts, "thruster");
   const Vector3 size = SizeOf(model);
   const auto rounded = [](double value) { return FormatNumber(std::round(value * 1e3) / 1e3); };
-  page.Line("  ", "size " + rounded(size.x()) + " x " + rounded(size.y()) + " x " + rounded(size.z()) +
-                      " m; " + (model.drive() != nullptr ? std::string("a drive; ") : "") +
-                      std::to_string(motors) + " of " + CountOf(joints.size(), "joint") +
-                      (motors == 1 ? " has a motor" : " have motors") + thrusters);
+  const std::string sizes = rounded(size.x()) + " x " + rounded(size.y()) + " x " + rounded(size.z()) + " m";
+  page.Line("  ", (size.isZero() ? "nothing of it collides or is drawn" : "size " + sizes) + "; " +
+                      (model.drive() != nullptr ? std::string("a drive; ") : "") + MotorText(model) +
+                      thrusters);
   const std::vector<ModuleModel> modules = model.modules();
   page.List(joints.size(), 6, "Joints:", [&](std::size_t i) { return JointText(model, joints[i]); });
   const std::vector<std::string> parts = PartTexts(model);
@@ -115,32 +139,31 @@ void AddModel(const RobotModel& model, PageText& page) {
 
 std::string PageOf(const CheckReport& report, bool verbose) {
   PageText page(verbose);
-  std::string head = report.file + ": " + ToString(report.verdict);
-  if (!report.errors.empty()) head += ", because of what is wrong";
-  page.Line("", head);
+  page.Line("", report.file + ": " + ToString(report.verdict));
   page.Line("  ", report.format + (report.name.empty() ? "" : " '" + report.name + "'") +
                       (report.lines.empty() ? "" : ": " + report.lines.front()));
   if (report.model != nullptr) AddModel(*report.model, page);
-  if (verbose && report.driven.size() > 1) {
-    for (const auto& [name, model] : report.driven) {
-      page.Line("", "Robot " + name + ":");
-      AddModel(*model, page);
-    }
+  const std::vector<std::string> robots = RobotTexts(report.robots);
+  page.List(robots.size(), 6, "Robots:", [&](std::size_t i) { return robots[i]; });
+  for (const CheckedRobot& robot : report.robots) {
+    if (!verbose || report.model != nullptr || !robot.drive) continue;
+    page.Line("", "Robot " + robot.name + ":");
+    AddModel(*robot.model, page);
+    page.Program("Python:", robot.drive->python);
   }
-  page.List(report.robots.size(), 6, "Robots:", [&](std::size_t i) { return report.robots[i]; });
   const auto add = [&](const std::vector<Finding>& all, std::size_t most, const std::string& title) {
     page.List(all.size(), most, title,
               [&](std::size_t i) { return FindingText(all[i], report.file, verbose); });
   };
   add(report.errors, 8, "Wrong:");
-  add(report.left_out, 5, "Left out, and it matters:");
+  add(report.left_out, 5, "Left out or changed, and it matters:");
   add(report.mended, 4, "Mended:");
   add(report.harmless, verbose ? 1 : 2, "Left out, without harm:");
   const std::string search = "Not found (coopdyn check --search FOLDER FILE looks through a folder for it):";
   page.List(report.missing.size(), 3, search, [&](std::size_t i) {
     const MissingPart& part = report.missing[i];
     return part.what + (part.count > 1 ? ", " + CountOf(static_cast<std::size_t>(part.count), "file") : "") +
-           (part.collides ? "" : ", only drawn") + ": " + part.bring;
+           (part.collides ? "" : " (for looks alone)") + ": " + part.bring;
   });
   if (report.drive) {
     page.Program("Serve it:", report.drive->serve);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "server/app/left_out.h"
+#include "server/app/model_text.h"
 #include "server/base/printable.h"
 #include "server/base/words.h"
 #include "server/model/experiment.h"
@@ -40,7 +41,11 @@ Origin OriginOf(const std::string& file) {
   }
   if (IsExperiment(*text, file)) return {"experiment", "", false, true};
   const auto root = ParseXml(*text, file, ignored);
-  if (!root) return {extension == ".urdf" ? "URDF" : "SDF", "", true, false};
+  if (!root) {
+    const std::string_view element = RootElement(*text);
+    const bool is_urdf = element == "robot" || (element != "sdf" && extension == ".urdf");
+    return {element == "mujoco" ? "MJCF" : is_urdf ? "URDF" : "SDF", "", true, false};
+  }
   if (root->name == "mujoco") return {"MJCF", root->Attribute("model"), true, false};
   if (root->name == "robot") return {"URDF", root->Attribute("name"), true, false};
   const XmlNode* world = root->Child("world");
@@ -133,8 +138,9 @@ std::vector<MissingPart> MissingOf(const std::vector<std::string>& uris, const D
 
 /// `one` says that `uri` is not found: adds that it is left out.
 void AddMissing(const Diagnostic& one, const std::string& uri, Findings& left_out) {
-  const std::size_t until = one.text.find("until then ");
-  const std::string why = until == std::string::npos ? "" : one.text.substr(until);
+  constexpr std::string_view kUntil = "until then ";
+  const std::size_t until = one.text.find(kUntil);
+  const std::string why = until == std::string::npos ? "" : one.text.substr(until + kUntil.size());
   if (one.text.starts_with("mesh")) return left_out.Add(one, "a mesh that is not found", why);
   const bool is_model = one.text.starts_with("<include>");
   const std::string what = (is_model ? "model '" : "file '") + uri + "' is not found";
@@ -154,25 +160,39 @@ Consequence ConsequenceIn(const Diagnostic& warning, const Checked& checked) {
   return of_none;
 }
 
-/// The robot that is driven first: its index in `frame`; -1 if none has sockets.
-int FirstRobot(const Frame& frame) {
-  const std::vector<SceneRobot>& robots = frame.scene->robots;
-  int found = -1;
-  for (std::size_t i = 0; i < robots.size(); ++i) {
-    if (!robots[i].entry.sockets) continue;
-    if (robots[i].entry.model->has_actuators()) return static_cast<int>(i);
-    if (found < 0) found = static_cast<int>(i);
-  }
-  return found;
+/// What is in a world of other programs; the robots have lines of their own.
+std::string WorldText(const Scene& scene, std::size_t with_sockets) {
+  const Scenario& scenario = *scene.scenario;
+  const auto counted = [](std::size_t all, const char* noun, std::size_t some, const char* what) {
+    if (all == 0) return std::string("no ") + noun + "s, ";
+    return CountOf(all, noun) + " (" + std::to_string(some) + what + "), ";
+  };
+  const auto fixed =
+      static_cast<std::size_t>(std::ranges::count_if(scenario.objects, &WorldObject::is_static));
+  const std::string step = FormatNumber(1e3 * ToSeconds(scenario.simulation.step.value_or(kDefaultStep)));
+  return counted(scene.robots.size(), "robot", with_sockets, " with sockets") +
+         counted(scenario.objects.size(), "object", fixed, " fixed") + "floor " +
+         FormatNumber(scenario.floor.length_m) + " x " + FormatNumber(scenario.floor.width_m) +
+         " m, steps of " + step + " ms";
 }
 
-DriveLines DriveOf(const std::string& file, const std::string& options, const Checked& checked) {
-  const double step_s = ToSeconds(checked.frame->scene->scenario->simulation.step.value_or(kDefaultStep));
-  if (checked.model != nullptr) return DriveLinesFor(file, options, "robot1", checked.model.get(), step_s);
-  const int robot = FirstRobot(*checked.frame);
-  if (robot < 0) return DriveLinesFor(file, options, "", nullptr, step_s);
-  const RobotEntry& entry = checked.frame->scene->robots[static_cast<std::size_t>(robot)].entry;
-  return DriveLinesFor(file, options, entry.name, entry.model.get(), step_s);
+/// Adds the robots of a world, and how they are driven; the first one that has a motor first.
+void AddRobots(const Scene& scene, const std::string& options, double step_s, CheckReport& report) {
+  std::size_t with_sockets = 0;
+  bool has_motor = false;
+  for (const SceneRobot& robot : scene.robots) {
+    const RobotEntry& entry = robot.entry;
+    report.robots.push_back({entry.name, entry.model, {}});
+    if (!entry.sockets) continue;
+    CheckedRobot& added = report.robots.back();
+    added.drive = DriveLinesFor(report.file, options, entry.name, entry.model.get(), step_s);
+    report.model = ++with_sockets == 1 ? entry.model : nullptr;
+    if (report.drive && (has_motor || !entry.model->has_actuators())) continue;
+    report.drive = added.drive;
+    has_motor = entry.model->has_actuators();
+  }
+  if (!report.drive) report.drive = DriveLinesFor(report.file, options, "", nullptr, step_s);
+  report.lines = {WorldText(scene, with_sockets)};
 }
 
 }  // namespace
@@ -239,14 +259,12 @@ CheckReport MakeReport(const std::string& file, const Checked& checked, const Di
   }
   if (loses && !origin.is_own) report.verdict = CheckVerdict::kRunsWithLosses;
   if (!origin.has_page) return report;
-  if (report.model == nullptr) {
-    for (const SceneRobot& robot : checked.frame->scene->robots) {
-      report.robots.push_back(robot.entry.name);
-      if (robot.entry.sockets) report.driven.emplace_back(robot.entry.name, robot.entry.model);
-    }
-    if (report.driven.size() == 1) report.model = report.driven.front().second;
-  }
-  report.drive = DriveOf(file, options, checked);
+  const Scene& scene = *checked.frame->scene;
+  const double step_s = ToSeconds(scene.scenario->simulation.step.value_or(kDefaultStep));
+  if (report.model == nullptr)
+    AddRobots(scene, options, step_s, report);
+  else
+    report.drive = DriveLinesFor(file, options, "robot1", report.model.get(), step_s);
   return report;
 }
 

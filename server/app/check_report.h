@@ -6,7 +6,6 @@
 #include <boost/json/fwd.hpp>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "server/app/checker.h"
@@ -33,6 +32,13 @@ struct MissingPart {
   bool collides = false;  // some of it; else it is only drawn
 };
 
+/// One of a world.
+struct CheckedRobot {
+  std::string name;
+  std::shared_ptr<const RobotModel> model;
+  std::optional<DriveLines> drive;  // nothing: it has no sockets
+};
+
 struct CheckReport {
   std::string file;
   std::string format;     // URDF, xacro, SDF 1.9, scenario, world, experiment
@@ -41,12 +47,10 @@ struct CheckReport {
   CheckVerdict verdict = CheckVerdict::kRuns;
   std::vector<std::string> lines;           // Checked::lines
   std::shared_ptr<const RobotModel> model;  // as there; of a world: of its only robot with sockets
-  /// Of a world: its robots with sockets, by their names.
-  std::vector<std::pair<std::string, std::shared_ptr<const RobotModel>>> driven;
-  std::vector<std::string> robots;  // of a world: `name (type)`
+  std::vector<CheckedRobot> robots;         // of a world
   std::vector<Finding> errors, mended, left_out, harmless;
   std::vector<MissingPart> missing;
-  std::optional<DriveLines> drive;
+  std::optional<DriveLines> drive;  // of the robot that is driven first, if there is one
 };
 
 /// `options`: with which it was read, for `serve` (each begins with a blank). Reads the file once more.

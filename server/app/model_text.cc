@@ -72,10 +72,14 @@ std::string SummaryOf(const RobotModel& model) {
       static_cast<std::size_t>(std::ranges::count(model.links, true, &LinkModel::is_carrier));
   return "robot " + model.type + ", " + CountOf(model.links.size() - carriers, "link") + ", " +
          CountOf(MovingJoints(model).size(), "joint") + ", " +
-         CountOf(model.sector_count(), "distance sensor") + ", " + CountOf(model.modules().size(), "module") +
-         "; " + (model.fixed_base ? "fixed to the world, moving mass " : "mass ") +
-         Rounded4(MovingMass(model)) + " kg, footprint radius " + Rounded4(model.footprint_radius_m) +
-         " m, height " + Rounded4(model.height_m) + " m";
+         (model.sector_count() == 0 ? "" : CountOf(model.sector_count(), "distance sensor") + ", ") +
+         CountOf(model.modules().size(), "module") + "; " +
+         (model.fixed_base && model.links.size() == 1
+              ? std::string("fixed to the world")
+              : (model.fixed_base ? "fixed to the world, moving mass " : "mass ") +
+                    Rounded4(MovingMass(model)) + " kg") +
+         ", footprint radius " + Rounded4(model.footprint_radius_m) + " m, height " +
+         Rounded4(model.height_m) + " m";
 }
 
 std::vector<std::string> PartTexts(const RobotModel& model) {
@@ -85,9 +89,12 @@ std::vector<std::string> PartTexts(const RobotModel& model) {
     for (const LinkShape& shape : link.collisions) {
       if (shape.piece_of >= 0) ++parts.try_emplace(shape.piece_of, 1).first->second;
     }
-    for (const auto& [collision, count] : parts)
-      lines.push_back("link " + link.name + ": its mesh collides as " + std::to_string(count) +
-                      " convex parts");
+    if (parts.empty()) continue;
+    std::vector<std::string> counts;
+    for (const auto& [collision, count] : parts) counts.push_back(std::to_string(count));
+    lines.push_back("link " + link.name + ": its " +
+                    (parts.size() == 1 ? "mesh collides" : std::to_string(parts.size()) + " meshes collide") +
+                    " as " + JoinNames(counts) + " convex parts");
   }
   return lines;
 }

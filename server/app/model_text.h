@@ -15,7 +15,7 @@ namespace coopdyn {
 std::string CountOf(std::size_t count, const std::string& noun);
 /// Counts, mass and size.
 std::string SummaryOf(const RobotModel& model);
-/// `link cup: its mesh collides as 7 convex parts`, one for each mesh that does.
+/// `link cup: its mesh collides as 7 convex parts`, one for each link with meshes that do.
 std::vector<std::string> PartTexts(const RobotModel& model);
 /// `joint elbow: hinge, from -1 to 1 rad, effort 3 N m, speed 1.5 rad/s`.
 std::string JointText(const RobotModel& model, std::size_t joint);

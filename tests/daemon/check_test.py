@@ -168,6 +168,20 @@ class ModelTest(unittest.TestCase):
             done = run("check", "--search", "ws", "a.urdf", cwd=folder)
             self.assertIn("a.urdf: 'package://hands/meshes/m.obj' is nowhere in ws", done.stdout.decode())
 
+    def test_the_line_that_serves_it_works_when_it_is_pasted(self):
+        with tempfile.TemporaryDirectory() as folder:
+            meshes = Path(folder) / "it's a folder" / "hands" / "meshes"
+            meshes.mkdir(parents=True)
+            (meshes / "m.obj").write_text(self.CUBE)
+            (Path(folder) / "my arm.urdf").write_text(self.LINK.format("package://hands/meshes/m.obj"))
+            said = run("check", "--strict", "--search", ".", "my arm.urdf", cwd=folder).stdout.decode().splitlines()
+            line = said[said.index("Serve it:") + 1]
+            self.assertEqual(line, "  coopdyn serve 'my arm.urdf' --scenarios './it'\\''s a folder' --strict")
+            path = f"{Path(BINARY).resolve().parent}:{os.environ['PATH']}"
+            done = subprocess.run(f"{line} --no-net --no-render --steps 1", shell=True, cwd=folder, env={**os.environ, "PATH": path},
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=120)
+            self.assertEqual(done.returncode, 0, done.stdout)
+
     def test_folders_of_gazebo_and_ros_are_taken_from_their_variables(self):
         with tempfile.TemporaryDirectory() as folder:
             (Path(folder) / "a.urdf").write_text(self.LINK.format("package://hands/meshes/m.obj"))
@@ -188,7 +202,7 @@ class ModelTest(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stderr)
             lines = done.stdout.decode().splitlines()
             self.assertEqual(lines[0], f"{path}: runs")
-            self.assertIn("URDF 'gripper': robot gripper, 4 links, 3 joints, 0 distance sensors, 2 modules; mass 2 kg, ", lines[1])
+            self.assertIn("URDF 'gripper': robot gripper, 4 links, 3 joints, 2 modules; mass 2 kg, ", lines[1])
             self.assertEqual(lines[2:10], [
                 "  size 0.2 x 0.2 x 0.2 m; 2 of 3 joints have motors",
                 "Joints:",

@@ -132,10 +132,12 @@ TEST_F(CheckReportTest, MissingFilesAreJoinedByTheirPackageWithACommand) {
 
 TEST_F(CheckReportTest, ManyHarmlessFindingsHideNoLoss) {
   std::string parts = Link("base");
-  for (int i = 0; i < 150; ++i)
-    parts += Link("l" + std::to_string(i)) + "<joint name=\"j" + std::to_string(i) +
-             "\" type=\"fixed\"><parent link=\"base\"/><child link=\"l" + std::to_string(i) +
-             "\"/></joint><gazebo reference=\"l" + std::to_string(i) + "\"><kp>1</kp></gazebo>\n";
+  // Each is a finding of its own, unlike elements of one name.
+  for (int i = 0; i < 150; ++i) {
+    const std::string name = "my_led_" + std::to_string(i);
+    parts += "<gazebo><plugin filename=\"" + name + ".so\" name=\"" + name + "\"/></gazebo>\n";
+  }
+  ASSERT_GT(Robot(parts).harmless.size(), 100u);
   const std::string last = "<gazebo><plugin filename=\"libfoo.so\" name=\"f\"/></gazebo>";
   EXPECT_EQ(Robot(parts).verdict, CheckVerdict::kRuns);
   const CheckReport report = Robot(parts + last);
@@ -218,12 +220,66 @@ TEST_F(CheckReportTest, AWorldOfOthersTellsWhichRobotsItHasAndDrivesOne) {
   EXPECT_EQ(report.format, "SDF 1.9");
   EXPECT_EQ(report.name, "lab");
   EXPECT_EQ(report.verdict, CheckVerdict::kRunsWithLosses) << PageOf(report, true);
-  ASSERT_EQ(report.robots, std::vector<std::string>{"cart"});
+  ASSERT_EQ(report.robots.size(), 1u);
+  EXPECT_EQ(report.robots[0].name, "cart");
   EXPECT_THAT(PageOf(report, false), HasSubstr("Joints:\n  joint j: hinge"));
   EXPECT_EQ(JsonOf(report).at("joints").at(0).at("name"), "j");
   ASSERT_TRUE(report.drive.has_value());
   EXPECT_THAT(report.drive->python,
               HasSubstr("r = sim.robot('cart'); j = r.joints('joints')\nj.set_positions("));
+}
+
+TEST_F(CheckReportTest, EachRobotOfAWorldHasItsJointsModulesAndLines) {
+  const auto cart = [](const std::string& name, const std::string& y, const std::string& sensor) {
+    const std::string body =
+        "<inertial><mass>1</mass></inertial><collision name=\"c\"><geometry><box><size>0.2 "
+        "0.2 0.2</size></box></geometry></collision>";
+    return "<model name=\"" + name + "\"><pose>0 " + y + " 0.1 0 0 0</pose><link name=\"base\">" + body +
+           sensor + "</link><link name=\"arm\"><pose>0 0 0.3 0 0 0</pose>" + body + "</link><joint name=\"" +
+           name +
+           "_j\" type=\"revolute\"><parent>base</parent><child>arm</child><axis><xyz>0 0 "
+           "1</xyz><limit><effort>5</effort><velocity>1</velocity></limit></axis></joint></model>";
+  };
+  const CheckReport report = Report(
+      "<sdf version=\"1.9\"><world name=\"lab\"><include><uri>model://ground_plane</uri></include>" +
+          cart("ann", "0", "") + cart("ben", "2", "<sensor name=\"eye\" type=\"imu\"/>") + "</world></sdf>",
+      "lab.sdf");
+  const boost::json::object object = JsonOf(report);
+  EXPECT_FALSE(object.contains("joints"));
+  const boost::json::array& robots = object.at("robots").as_array();
+  ASSERT_EQ(robots.size(), 2u);
+  EXPECT_EQ(robots.at(1).at("name"), "ben");
+  EXPECT_EQ(robots.at(1).at("joints").at(0).at("name"), "ben_j");
+  EXPECT_THAT(JsonText(robots.at(1).at("modules")), HasSubstr("eye"));
+  EXPECT_THAT(std::string(robots.at(1).at("drive").at("python").as_string()), HasSubstr("sim.robot('ben')"));
+  EXPECT_THAT(PageOf(report, false),
+              HasSubstr("ben: 1 of 1 joint has a motor; modules joints, pose and eye\n"));
+}
+
+TEST_F(CheckReportTest, ADamagedFileIsStillCalledWhatItIs) {
+  EXPECT_EQ(Report("<mujoco><worldbody></mujoco>", "a.xml").format, "MJCF");
+  EXPECT_EQ(Report("<robot><link></robot>", "b.sdf").format, "URDF");
+  EXPECT_EQ(Report("<sdf><model></sdf>", "c.sdf").format, "SDF");
+}
+
+TEST_F(CheckReportTest, WhatStartsDeepInsideSomethingFixedIsALoss) {
+  const auto ball = [](const std::string& pose) {
+    return "<model name=\"ball\"><pose>" + pose +
+           " 0 0 0</pose><link name=\"l\"><inertial><mass>1</mass><inertia>"
+           "<ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial><collision "
+           "name=\"c\"><geometry><sphere><radius>"
+           "0.1</radius></sphere></geometry></collision></link></model>";
+  };
+  const std::string start =
+      "<sdf version=\"1.9\"><world name=\"w\"><include><uri>model://ground_plane</uri></include><model "
+      "name=\"block\"><static>1</static><pose>0 0 1 0 0 0</pose><link name=\"l\"><collision "
+      "name=\"c\"><geometry>"
+      "<box><size>2 2 2</size></box></geometry></collision></link></model>";
+  EXPECT_EQ(Report(start + ball("0 1.05 1") + "</world></sdf>", "w.sdf").verdict, CheckVerdict::kRuns);
+  const CheckReport report = Report(start + ball("0 0 1") + "</world></sdf>", "w.sdf");
+  EXPECT_EQ(report.verdict, CheckVerdict::kRunsWithLosses);
+  ASSERT_EQ(report.left_out.size(), 1u);
+  EXPECT_THAT(report.left_out[0].what, HasSubstr("ball starts 1 m inside block"));
 }
 
 TEST_F(CheckReportTest, AScenarioHasNoPage) {
