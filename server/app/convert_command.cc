@@ -44,7 +44,7 @@ bool Write(const fs::path& file, const std::string& text) {
 }
 
 /// A file of MuJoCo: writes NAME.sdf and its meshes.
-int ConvertMjcf(const std::string& file, const std::string& wanted_out) {
+int ConvertMjcf(const std::string& file, const SearchPath& path, const std::string& wanted_out) {
   const std::string name = fs::path(file).stem().string();
   const fs::path out = wanted_out.empty() ? fs::path(name) : fs::path(wanted_out);
   const fs::path target = out / (name + ".sdf");
@@ -54,7 +54,7 @@ int ConvertMjcf(const std::string& file, const std::string& wanted_out) {
       return Refuse(one.string() + " is there already: name another folder with --out");
   }
   Diagnostics diagnostics;
-  const auto text = TranslateMjcf(file, out / "meshes", "meshes/", diagnostics);
+  const auto text = TranslateMjcf(file, path, out / "meshes", "meshes/", diagnostics);
   PrintErrorLines(diagnostics.ToString());
   if (!text) return kExitErrors;
   if (!Write(target, *text)) return Refuse(target.string() + " cannot be written");
@@ -68,7 +68,7 @@ int Convert(const ConvertOptions& options) {
   Diagnostics diagnostics;
   const std::string file = found ? found->string() : options.file;
   const auto text = ReadTextFile(file, {file, 0}, diagnostics);
-  if (text && IsMjcf(*text)) return ConvertMjcf(file, options.out);
+  if (text && IsMjcf(*text)) return ConvertMjcf(file, path, options.out);
   std::set<fs::path> controllers;  // beside the experiment
   const auto has_controller = [&](const std::string& controller) {
     const auto beside = path.FindController(controller, fs::absolute(file).parent_path());

@@ -43,6 +43,7 @@ std::string TokenOf(const ServeOptions& options) {
 SearchPath PathOf(const ServeOptions& options, const std::filesystem::path& uploads) {
   SearchPath path = DataPath(options.scenario_folders);
   if (!uploads.empty()) path.folders.push_back(uploads);
+  path.uploads = uploads;
   path.is_strict = options.strict;
   return path;
 }

@@ -64,10 +64,9 @@ std::string Uploads::Objection(const std::string& name, const std::string& text)
   Diagnostics ignored;
   const std::string read = DecodeText(text, {}, ignored).value_or(text);  // as its reader will
   if (IsMjcf(read))  // it may name any file of this machine
-    return "MuJoCo's files that are sent are not read here: put the file into a folder and start the daemon "
-           "with --scenarios FOLDER, or send what coopdyn convert makes of it";
+    return kNoMjcfUploads;
   if (IsXacro(read, name))  // likewise
-    return "xacro that is sent is not expanded here: send what 'xacro FILE' writes";
+    return kNoXacroUploads;
   if (extension == ".world" || extension == ".sdf" || extension == ".urdf") return {};
   if (extension == ".scenario" || extension == ".xml")
     return "a scenario needs no upload: send its text to /simulation with load_scenario";

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "server/model/mjcf.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <vector>
@@ -22,6 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kProgram = "coopdyn-mjcf";
+constexpr std::string_view kFolder = "coopdyn-mjcf-";
 constexpr std::size_t kMostSdfBytes = 64u << 20;
 
 void ForgetLines(XmlNode& node) {
@@ -59,30 +64,60 @@ bool IsStatic(const XmlNode& model) {
   return model.TextOf("static") == "true";
 }
 
+/// Holds `folder` until the result is closed; -1: somebody else does, or it is not ours.
+int Lock(const fs::path& folder) {
+  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (file < 0 || ::flock(file, LOCK_EX | LOCK_NB) == 0) return file;
+  ::close(file);
+  return -1;
+}
+
+/// Removes folders beside `own` that nobody holds. Young ones may not be held yet.
+void RemoveLeft(const fs::path& own) {
+  constexpr auto kYoung = std::chrono::minutes(10);
+  std::error_code code;
+  const auto now = fs::last_write_time(own, code);
+  for (fs::directory_iterator it(own.parent_path(), code), end; !code && it != end; it.increment(code)) {
+    std::error_code other;
+    const fs::path& folder = it->path();
+    if (!folder.filename().string().starts_with(kFolder)) continue;
+    if (const auto made = it->last_write_time(other); other || now - made < kYoung) continue;
+    const int lock = Lock(folder);
+    if (lock < 0) continue;
+    fs::remove_all(folder, other);
+    ::close(lock);
+  }
+}
+
 }  // namespace
 
 MeshFolder::MeshFolder() {
   std::error_code code;
-  std::string name = (fs::temp_directory_path(code) / "coopdyn-mjcf-XXXXXX").string();
-  if (!code && ::mkdtemp(name.data()) != nullptr) path_ = name;
+  std::string name = (fs::temp_directory_path(code) / kFolder).string() + "XXXXXX";
+  if (code || ::mkdtemp(name.data()) == nullptr) return;
+  path_ = name;
+  lock_ = Lock(path_);
+  RemoveLeft(path_);
 }
 
 MeshFolder::~MeshFolder() {
   std::error_code ignored;
   if (!path_.empty()) fs::remove_all(path_, ignored);
+  if (lock_ >= 0) ::close(lock_);
 }
 
 bool IsMjcf(std::string_view text) {
   return RootElement(text) == "mujoco";
 }
 
-std::optional<std::string> TranslateMjcf(const fs::path& file, const fs::path& meshes,
+std::optional<std::string> TranslateMjcf(const fs::path& file, const SearchPath& path, const fs::path& meshes,
                                          const std::string& prefix, Diagnostics& diagnostics) {
   const SourceLine where{file.string(), 0};
   const auto fail = [&](const std::string& text) {
     diagnostics.Error(where, text);
     return std::nullopt;
   };
+  if (path.IsUpload(file)) return fail(kNoMjcfUploads);
   const fs::path program = OwnProgram(kProgram);
   if (program.empty()) {
     return fail(
@@ -100,16 +135,17 @@ std::optional<std::string> TranslateMjcf(const fs::path& file, const fs::path& m
   return end->out;
 }
 
-std::optional<XmlNode> ReadMjcf(const fs::path& file, const MeshFolder& meshes, Diagnostics& diagnostics) {
-  const auto text = TranslateMjcf(file, meshes.path(), meshes.path().string() + "/", diagnostics);
+std::optional<XmlNode> ReadMjcf(const fs::path& file, const SearchPath& path, const MeshFolder& meshes,
+                                Diagnostics& diagnostics) {
+  const auto text = TranslateMjcf(file, path, meshes.path(), meshes.path().string() + "/", diagnostics);
   auto root = text ? ParseXml(*text, file.string(), diagnostics) : std::nullopt;
   if (root) ForgetLines(*root);
   return root;
 }
 
-std::optional<XmlNode> ReadMjcfRobot(const fs::path& file, const MeshFolder& meshes,
+std::optional<XmlNode> ReadMjcfRobot(const fs::path& file, const SearchPath& path, const MeshFolder& meshes,
                                      Diagnostics& diagnostics) {
-  auto root = ReadMjcf(file, meshes, diagnostics);
+  auto root = ReadMjcf(file, path, meshes, diagnostics);
   XmlNode* const world = root ? root->Child("world") : nullptr;
   if (world == nullptr) return std::nullopt;
   std::vector<XmlNode> models;

@@ -35,6 +35,8 @@ struct SearchPath {
   bool is_strict = false;
   /// Where convex parts of meshes are kept (kept_parts.h); empty: nowhere.
   std::filesystem::path parts_folder{};
+  /// One of `folders`, where files are that came over a socket; empty: there is none.
+  std::filesystem::path uploads{};
 
   /// The first existing file for a scenario/world given by path or bare name; nothing if none. It ends in
   /// .scenario, .world, .sdf or .xml, which the name may leave out; only a path with a folder may end in
@@ -44,6 +46,8 @@ struct SearchPath {
                                                  const std::filesystem::path& beside) const;
   /// The model of robots/<type>: model.sdf, model.urdf or what its model.config names.
   std::optional<std::filesystem::path> FindRobot(const std::string& type) const;
+  /// Whether `file` came over a socket: it may name files of this machine only as Resources lets it.
+  bool IsUpload(const std::filesystem::path& file) const;
   /// controllers/<name>.so or <name>.so in `beside` (unless that is empty) or on the path, for a bare name.
   std::optional<std::filesystem::path> FindController(const std::string& name,
                                                       const std::filesystem::path& beside = {}) const;

@@ -156,14 +156,14 @@ std::shared_ptr<const RobotModel> ReadRobotModel(const std::filesystem::path& fi
   const std::string name = file.string();
   std::optional<std::string> text = ReadTextFile(name, {name, 0}, diagnostics);
   const bool is_xacro = text && IsXacro(*text, file);
-  if (is_xacro) text = ExpandXacro(file, diagnostics);
+  if (is_xacro) text = ExpandXacro(file, path, diagnostics);
   if (!text) return nullptr;
   const std::string folder = std::filesystem::absolute(file).parent_path().filename().string();
   std::string stem = file.stem().string();
   if (is_xacro && stem.ends_with(".urdf")) stem.resize(stem.size() - 5);
   if (IsMjcf(*text)) {
     MeshFolder meshes;
-    auto root = ReadMjcfRobot(file, meshes, diagnostics);
+    auto root = ReadMjcfRobot(file, path, meshes, diagnostics);
     if (!root) return nullptr;
     const Resources all = ResourcesOf(path, file, meshes);
     return ReadRobotModelTree(std::move(*root), name, stem, &all, false, diagnostics);

@@ -201,6 +201,16 @@ std::optional<fs::path> SearchPath::FindController(const std::string& name, cons
   return FirstFile(ControllerFolders(*this, beside), {"controllers", "."}, name + ".so");
 }
 
+bool SearchPath::IsUpload(const fs::path& file) const {
+  if (uploads.empty()) return false;
+  const auto plain = [](const fs::path& one) {
+    std::error_code code;
+    return fs::weakly_canonical(one, code);
+  };
+  const fs::path folder = plain(uploads), inside = plain(file);
+  return std::ranges::mismatch(folder, inside).in1 == folder.end();
+}
+
 std::vector<std::string> SearchPath::ControllerNames(const fs::path& beside) const {
   return Stems(ControllerFolders(*this, beside), {"controllers", "."}, ".so");
 }

@@ -2,6 +2,7 @@
 #include "server/model/xacro.h"
 
 #include "server/base/run_program.h"
+#include "server/model/readers.h"
 #include "server/model/sdf_parts.h"
 
 namespace coopdyn {
@@ -20,11 +21,13 @@ bool IsXacro(std::string_view text, const std::filesystem::path& file) {
   return false;
 }
 
-std::optional<std::string> ExpandXacro(const std::filesystem::path& file, Diagnostics& diagnostics) {
+std::optional<std::string> ExpandXacro(const std::filesystem::path& file, const SearchPath& path,
+                                       Diagnostics& diagnostics) {
   const auto fail = [&](const std::string& text) {
     diagnostics.Error({file.string(), 0}, text);
     return std::nullopt;
   };
+  if (path.IsUpload(file)) return fail(kNoXacroUploads);
   NoEnd why = NoEnd::kNone;
   const auto end = RunProgram("xacro", {std::filesystem::absolute(file).string()}, kMaxModelBytes, why);
   if (why == NoEnd::kNoProgram) {

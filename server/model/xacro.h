@@ -11,11 +11,18 @@
 
 namespace coopdyn {
 
+struct SearchPath;
+
 /// Whether `text` has elements of xacro, or `file` ends in .xacro. What xacro has written keeps the comments.
 bool IsXacro(std::string_view text, const std::filesystem::path& file);
 
-/// What `xacro FILE` writes. Nothing, with an error at `file`, if there is no such program, it fails, or
-/// takes longer than a minute.
-std::optional<std::string> ExpandXacro(const std::filesystem::path& file, Diagnostics& diagnostics);
+/// What to say of a file that came over a socket.
+inline constexpr const char* kNoXacroUploads =
+    "xacro that is sent is not expanded here: send what 'xacro FILE' writes";
+
+/// What `xacro FILE` writes. Nothing, with an error at `file`, if there is no such program, it fails, takes
+/// longer than a minute, or if the file is an upload of `path`, as it may name any file of this machine.
+std::optional<std::string> ExpandXacro(const std::filesystem::path& file, const SearchPath& path,
+                                       Diagnostics& diagnostics);
 
 }  // namespace coopdyn

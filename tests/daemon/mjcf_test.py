@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: MIT
 """MuJoCo's model files: one is served, recorded and converted. Skipped where coopdyn-mjcf was not built."""
 import json
+import os
+import subprocess
+import sys
 import unittest
 from pathlib import Path
 
-from harness import BINARY, Daemon
+from harness import BINARY, Daemon, until
 from recording import RecordingTestCase, equal_steps, tool
 
 STEPS = 200
@@ -66,6 +69,22 @@ class MjcfTest(RecordingTestCase):
         code, said = tool("convert", self.model, "--out", out)
         self.assertEqual(code, 1)
         self.assertIn("is there already: name another folder with --out", said)
+
+    def test_the_program_that_reads_it_has_limits_and_ends_with_whoever_started_it(self):
+        pipe = self.folder / "pipe.xml"
+        os.mkfifo(pipe)
+        words = [str(Path(BINARY).resolve().with_name("coopdyn-mjcf")), str(pipe), str(self.folder / "meshes"), "m/"]
+        starter = subprocess.Popen([sys.executable, "-c", "import subprocess, sys; p = subprocess.Popen(sys.argv[1:]); "
+                                    "print(p.pid, flush=True); p.wait()", *words], stdout=subprocess.PIPE)
+        with starter:
+            reader = int(starter.stdout.readline())
+            with open(pipe, "wb"):  # it reads now, and waits
+                limits = Path(f"/proc/{reader}/limits").read_text()
+                self.assertRegex(limits, rf"Max file size +{1 << 30} +{1 << 30} ")
+                self.assertRegex(limits, r"Max cpu time +60 +60 ")
+                starter.kill()
+                starter.wait()
+                until(lambda: not Path(f"/proc/{reader}").exists() or "State:\tZ" in Path(f"/proc/{reader}/status").read_text())
 
     def test_a_scenario_has_it_as_a_robot(self):
         scenario = self.folder / "two.scenario"

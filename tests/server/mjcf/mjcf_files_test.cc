@@ -3,7 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "server/model/mjcf.h"
@@ -149,6 +155,58 @@ TEST(MjcfFilesTest, DamagedFilesAreErrorsWithTheirLines) {
   EXPECT_THAT(MessagesOf(deep), HasSubstr("error: libmujoco"));
   EXPECT_THAT(MessagesOf(Mjcf("<worldbody><body><freejoint/><geom size=\"1e300\"/></body></worldbody>")),
               HasSubstr("error: "));
+}
+
+TEST(MjcfFilesTest, WhatCameOverASocketIsRefusedByTheReaderItself) {
+  const TempFolder folder;
+  folder.Write("robots/a/rig.xml",
+               Mjcf("<worldbody><body><freejoint/><geom size=\".1\"/></body></worldbody>"));
+  EXPECT_NE(ReadFile(folder, "robots/a/rig.xml").robot, nullptr);
+  SearchPath path;
+  path.uploads = folder.path() / "robots/../robots";
+  EXPECT_THAT(ReadFile(folder, "robots/a/rig.xml", path).messages,
+              HasSubstr("error: MuJoCo's files that are sent are not read here"));
+  Diagnostics diagnostics;
+  EXPECT_FALSE(ReadSdfWorld(folder.path() / "robots/a/rig.xml", path, diagnostics));
+  EXPECT_THAT(diagnostics.ToString(), HasSubstr("error: MuJoCo's files that are sent are not read here"));
+}
+
+TEST(MjcfFilesTest, MeshesWhoseNamesDifferInOddSignsStayTwo) {
+  const auto mesh = [](const std::string& name, const std::string& size) {
+    return "<mesh name=\"" + name + "\" vertex=\"0 0 0 " + size + " 0 0 0 " + size + " 0 0 0 " + size +
+           "\"/>";
+  };
+  const auto [robot, messages] =
+      ReadAs("rig.xml", Mjcf("<asset>" + mesh("a b", ".1") + mesh("a_b", ".3") +
+                             "</asset><worldbody><body><freejoint/><geom type=\"mesh\" mesh=\"a b\"/><geom "
+                             "type=\"mesh\" mesh=\"a_b\"/></body></worldbody>"));
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_EQ(robot->links[0].collisions.size(), 2u);
+  const auto size = [&](std::size_t i) {
+    return std::get<Mesh>(robot->links[0].collisions[i].shape).data->radius_m;
+  };
+  EXPECT_NEAR(size(1), 3 * size(0), 1e-6);
+}
+
+TEST(MjcfFilesTest, WhatAKilledProcessLeftIsRemovedAndWhatALivingOneHoldsStays) {
+  const auto made = [](const std::string& name) {
+    const auto folder =
+        std::filesystem::temp_directory_path() / ("coopdyn-mjcf-" + name + std::to_string(::getpid()));
+    std::filesystem::create_directory(folder);
+    std::ofstream(folder / "a.stl") << "a";
+    std::filesystem::last_write_time(folder,
+                                     std::filesystem::last_write_time(folder) - std::chrono::hours(1));
+    return folder;
+  };
+  const auto left = made("left"), held = made("held");
+  const int lock = ::open(held.c_str(), O_RDONLY | O_DIRECTORY);
+  ASSERT_EQ(::flock(lock, LOCK_EX | LOCK_NB), 0);
+  { const MeshFolder meshes; }
+  EXPECT_FALSE(std::filesystem::exists(left));
+  EXPECT_TRUE(std::filesystem::exists(held));
+  ::close(lock);
+  { const MeshFolder meshes; }
+  EXPECT_FALSE(std::filesystem::exists(held));
 }
 
 TEST(MjcfFilesTest, NothingStaysInTheTemporaryFolder) {
