@@ -12,6 +12,7 @@ namespace coopdyn {
 namespace {
 
 constexpr double kTolerance_m = 1e-3;
+constexpr const char* kStuck = "it may never come out, so move it";
 
 std::string Metres(double length_m) {
   char text[32];
@@ -36,6 +37,19 @@ double DepthOfPair(Collider& collider, const Actor& a, const Actor& b) {
     }
   }
   return depth;
+}
+
+/// Whether the middle of `inner` lies in what of `outer` stands fixed: the nearest way out may then lead
+/// through the floor.
+bool HoldsMiddle(Collider& collider, const Actor& outer, const Actor& inner) {
+  constexpr double kProbe_m = 1e-3;
+  const Part probe{Sphere{kProbe_m}};
+  const PlacedPart middle(probe, *inner.bodies);
+  for (std::size_t i = 0; i < outer.parts().size(); ++i) {
+    if (outer.parts()[i].body == 0 && Depth(collider, outer.Place(i), middle) > kProbe_m + kTolerance_m)
+      return true;
+  }
+  return false;
 }
 
 /// What stands fixed in the world may reach below the floor.
@@ -142,10 +156,16 @@ std::string WhyNotThere(const Scene& scene, const Things& things, std::span<cons
 
 void CheckStart(const Scene& scene, const Things& things, Diagnostics& diagnostics) {
   const bool overlaps = scene.scenario->simulation.overlaps;
-  const auto say = [&](const Thing& thing, const std::string& text, const char* otherwise) {
+  const auto say = [&](const Thing& thing, const std::string& text, const char* otherwise,
+                       bool is_held = false) {
+    const SourceLine& where = WhereOf(scene, thing);
     const std::string whole = TitleOf(scene, thing) + " starts " + text;
-    overlaps ? diagnostics.Mended(WhereOf(scene, thing), whole + ": it is pushed out slowly")
-             : diagnostics.Error(WhereOf(scene, thing), whole + ": " + otherwise);
+    if (!overlaps)
+      diagnostics.Error(where, whole + ": " + otherwise);
+    else if (is_held)
+      diagnostics.Warning(where, whole + ", more than half of it: " + kStuck);
+    else
+      diagnostics.Mended(where, whole + ": it is pushed out slowly");
   };
   BroadPhase broad_phase(things, things.bodies);
   Collider collider;
@@ -165,11 +185,16 @@ void CheckStart(const Scene& scene, const Things& things, Diagnostics& diagnosti
     const double depth =
         DepthOfPair(collider, things.ActorOf(a, things.bodies), things.ActorOf(b, things.bodies));
     if (depth <= kTolerance_m) continue;
-    // Of two that move, the later one is to be moved; static things stay.
-    const bool static_b = b >= things.first_static;
-    const Thing& moved = things.all[static_b ? a : b];
-    const Thing& other = things.all[static_b ? b : a];
-    say(moved, Metres(depth) + " inside " + NameOf(scene, other), "move it");
+    // What is fixed stays; of two that move, the later one is to be moved.
+    const auto is_fixed = [&](std::uint32_t i) {
+      return i >= things.first_static || things.all[i].mechanism->fixed_base;
+    };
+    const bool stays_b = is_fixed(b) && !is_fixed(a);
+    const Actor moved = things.ActorOf(stays_b ? a : b, things.bodies);
+    const Actor other = things.ActorOf(stays_b ? b : a, things.bodies);
+    const bool is_held =
+        is_fixed(stays_b ? b : a) && !is_fixed(stays_b ? a : b) && HoldsMiddle(collider, other, moved);
+    say(moved.thing, Metres(depth) + " inside " + NameOf(scene, other.thing), "move it", is_held);
   }
 }
 

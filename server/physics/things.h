@@ -145,7 +145,8 @@ const SourceLine& WhereOf(const Scene& scene, const Thing& thing);
 /// Reports robots whose model cannot be simulated (a link without mass). Call before MakeThings().
 void CheckModels(const Scene& scene, Diagnostics& diagnostics);
 /// Reports every dynamic thing that starts more than 1 mm inside another or below the floor, and by how much:
-/// an error, or a warning where the scenario says `overlaps yes`.
+/// an error; where the scenario says `overlaps yes` it is mended, or a warning if its middle lies in what is
+/// fixed.
 void CheckStart(const Scene& scene, const Things& things, Diagnostics& diagnostics);
 
 // What an edit looks at. `chosen`: by thing, 1: it is one of those that the edit puts there, or takes away.

@@ -64,6 +64,19 @@ TEST(StartCheck, StaticThingsMayOverlap) {
   EXPECT_TRUE(scene.built());
 }
 
+TEST(StartCheck, WhatMayNeverComeOutIsSaid) {
+  const auto said = [](double x) {
+    PhysicsScene scene;
+    scene.Add(Box{Vector3(2, 2, 2)}, At(0, 0, 1)).Add(Sphere{0.1}, At(x, 0, 1), 1);
+    scene.AllowOverlaps().Build();
+    return scene.diagnostics().ToString();
+  };
+  EXPECT_EQ(said(0.6),
+            "test.world:2: warning: sphere THING_2 starts 0.5 m inside THING_1, more than half of it: it may "
+            "never come out, so move it\n");
+  EXPECT_THAT(said(1.05), HasSubstr("it is pushed out slowly"));
+}
+
 TEST(StartCheck, WhatMayOverlapIsPushedOutSlowlyWithAWarning) {
   PhysicsScene scene;
   scene.Add(Box{Vector3(0.2, 4, 0.5)}, At(1, 0, 0.25)).Add(kBlock, At(0.82, 0, 0.2), 1);
