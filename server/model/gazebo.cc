@@ -29,6 +29,7 @@ class Adopter {
     TakeScripts(model_);
     Prune(model_);
     HoldEndlessly(model_);
+    FitViews(model_);
     for (const auto& [what, left_out] : left_out_) {
       diagnostics_.LeftOut(left_out.first, what, left_out.count);
     }
@@ -105,6 +106,20 @@ class Adopter {
       if (!std::exchange(says_endless_, true))
         diagnostics_.Mended(child.where,
                             "<" + child.name + "> below 0 is taken as 1000, friction that nothing overcomes");
+    }
+  }
+
+  /// SDF's cameras see at least 0.1 rad, and pictures are flat here.
+  void FitViews(XmlNode& node) {
+    constexpr double kLeast_rad = 0.1, kMost_rad = 3.05;
+    for (XmlNode& child : node.children) {
+      FitViews(child);
+      const auto wide = child.name == "horizontal_fov" ? ParsePlain(child.text) : std::nullopt;
+      if (!wide || (*wide >= kLeast_rad && *wide <= kMost_rad)) continue;
+      const std::string taken = FormatNumber(*wide < kLeast_rad ? kLeast_rad : kMost_rad);
+      diagnostics_.Mended(child.where, "<horizontal_fov> lies between 0.1 and 3.05 rad here: " + taken +
+                                           " is taken instead of " + FormatNumber(*wide));
+      child.text = taken;
     }
   }
 

@@ -120,15 +120,18 @@ ModelMesh MakeModelMesh(MeshParts parts) {
   return mesh;
 }
 
+bool IsMeshType(const std::filesystem::path& file) {
+  constexpr std::string_view kTypes[] = {".stl", ".obj", ".dae", ".glb", ".gltf", ".ply"};
+  return std::ranges::find(kTypes, ToLower(file.extension().string())) != std::end(kTypes);
+}
+
 std::optional<ModelMesh> LoadMesh(const std::filesystem::path& file, const Vector3& scale,
                                   const std::string& submesh, const Resources& resources, FileReader& reader,
                                   const SourceLine& where, Diagnostics& diagnostics) {
   const std::string name = "mesh '" + file.filename().string() + "': ";
-  const std::string extension = ToLower(file.extension().string());
   std::string why;
   std::optional<MeshAnswer> read;
-  if (extension != ".stl" && extension != ".obj" && extension != ".dae" && extension != ".glb" &&
-      extension != ".gltf" && extension != ".ply") {
+  if (!IsMeshType(file)) {
     why = "meshes are read from .stl, .obj, .dae, .glb, .gltf and .ply: convert it, for example with Blender";
   } else if (auto bytes = ReadWhole(file, why)) {
     const MeshRequest request{file.string(), std::move(*bytes), {scale.x(), scale.y(), scale.z()}, submesh};

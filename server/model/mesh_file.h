@@ -27,6 +27,9 @@ struct ModelMesh {
 
 class Resources;
 
+/// Whether meshes are read from files that end so.
+bool IsMeshType(const std::filesystem::path& file);
+
 /// The mesh of a .stl, .obj, .dae, .glb, .gltf or .ply file, each vertex times `scale`; of its part called
 /// `submesh` alone if that is not empty. What else the file names is looked up in `resources`. Nothing with
 /// an error at `where`.

@@ -168,7 +168,9 @@ class MeshLoader {
     }
     const std::string what = file->string() + "|" + FormatNumber(scale.x()) + " " + FormatNumber(scale.y()) +
                              " " + FormatNumber(scale.z()) + "|" + part + (centred ? "|c" : "");
-    if (const auto known = keys_.find(what); known != keys_.end()) return Known(known->second, uri, found);
+    is_missing_ = !IsMeshType(*file);  // to us it is
+    const auto known = keys_.find(what);
+    if (known != keys_.end() && !is_missing_) return Known(known->second, uri, found);
     keys_.emplace(what, "");
     auto loaded = LoadMesh(*file, scale, part, *resources_, reader_, uri.where, found);
     if (!loaded) return {};
@@ -330,7 +332,7 @@ class MeshLoader {
   MeshTable& table_;
   Diagnostics& diagnostics_;
   const bool fills_gaps_;                        // a mesh that is not there is no error
-  bool is_missing_ = false;                      // the last mesh
+  bool is_missing_ = false;                      // the last mesh, or of a type that nobody reads
   std::set<std::pair<std::string, bool>> said_;  // what is not there, and whether it is only drawn
   std::optional<StandIn> stand_in_;              // of the link at hand
   FileReader reader_;

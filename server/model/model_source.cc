@@ -44,6 +44,7 @@ class Includer {
       if (child.name == "include") {
         auto model = Load(child, depth);
         if (!model) continue;
+        if (parent.name == "model") SettlePlacement(*model, diagnostics_);
         if (parent.name == "model" && IsMerged(child, *model)) {
           std::ranges::move(PartsToMerge(std::move(*model)), std::back_inserter(all));
         } else {
@@ -52,6 +53,7 @@ class Includer {
         continue;
       }
       if (child.name == "model" || child.name == "world") Expand(child, depth);
+      if (child.name == "model" && parent.name == "model") SettlePlacement(child, diagnostics_);
       all.push_back(std::move(child));
     }
     parent.children = std::move(all);
@@ -70,10 +72,9 @@ class Includer {
   bool IsMerged(const XmlNode& include, const XmlNode& model) {
     if (include.Attribute("merge") != "true" && include.Attribute("merge") != "1") return false;
     const std::string fixed = model.TextOf("static");
-    if (fixed != "1" && fixed != "true" && !model.Has("placement_frame")) return true;
+    if (fixed != "1" && fixed != "true") return true;
     diagnostics_.Mended(include.where,
-                        "merge of an <include> with <static> or placement_frame is not used: its parts are "
-                        "called " +
+                        "merge of an <include> with <static> is not used: its parts are called " +
                             model.Attribute("name") + "::PART");
     return false;
   }
@@ -272,12 +273,14 @@ void ComposeTree(XmlNode root, const Resources* resources, ModelSource& source, 
   Upgrade(root, root.Attribute("version"));
   root.Set("xmlns:coopdyn", "https://coopdyn.dev/sdf");
   ExpandIncludes(root, resources, diagnostics);
+  root.Child("model")->Remove("placement_frame");  // where it stands is for the scenario to say
   ExpandChains(*root.Child("model"), diagnostics);
   GatherMimics(*root.Child("model"), source.foreign, diagnostics);
   FreeNames(*root.Child("model"), diagnostics);
   if (source.foreign) {
     NumberSensors(*root.Child("model"), diagnostics);
     FixStillJoints(*root.Child("model"), diagnostics);
+    CheckCanonicalLink(*root.Child("model"), resources != nullptr && resources->is_strict(), diagnostics);
   }
   CheckNames(*root.Child("model"), diagnostics);
   if (source.foreign) {

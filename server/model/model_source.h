@@ -49,6 +49,13 @@ bool HasAny(const XmlNode& node, std::string_view name);
 inline constexpr const char* kPartsAttribute = "coopdyn:parts";
 inline constexpr int kMostWantedParts = 64;
 
+/// Of a composed <inertial>: the link has the masses of its collisions, each of which has its density as an
+/// attribute, and those that become meshes the volume, the moments for 1 kg, and the z of the centre of mass
+/// of the solid that they stand for.
+inline constexpr const char* kWeighAttribute = "coopdyn:weigh";
+inline constexpr const char* kDensityAttribute = "coopdyn:density";
+inline constexpr const char* kSolidAttribute = "coopdyn:solid_of";
+
 /// Loads the meshes, heightmaps and textures that `root` names; each is then a mesh called mesh:1, mesh:2, …
 void LoadMeshes(XmlNode& root, const Resources* resources, MeshTable& table, Diagnostics& diagnostics);
 
@@ -64,6 +71,11 @@ std::string WithMeshes(const ModelSource& source);
 void ExpandIncludes(XmlNode& root, const Resources* resources, Diagnostics& diagnostics);
 /// The parts of `model` (`<model>`, with the <pose> of its <include>) as those of a model that merges it.
 std::vector<XmlNode> PartsToMerge(XmlNode model);
+/// Makes the <pose> of `model` (`<model>`, whose includes are written out) that of its own frame instead of
+/// its placement_frame. One that names nothing is a warning.
+void SettlePlacement(XmlNode& model, Diagnostics& diagnostics);
+/// What `<pose>` says, also in degrees or as a quaternion; nothing for null.
+Pose PoseOf(const XmlNode* pose);
 /// Minor number of an SDF version 1.x; nothing for anything else.
 std::optional<int> MinorOf(const std::string& version);
 /// Writes elements of older and newer SDF as those of 1.9. `version`: of the file of `root`.
@@ -87,6 +99,8 @@ void NumberSensors(XmlNode& model, Diagnostics& diagnostics);
 /// Makes fixed ones of joints whose axis has no direction and whose limits are both 0: so some models hold
 /// sensors of forces.
 void FixStillJoints(XmlNode& model, Diagnostics& diagnostics);
+/// Takes canonical_link from models in which it names no link: mended, or an error.
+void CheckCanonicalLink(XmlNode& model, bool is_strict, Diagnostics& diagnostics);
 /// Reports joints that join no links, and names that two have: libsdformat's words have no lines.
 void CheckNames(const XmlNode& model, Diagnostics& diagnostics);
 

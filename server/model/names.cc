@@ -110,6 +110,31 @@ void FixStillJoints(XmlNode& model, Diagnostics& diagnostics) {
   }
 }
 
+void CheckCanonicalLink(XmlNode& model, bool is_strict, Diagnostics& diagnostics) {
+  for (XmlNode& child : model.children) {
+    if (child.name == "model") CheckCanonicalLink(child, is_strict, diagnostics);
+  }
+  std::string rest = model.Attribute("canonical_link");
+  const XmlNode* found = &model;
+  while (found != nullptr && !rest.empty()) {
+    const std::size_t colons = rest.find("::");
+    const std::string name = rest.substr(0, colons), kind = colons == std::string::npos ? "link" : "model";
+    const auto next = std::ranges::find_if(found->children, [&](const XmlNode& child) {
+      return child.name == kind && child.Attribute("name") == name;
+    });
+    found = next == found->children.end() ? nullptr : &*next;
+    rest = colons == std::string::npos ? "" : rest.substr(colons + 2);
+  }
+  if (found != nullptr) return;
+  const std::string what = "canonical_link of model '" + model.Attribute("name") +
+                           "' names no link of it: '" + model.Attribute("canonical_link") + "'";
+  model.Remove("canonical_link");
+  if (is_strict)
+    diagnostics.Error(model.where, what);
+  else
+    diagnostics.Mended(model.where, what + ": its first link is taken (--strict makes this an error)");
+}
+
 void CheckNames(const XmlNode& model, Diagnostics& diagnostics) {
   std::set<std::string> names, joints;
   for (const XmlNode& child : model.children) {

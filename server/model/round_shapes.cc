@@ -35,11 +35,15 @@ struct RoundSolid {
 
   /// Of its centre of mass.
   Vector3 centre() const { return {0, 0, is_cone ? -half_m.z() / 2 : 0}; }
+  double volume_m3() const {
+    return (is_cone ? 2.0 / 3 : 4.0 / 3) * std::numbers::pi *
+           half_m.prod();  // its length is twice half_m.z()
+  }
   /// About the centre of mass, for 1 kg.
   Vector3 inertia_m2() const {
     const Vector3 s2 = half_m.cwiseAbs2();
     if (!is_cone) return Vector3(s2.y() + s2.z(), s2.x() + s2.z(), s2.x() + s2.y()) / 5;
-    const double across = 3.0 / 20 * (s2.x() + s2.z());  // its length is twice half_m.z()
+    const double across = 3.0 / 20 * (s2.x() + s2.z());
     return {across, across, 3.0 / 10 * s2.x()};
   }
 
@@ -86,6 +90,7 @@ class RoundWriter {
 
   void Write(XmlNode& node) {
     if (node.name == "link") GiveInertia(node);
+    if (node.name == "collision" && node.Has(kDensityAttribute)) KeepSolid(node);
     if (node.name == "geometry") {
       for (XmlNode& shape : node.children) WriteShape(shape);
       return;
@@ -129,6 +134,20 @@ class RoundWriter {
     shape.name = "mesh";
     shape.children.clear();
     shape.Add("uri", key);
+  }
+
+  static void KeepSolid(XmlNode& collision) {
+    const XmlNode* geometry = collision.Child("geometry");
+    const auto solid = geometry == nullptr || geometry->children.empty()
+                           ? std::nullopt
+                           : SolidOf(geometry->children.front());
+    if (!solid) return;
+    const Vector3 moments = solid->inertia_m2();
+    std::string text;
+    for (const double value :
+         {solid->volume_m3(), moments.x(), moments.y(), moments.z(), solid->centre().z()})
+      text += FormatNumber(value) + " ";
+    collision.Set(kSolidAttribute, text);
   }
 
   static void GiveInertia(XmlNode& link) {

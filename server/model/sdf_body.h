@@ -61,12 +61,12 @@ std::vector<ModelScope> ScopesOf(const sdf::Model& model, const tinyxml2::XMLEle
 class InertiaReader {
  public:
   InertiaReader(const std::vector<ModelScope>& scopes, ModelReading& reading);
-  /// `out` has its name and shapes. `inertial`: its element in the composed text; null if there is none.
-  void Read(const sdf::Link& link, const tinyxml2::XMLElement* inertial, LinkModel& out) const;
+  /// `out` has its name and shapes. `xml`: its element in the composed text; null if there is none.
+  void Read(const sdf::Link& link, const tinyxml2::XMLElement* xml, LinkModel& out) const;
 
  private:
   /// By the densities of its collisions, kg/m³; of a mesh about the middle of its box.
-  void Weigh(const std::string& densities, int line, LinkModel& out) const;
+  void Weigh(const tinyxml2::XMLElement& xml, LinkModel& out) const;
   /// `is_solid`: its moments are those of its first shape.
   void ReadInertial(const sdf::Link& link, bool is_solid, LinkModel& out) const;
 

@@ -8,6 +8,7 @@
 #include <sdf/sdf.hh>
 #include <utility>
 
+#include "server/model/model_source.h"
 #include "server/model/sdf_body.h"
 #include "server/model/values.h"
 
@@ -34,6 +35,13 @@ void GiveMass(double mass_kg, LinkModel& out) {
 bool HasMass(const sdf::Link& link) {
   return link.Element()->HasElement("inertial") && link.Inertial().MassMatrix().Mass() >= kLeast_kg;
 }
+
+std::string AttributeOf(const tinyxml2::XMLElement* element, const char* name) {
+  const char* const value = element == nullptr ? nullptr : element->Attribute(name);
+  return value == nullptr ? "" : value;
+}
+
+constexpr std::size_t kSolidValues = 5;  // of kSolidAttribute
 
 }  // namespace
 
@@ -71,27 +79,37 @@ InertiaReader::InertiaReader(const std::vector<ModelScope>& scopes, ModelReading
   }
 }
 
-void InertiaReader::Read(const sdf::Link& link, const tinyxml2::XMLElement* inertial, LinkModel& out) const {
-  const char* const densities = inertial == nullptr ? nullptr : inertial->Attribute("coopdyn:densities");
-  if (densities != nullptr) return Weigh(densities, inertial->GetLineNum(), out);
+void InertiaReader::Read(const sdf::Link& link, const tinyxml2::XMLElement* xml, LinkModel& out) const {
+  const tinyxml2::XMLElement* inertial = xml == nullptr ? nullptr : xml->FirstChildElement("inertial");
+  if (inertial != nullptr && inertial->Attribute(kWeighAttribute) != nullptr) return Weigh(*xml, out);
   ReadInertial(link, inertial != nullptr && inertial->BoolAttribute("coopdyn:solid"), out);
 }
 
-void InertiaReader::Weigh(const std::string& densities, int line, LinkModel& out) const {
+void InertiaReader::Weigh(const tinyxml2::XMLElement& xml, LinkModel& out) const {
   constexpr double kMost = 1e5;
-  std::size_t i = 0;
-  for (const std::string& word : SplitWords(densities)) {
+  const tinyxml2::XMLElement* collision = xml.FirstChildElement("collision");
+  for (const LinkShape& shape : out.collisions) {
+    const std::string word = AttributeOf(collision, kDensityAttribute);
     const auto density = ParsePlain(word);
     if (!density || !(*density > 0 && *density <= kMost))
       return reading_.Error(
-          line, "<density> must be a number above 0 and at most 100000 (kg/m³), not '" + word + "'");
-    if (i == out.collisions.size()) break;
-    const LinkShape& solid = out.collisions[i++];
-    const double mass_kg = *density * Volume(solid.shape);
-    if (mass_kg > 0) AddMass(mass_kg, SolidInertia(solid.shape, mass_kg), solid.X_LG, out);
+          collision == nullptr ? xml.GetLineNum() : collision->GetLineNum(),
+          "<density> must be a number above 0 and at most 100000 (kg/m³), not '" + word + "'");
+    std::vector<double> solid;  // it stands for
+    for (const std::string& value : SplitWords(AttributeOf(collision, kSolidAttribute)))
+      solid.push_back(ParsePlain(value).value_or(0));
+    if (solid.size() == kSolidValues) {
+      const double mass_kg = *density * solid[0];
+      AddMass(mass_kg, mass_kg * Vector3(solid[1], solid[2], solid[3]),
+              shape.X_LG * Pose{{0, 0, solid[4]}, Quaternion::Identity()}, out);
+    } else if (const double mass_kg = *density * Volume(shape.shape); mass_kg > 0) {
+      AddMass(mass_kg, SolidInertia(shape.shape, mass_kg), shape.X_LG, out);
+    }
+    collision = collision->NextSiblingElement("collision");
   }
   if (out.mass_kg > 0) return;
-  reading_.Complain(line, "link '" + out.name + "' has no shape that gives it a mass", "it gets 10 g");
+  reading_.Complain(xml.FirstChildElement("inertial")->GetLineNum(),
+                    "link '" + out.name + "' has no shape that gives it a mass", "it gets 10 g");
   GiveMass(kLight_kg, out);
 }
 
@@ -145,7 +163,7 @@ void InertiaReader::ReadInertial(const sdf::Link& link, bool is_solid, LinkModel
       largest > 1e9 || principal.sum() - largest < largest * (1 - 1e-3)) {
     const std::string wrong =
         "the inertia of " + what +
-        " is not that of a body: moments must be positive, and no one above the sum of the others";
+        " is not that of a body: moments must be positive, and none above the sum of the other two";
     // Products that are too large are a slip of somebody's; a moment below 0 is no number to go by.
     const double least = ToVector(matrix.DiagonalMoments()).minCoeff();
     const bool negative = !principal.allFinite() || least < -1e-9 || largest > 1e9;

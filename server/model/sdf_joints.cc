@@ -310,9 +310,9 @@ class JointReader {
       out.start = std::clamp(*start, out.lower, out.upper);
     } else if (out.lower > 0 || out.upper < 0) {
       out.start = out.lower > 0 ? out.lower : out.upper;
-      reading_.Mended(line,
-                      what + " starts at " + FormatNumber(out.start) +
-                          ", its nearest limit: 0, the pose in which the model is written, lies beyond");
+      reading_.Mended(
+          line, what + " starts at " + FormatNumber(std::round(out.start * 1e4) / 1e4) +
+                    ", its nearest limit: its limits leave out 0, the pose in which the model is written");
     }
     ReadMotor(axis, what, line, out);
     out.damping = axis.Damping();

@@ -64,7 +64,7 @@ class LinkReader {
       const std::vector<std::string> names = ReadCollisions(link, out);
       ReadVisuals(link, xml_link, out);
       out.is_carrier = xml_link != nullptr && xml_link->Attribute("coopdyn:carrier") != nullptr;
-      inertias.Read(link, xml_link == nullptr ? nullptr : xml_link->FirstChildElement("inertial"), out);
+      inertias.Read(link, xml_link, out);
       reading_.robot.links.push_back(std::move(out));
       reading_.assembly.links.push_back({reading_.robot.links.back().name, names});
       if (xml_link != nullptr) xml_link = xml_link->NextSiblingElement("link");

@@ -37,8 +37,7 @@ void WriteEndless(XmlNode& node, const std::string& most) {
   if (text == "inf" || text == "infinity") node.text = sign + most;
 }
 
-/// <inertial auto="true"> of SDF 1.11: the densities of the link's collisions, one after the other, in an
-/// attribute, as collisions cannot keep theirs.
+/// <inertial auto="true"> of SDF 1.11: the densities of the link's collisions as attributes of theirs.
 void UpgradeInertia(XmlNode& link) {
   XmlNode* const inertial = link.Child("inertial");
   if (inertial == nullptr || !inertial->Has("auto")) return;
@@ -52,13 +51,14 @@ void UpgradeInertia(XmlNode& link) {
     return given.empty() ? otherwise : given;
   };
   const std::string common = take(*inertial, "1000");  // kg/m³, SDF's default: water
-  std::string densities;
   for (XmlNode& child : link.children) {
-    if (child.name == "collision") densities += (densities.empty() ? "" : " ") + take(child, common);
+    if (child.name != "collision") continue;
+    const std::string density = take(child, common);
+    if (is_auto) child.Set(kDensityAttribute, density);
   }
   if (!is_auto) return;
   inertial->children.clear();
-  inertial->Set("coopdyn:densities", densities);
+  inertial->Set(kWeighAttribute, "true");
 }
 
 }  // namespace

@@ -57,6 +57,9 @@ class WorldConverter {
     });
     ExpandIncludes(*world, &resources_, diagnostics_);
     ReadSimulation(*world);
+    for (XmlNode& child : world->children) {
+      if (child.name == "model") SettlePlacement(child, diagnostics_);
+    }
     for (const XmlNode& child : world->children) {
       if (child.name == "model" || child.name == "frame") frames_.emplace(child.Attribute("name"), &child);
     }
@@ -227,20 +230,6 @@ class WorldConverter {
     return X_WB * PoseOf(pose);
   }
 
-  static Pose PoseOf(const XmlNode* pose) {
-    std::vector<double> p;
-    for (const std::string& word : SplitWords(pose == nullptr ? "" : pose->text))
-      p.push_back(ParsePlain(word).value_or(0));
-    p.resize(7);
-    if (pose != nullptr && pose->Attribute("rotation_format") == "quat_xyzw") {
-      const Quaternion q(p[6], p[3], p[4], p[5]);
-      return {{p[0], p[1], p[2]}, q.norm() > 1e-6 ? q.normalized() : Quaternion::Identity()};
-    }
-    const std::string degrees = pose == nullptr ? "" : pose->Attribute("degrees");
-    const double unit = degrees == "true" || degrees == "1" ? std::numbers::pi / 180 : 1;
-    return {{p[0], p[1], p[2]}, FromRollPitchYaw(unit * p[3], unit * p[4], unit * p[5])};
-  }
-
   void AddModel(const XmlNode& given) {
     XmlNode root;
     root.name = "sdf";
@@ -249,11 +238,6 @@ class WorldConverter {
     root.children.push_back(given);
     XmlNode& model = root.children.back();
     const Pose X_WM = PoseInWorld(model);
-    if (model.Has("placement_frame")) {
-      diagnostics_.Warning(given.where,
-                           "placement_frame is not used: <pose> says where the model's own frame is");
-      model.Remove("placement_frame");
-    }
     std::erase_if(model.children, [](const XmlNode& one) { return one.name == "pose"; });
     if (IsGround(model, X_WM)) return;
     const std::string name = NewName(model.Attribute("name"));
@@ -365,7 +349,7 @@ std::optional<SdfWorld> ReadSdfWorld(const std::filesystem::path& file, const Se
   if (!text) return std::nullopt;
   if (IsMjcf(*text)) {
     MeshFolder meshes;
-    auto root = ReadMjcf(file, meshes, diagnostics);
+    auto root = ReadMjcf(file, path, meshes, diagnostics);
     if (!root) return std::nullopt;
     return WorldConverter(file, ResourcesOf(path, file, meshes), diagnostics).Convert(std::move(*root));
   }

@@ -76,6 +76,27 @@ TEST(ConcaveMeshTest, OptimizationKeepsOneHullOrSaysHowManyParts) {
             2u);
 }
 
+TEST(ConcaveMeshTest, AfterAHundredMeshesOneHullStandsForEach) {
+  const TempFolder folder, parts;
+  folder.Write("hook.obj", ObjOf(Hook()));
+  std::string links = SdfLink("l0", "0 0 1 0 0 0", kHook);
+  for (int i = 1; i <= 100; ++i) {
+    const std::string name = "l" + std::to_string(i);
+    links += SdfLink(name, "0 0 1 0 0 0", kHook) + "<joint name=\"" + name +
+             "_j\" type=\"revolute\"><parent>l0</parent><child>" + name +
+             "</child><axis><xyz>0 0 1</xyz></axis></joint>";
+  }
+  folder.Write("model.sdf", "<sdf version=\"1.9\"><model name=\"m\">" + links + "</model></sdf>");
+  SearchPath path;
+  path.parts_folder = parts.path();
+  const auto [robot, messages] = ReadFile(folder, "model.sdf", path);
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_EQ(robot->links[99].collisions.size(), 3u);
+  EXPECT_EQ(robot->links[100].collisions.size(), 1u);
+  EXPECT_THAT(messages,
+              HasSubstr("more than 100 meshes that collide: from link 'l100' on each is its convex hull"));
+}
+
 TEST(ConcaveMeshTest, OptimizationThatIsWrongIsSaid) {
   EXPECT_THAT(ReadHook("<mesh optimization=\"convex_decomposition\"><uri>hook.obj</uri><convex_decomposition>"
                        "<max_convex_hulls>few</max_convex_hulls></convex_decomposition></mesh>")

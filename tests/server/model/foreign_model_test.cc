@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <variant>
 
@@ -15,6 +16,7 @@
 namespace coopdyn {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -335,6 +337,83 @@ TEST(ForeignModelTest, AutoInertiaIsThatOfTheShapesByTheirDensities) {
       ReadSdf("<link name=\"l\"><inertial auto=\"true\"><density>2000</density></inertial>" + shapes, "1.11");
   ASSERT_NE(dense.robot, nullptr) << dense.messages;
   EXPECT_NEAR(dense.robot->links[0].mass_kg, 20, 1e-9);
+}
+
+TEST(ForeignModelTest, AutoInertiaOfASolidIsItsClosedForm) {
+  struct Solid {
+    const char* geometry;
+    double volume_m3;
+    Vector3 moments_m2;  // for 1 kg, about the centre of mass
+    double z_m;          // where that is
+  };
+  const double pi = std::numbers::pi;
+  const double r = 0.3, h = 0.8, ends = 4 * r / (4 * r + 3 * h);
+  const double capsule =
+      (1 - ends) * (r * r / 4 + h * h / 12) + ends * (0.4 * r * r + h * h / 4 + 3.0 / 8 * h * r);
+  for (const Solid& one :
+       {Solid{"<box><size>0.2 0.4 0.6</size></box>", 0.048, Vector3(0.52, 0.4, 0.2) / 12, 0},
+        Solid{"<sphere><radius>0.3</radius></sphere>", 4.0 / 3 * pi * 0.027, Vector3::Constant(0.4 * 0.09),
+              0},
+        Solid{"<cylinder><radius>0.3</radius><length>0.8</length></cylinder>",
+              pi * 0.09 * 0.8,
+              {(3 * 0.09 + 0.64) / 12, (3 * 0.09 + 0.64) / 12, 0.045},
+              0},
+        Solid{"<capsule><radius>0.3</radius><length>0.8</length></capsule>",
+              pi * 0.09 * (0.8 + 0.4),
+              {capsule, capsule, 0.09 * ((1 - ends) / 2 + 0.4 * ends)},
+              0},
+        Solid{"<ellipsoid><radii>0.1 0.2 0.3</radii></ellipsoid>", 4.0 / 3 * pi * 0.006,
+              Vector3(0.13, 0.1, 0.05) / 5, 0},
+        Solid{"<cone><radius>0.3</radius><length>0.8</length></cone>",
+              pi * 0.09 * 0.8 / 3,
+              {3.0 / 80 * (4 * 0.09 + 0.64), 3.0 / 80 * (4 * 0.09 + 0.64), 0.027},
+              -0.2}}) {
+    const auto [robot, messages] = ReadSdf(
+        "<link name=\"l\"><pose>0 0 2 0 0 0</pose><inertial auto=\"true\"/><collision name=\"c\"><pose>0.5 0 "
+        "0 0 0 "
+        "0</pose><density>300</density><geometry>" +
+            std::string(one.geometry) + "</geometry></collision></link>",
+        "1.11");
+    ASSERT_NE(robot, nullptr) << messages;
+    const LinkModel& link = robot->links[0];
+    const double mass_kg = 300 * one.volume_m3;
+    EXPECT_NEAR(link.mass_kg, mass_kg, 1e-9 * mass_kg) << one.geometry;
+    EXPECT_NEAR((link.X_LI.p - Vector3(0.5, 0, one.z_m)).norm(), 0, 1e-9) << one.geometry;
+    const Matrix3 R = link.X_LI.q.toRotationMatrix();
+    const Matrix3 inertia = R * link.inertia_kg_m2.asDiagonal() * R.transpose();
+    const Matrix3 wanted = (mass_kg * one.moments_m2).asDiagonal();
+    EXPECT_NEAR((inertia - wanted).norm(), 0, 1e-9 * mass_kg) << one.geometry;
+  }
+}
+
+TEST(ForeignModelTest, ACollisionOfAnUnknownTypeOfMeshIsABoxOfTheInertia) {
+  const TempFolder folder;
+  folder.Write("a.vtk", "# vtk DataFile Version 2.0\n");
+  const std::string mesh = "<mesh><uri>a.vtk</uri></mesh>";
+  const std::string link = SdfLink("l", "0 0 1 0 0 0", mesh);
+  folder.Write("model.sdf", "<sdf version=\"1.6\"><model name=\"m\">" + link.substr(0, link.find("</link>")) +
+                                "<visual name=\"v\"><geometry>" + mesh +
+                                "</geometry></visual></link></model></sdf>");
+  const auto [robot, messages] = ReadFile(folder, "model.sdf");
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_EQ(robot->links[0].collisions.size(), 1u);
+  EXPECT_TRUE(std::holds_alternative<Box>(robot->links[0].collisions[0].shape));
+  EXPECT_TRUE(robot->links[0].visuals.empty());
+  EXPECT_THAT(messages, AllOf(HasSubstr("warning: mesh 'a.vtk': meshes are read from .stl"),
+                              HasSubstr("until then a box that has the link's inertia collides"),
+                              HasSubstr("(it is not drawn)")));
+  SearchPath strict;
+  strict.is_strict = true;
+  EXPECT_EQ(ReadFile(folder, "model.sdf", strict).robot, nullptr);
+}
+
+TEST(ForeignModelTest, XacroThatCameOverASocketIsNotExpanded) {
+  const TempFolder folder;
+  folder.Write("a.urdf", "<robot name=\"r\"><xacro:include filename=\"/etc/hostname\"/></robot>");
+  SearchPath path;
+  path.uploads = folder.path();
+  EXPECT_THAT(ReadFile(folder, "a.urdf", path).messages,
+              HasSubstr("xacro that is sent is not expanded here"));
 }
 
 TEST(IncludeTest, ANestedCopyHasItsOwnNames) {

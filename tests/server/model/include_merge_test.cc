@@ -66,8 +66,20 @@ TEST(IncludeMergeTest, APoseMovesThePartsThatMerge) {
 
 TEST(IncludeMergeTest, WhatIsStaticIsNotMergedAndThatIsSaid) {
   const MergeAnswer answer = ReadMerged("merge=\"true\"", "<static>true</static>");
-  EXPECT_THAT(answer.messages, HasSubstr("model.sdf:2: warning: merge of an <include> with <static> or "
-                                         "placement_frame is not used"));
+  EXPECT_THAT(answer.messages, HasSubstr("model.sdf:2: warning: merge of an <include> with <static> is "
+                                         "not used"));
+}
+
+TEST(IncludeMergeTest, APlacementFrameIsPlacedByThePose) {
+  for (const char* merge : {"merge=\"true\"", ""}) {
+    const MergeAnswer answer = ReadMerged(
+        merge, "<placement_frame>body</placement_frame><pose>0.3 0 1 0 0 1.5707963267948966</pose>");
+    ASSERT_NE(answer.robot, nullptr) << answer.messages;
+    EXPECT_EQ(answer.messages, "");
+    const LinkModel& link = answer.robot->links.at(0);
+    EXPECT_NEAR((link.X_RL.p - Vector3(0.3, 0, 1)).norm(), 0, 1e-11);
+    EXPECT_NEAR((link.X_RL.q * Vector3::UnitX() - Vector3::UnitY()).norm(), 0, 1e-11);
+  }
 }
 
 TEST(IncludeMergeTest, AxesAndFramesOfTheModelTurnWithIt) {

@@ -5,8 +5,10 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 
-#include "tests/server/model/read_text.h"
+#include "server/model/values.h"
+#include "tests/server/model/foreign_rig.h"
 
 namespace coopdyn {
 namespace {
@@ -231,6 +233,18 @@ TEST(SdfSensorsTest, CamerasOfAllKinds) {
     const bool depth = type[0] == 'd';
     EXPECT_EQ(camera.noise.stddev, depth ? 0 : 0.07) << type;
     EXPECT_EQ(camera.depth_noise.stddev, depth ? 0.07 : 0) << type;
+  }
+}
+
+TEST(SdfSensorsTest, AnAngleOfViewThatPicturesCannotHaveIsTheNearestThatTheyCan) {
+  for (const auto& [given, taken] : {std::pair("0.088", 0.1), {"0.2", 0.2}, {"3", 3.0}, {"6.28", 3.05}}) {
+    const auto answer =
+        ReadSdf("<link name=\"l\"><sensor name=\"c\" type=\"camera\"><camera><horizontal_fov>" +
+                std::string(given) + "</horizontal_fov></camera></sensor></link>");
+    ASSERT_NE(answer.robot, nullptr) << answer.messages;
+    EXPECT_EQ(answer.robot->Find<CameraModel>()->horizontal_fov_rad, taken);
+    EXPECT_EQ(answer.messages.find("<horizontal_fov> lies between") != std::string::npos,
+              given != FormatNumber(taken));
   }
 }
 

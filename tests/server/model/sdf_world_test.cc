@@ -338,6 +338,38 @@ TEST_F(SdfWorldTest, PosesMayBeInDegreesQuaternionsAndRelativeToModelsAndFrames)
   EXPECT_NEAR(Heading(scenario->robots[2].X_WR.q), std::numbers::pi / 2, 1e-6);
 }
 
+TEST_F(SdfWorldTest, APosePlacesTheFrameThatIsNamed) {
+  // X_WM = X_WF X_MF^-1, of a link, of a frame in a model inside, and of one that an include names.
+  folder().Write("part/model.sdf", "<sdf version=\"1.9\">" + Model("part", kArm) + "</sdf>");
+  const std::string turned = "<pose>5 0 0 0 0 1.5707963267948966</pose>";
+  const auto scenario = Load(
+      "<model name=\"a\" placement_frame=\"arm\"><pose>1 2 3 0 0 0</pose>" + kArm + "</model>" +
+      "<model name=\"b\" placement_frame=\"inner::f\">" + turned + kArm +
+      "<model name=\"inner\"><pose>1 0 0 0 0 0</pose><frame name=\"f\" attached_to=\"l\"><pose>0 0 -0.1 0 0 "
+      "1.5707963267948966</pose></frame>" +
+      Link("l", "0 1 0.1 0 0 0") +
+      "</model><joint name=\"j\" "
+      "type=\"fixed\"><parent>base</parent><child>inner::l</child></joint></model>" +
+      "<include><uri>model://part</uri><placement_frame>arm</placement_frame><pose>0 9 3 0 0 "
+      "0</pose></include>");
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_EQ(messages(), "");
+  ASSERT_EQ(scenario->robots.size(), 3u);
+  EXPECT_NEAR((scenario->robots[0].X_WR.p - Vector3(1, 2, 2.6)).norm(), 0, 1e-9);
+  EXPECT_NEAR((scenario->robots[1].X_WR.p - Vector3(4, -1, 0)).norm(), 0, 1e-9);
+  EXPECT_NEAR(Heading(scenario->robots[1].X_WR.q), 0, 1e-9);
+  EXPECT_NEAR((scenario->robots[2].X_WR.p - Vector3(0, 9, 2.6)).norm(), 0, 1e-9);
+}
+
+TEST_F(SdfWorldTest, APlacementFrameThatIsNowhereIsSaid) {
+  const auto scenario =
+      Load("<model name=\"a\" placement_frame=\"hand\"><pose>1 2 0 0 0 0</pose>" + kArm + "</model>");
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_THAT(messages(), HasSubstr("placement_frame 'hand' names nothing in model 'a': <pose> places the "
+                                    "model's own frame"));
+  EXPECT_NEAR((scenario->robots[0].X_WR.p - Vector3(1, 2, 0)).norm(), 0, 1e-9);
+}
+
 TEST_F(SdfWorldTest, FramesThatNameEachOtherAreSaid) {
   const auto scenario = Load(
       "<frame name=\"a\" attached_to=\"b\"/><frame name=\"b\" attached_to=\"a\"/>"
@@ -352,6 +384,16 @@ TEST_F(SdfWorldTest, LooseLinksNeedNoCanonicalOne) {
                              Link("b", "2 0 0.5 0 0 0") + "</model>");
   ASSERT_NE(scenario, nullptr) << messages();
   EXPECT_EQ(scenario->objects.size(), 2u);
+}
+
+TEST_F(SdfWorldTest, ACanonicalLinkThatIsNoneIsMendedOrAnErrorIfStrict) {
+  const std::string model = "<model name=\"a\" canonical_link=\"hand\">" + kArm + "</model>";
+  EXPECT_NE(Load(model), nullptr) << messages();
+  EXPECT_THAT(messages(), HasSubstr("warning: canonical_link of model 'a' names no link of it: 'hand': its "
+                                    "first link is taken"));
+  MakeStrict();
+  EXPECT_EQ(Load(model), nullptr);
+  EXPECT_THAT(messages(), HasSubstr("error: canonical_link of model 'a' names no link of it: 'hand'"));
 }
 
 TEST_F(SdfWorldTest, AMissingIncludeIsSaidOnce) {
