@@ -60,8 +60,8 @@ const std::vector<PluginRow>& PluginRows() {
        nullptr,
        "",
        "coopdyn does itself what it did, or clients do"},
-      {{"led", "light", "visual", "particle", "projector", "color", "material", "label", "camera video",
-        "video"},
+      {{"led", "light", "visual", "particle", "projector", "color", "material", "label", "plot",
+        "camera video", "video"},
        nullptr,
        "",
        "it changes looks alone"},
@@ -324,6 +324,7 @@ Consequence ConsequenceOf(const std::string& what, const RobotModel* robot) {
   if (name == "plugin") return {false, "it only says where Gazebo publishes"};
   if (what == "<sensor> in <robot>") return OfUrdfSensor(robot);
   if (name == "sensor") return {true, "there is no such sensor here"};
+  if (what.ends_with("in <bullet>")) return {false, kTunes};
   if (name == "collision") {
     if (what.ends_with("in <gazebo reference>")) return {false, kTunes};
     return {true, "that part collides with nothing"};

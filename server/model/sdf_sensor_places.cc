@@ -96,7 +96,7 @@ void SensorReader::AddElements(bool foreign) {
         if (!parts.empty() || own.empty()) continue;
         complain("link '" + sensor.host + "' has no collision '" + own + "'" +
                      DidYouMean(own, assembly_.links[sensor.link].collisions),
-                 "all of the link are taken", Diagnostic::Level::kMended);
+                 "all shapes of the link are taken", Diagnostic::Level::kMended);
       }
       if (contact->parts.empty()) contact->parts = CollisionsOf(robot_, assembly_, sensor.link);
     }

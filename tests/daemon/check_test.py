@@ -176,7 +176,7 @@ class ModelTest(unittest.TestCase):
             (Path(folder) / "my arm.urdf").write_text(self.LINK.format("package://hands/meshes/m.obj"))
             said = run("check", "--strict", "--search", ".", "my arm.urdf", cwd=folder).stdout.decode().splitlines()
             line = said[said.index("Serve it:") + 1]
-            self.assertEqual(line, "  coopdyn serve 'my arm.urdf' --scenarios './it'\\''s a folder' --strict")
+            self.assertEqual(line, "  coopdyn serve 'my arm.urdf' --strict --scenarios './it'\\''s a folder'")
             path = f"{Path(BINARY).resolve().parent}:{os.environ['PATH']}"
             done = subprocess.run(f"{line} --no-net --no-render --steps 1", shell=True, cwd=folder, env={**os.environ, "PATH": path},
                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=120)

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import unittest
+import urllib.request
 from pathlib import Path
 
 from harness import BINARY, Daemon, until
@@ -69,6 +70,17 @@ class MjcfTest(RecordingTestCase):
         code, said = tool("convert", self.model, "--out", out)
         self.assertEqual(code, 1)
         self.assertIn("is there already: name another folder with --out", said)
+
+    def test_a_file_among_the_uploads_is_refused_whoever_put_it_there(self):
+        with Daemon(None, "--http", "--no-render", env={"TMPDIR": str(self.folder)}) as daemon:
+            arm = json.dumps({"name": "arm.urdf", "text": '<robot name="arm"><link name="base"/></robot>'}).encode()
+            urllib.request.urlopen(urllib.request.Request(f"{daemon.http}api/upload", arm, {"Content-Type": "application/json"}))
+            arm = next(self.folder.glob("coopdyn-*/robots/arm/model.urdf"))
+            other = arm.parents[1] / "pup" / "model.sdf"
+            other.parent.mkdir()
+            other.write_text(MODEL)
+            reply = daemon.text("/simulation").ask("load_scenario " + json.dumps("[ROBOT_1]\ntype pup\nposition 0 0\n"))
+            self.assertIn("MuJoCo's files that are sent are not read here", reply.text)
 
     def test_the_program_that_reads_it_has_limits_and_ends_with_whoever_started_it(self):
         pipe = self.folder / "pipe.xml"

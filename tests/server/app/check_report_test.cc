@@ -279,7 +279,7 @@ TEST_F(CheckReportTest, WhatStartsDeepInsideSomethingFixedIsALoss) {
   const CheckReport report = Report(start + ball("0 0 1") + "</world></sdf>", "w.sdf");
   EXPECT_EQ(report.verdict, CheckVerdict::kRunsWithLosses);
   ASSERT_EQ(report.left_out.size(), 1u);
-  EXPECT_THAT(report.left_out[0].what, HasSubstr("ball starts 1 m inside block"));
+  EXPECT_THAT(report.left_out[0].what, HasSubstr("ball starts 1.1 m inside block"));
 }
 
 TEST_F(CheckReportTest, AScenarioHasNoPage) {

@@ -65,6 +65,7 @@ TEST(LeftOutTest, ACollisionThatGazeboTunesIsNoLoss) {
   EXPECT_FALSE(ConsequenceOf("<collision> in <gazebo reference>", nullptr).matters);
   EXPECT_TRUE(ConsequenceOf("<collision> in <visual>", nullptr).matters);
   EXPECT_FALSE(ConsequenceOf("<mujoco> in <robot>", nullptr).matters);
+  EXPECT_FALSE(ConsequenceOf("<friction2> in <bullet>", nullptr).matters);
 }
 
 TEST(LeftOutTest, DecorationAndIntegratorsOfMujocoAreNoLoss) {

@@ -181,9 +181,9 @@ TEST(MjcfFilesTest, MeshesWhoseNamesDifferInOddSignsStayTwo) {
                              "</asset><worldbody><body><freejoint/><geom type=\"mesh\" mesh=\"a b\"/><geom "
                              "type=\"mesh\" mesh=\"a_b\"/></body></worldbody>"));
   ASSERT_NE(robot, nullptr) << messages;
-  ASSERT_EQ(robot->links[0].collisions.size(), 2u);
+  ASSERT_EQ(robot->links[0].visuals.size(), 2u);
   const auto size = [&](std::size_t i) {
-    return std::get<Mesh>(robot->links[0].collisions[i].shape).data->radius_m;
+    return std::get<Mesh>(robot->links[0].visuals[i].shape).data->radius_m;
   };
   EXPECT_NEAR(size(1), 3 * size(0), 1e-6);
 }

@@ -203,7 +203,7 @@ TEST(SdfSensorsTest, AContactSensorHasTheCollisionsThatItNames) {
       "type=\"contact\"><contact><collision>lump_collision</collision></contact></sensor>");
   EXPECT_THAT(other.messages, HasSubstr("rig.sdf:2: warning: sensor 'bumper': link 'head' has no collision "
                                         "'lump_collision'; known are body: "
-                                        "all of the link are taken"));
+                                        "all shapes of the link are taken"));
   ASSERT_NE(other.robot, nullptr);
   EXPECT_EQ(other.robot->Find<ContactModel>()->parts.size(), 1u);
 }
@@ -295,7 +295,8 @@ TEST(SdfSensorsTest, WrongValuesAreSaidAllAtOnceWithTheirLines) {
       "type=\"ray\"><ray><scan><horizontal>\n<samples>0</samples><min_angle>1</min_angle><max_angle>-1</"
       "max_angle></horizontal></scan>"
       "<range><min>2</min>\n<max>1</max></range></ray></sensor>\n<sensor name=\"b\" "
-      "type=\"camera\"><camera><horizontal_fov>6</horizontal_fov></camera></sensor>"
+      "type=\"camera\"><camera><horizontal_fov>6</horizontal_fov><clip><near>9</near><far>2</far></clip></"
+      "camera></sensor>"
       "\n<sensor name=\"c\" type=\"imu\"><update_rate>-1</update_rate></sensor>\n<sensor name=\"d\" "
       "type=\"force_torque\"/>"
       "\n<sensor name=\"e\" type=\"ray\"><ray><noise><type>white</type></noise></ray></sensor>");
@@ -305,8 +306,7 @@ TEST(SdfSensorsTest, WrongValuesAreSaidAllAtOnceWithTheirLines) {
       HasSubstr("rig.sdf:4: error: sensor 'a': <samples> must be a number from 1 to 1000000, not '0'"));
   EXPECT_THAT(answer.messages,
               HasSubstr("rig.sdf:3: error: sensor 'a': the least range must lie below the largest"));
-  EXPECT_THAT(answer.messages, HasSubstr("rig.sdf:6: error: sensor 'b': the camera's horizontal field of "
-                                         "view lies between 1 and 175 degrees"));
+  EXPECT_THAT(answer.messages, HasSubstr("rig.sdf:6: error: sensor 'b': the camera needs 0 < near < far"));
   EXPECT_THAT(
       answer.messages,
       HasSubstr("rig.sdf:7: error: sensor 'c': <update_rate> must be a number from 0 to 1000000, not '-1'"));
