@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
 """MuJoCo's model files: one is served, recorded and converted. Skipped where coopdyn-mjcf was not built."""
+import contextlib
 import json
 import os
+import signal
 import subprocess
 import sys
 import unittest
@@ -30,6 +32,13 @@ MODEL = """<mujoco model="pup">
   <actuator><motor joint="hip" ctrlrange="-5 5"/></actuator>
 </mujoco>
 """
+
+
+def has_ended(process):
+    try:
+        return "State:\tZ" in Path(f"/proc/{process}/status").read_text()
+    except (FileNotFoundError, ProcessLookupError):
+        return True
 
 
 @unittest.skipUnless(Path(BINARY).with_name("coopdyn-mjcf").exists(), "libmujoco-dev was not there when coopdyn was built")
@@ -90,13 +99,14 @@ class MjcfTest(RecordingTestCase):
                                     "print(p.pid, flush=True); p.wait()", *words], stdout=subprocess.PIPE)
         with starter:
             reader = int(starter.stdout.readline())
-            with open(pipe, "wb"):  # it reads now, and waits
+            with contextlib.ExitStack() as end, open(pipe, "wb"):  # it reads now, and waits
+                end.callback(lambda: has_ended(reader) or os.kill(reader, signal.SIGKILL))
                 limits = Path(f"/proc/{reader}/limits").read_text()
                 self.assertRegex(limits, rf"Max file size +{1 << 30} +{1 << 30} ")
                 self.assertRegex(limits, r"Max cpu time +60 +60 ")
                 starter.kill()
                 starter.wait()
-                until(lambda: not Path(f"/proc/{reader}").exists() or "State:\tZ" in Path(f"/proc/{reader}/status").read_text())
+                until(lambda: has_ended(reader))
 
     def test_a_scenario_has_it_as_a_robot(self):
         scenario = self.folder / "two.scenario"
