@@ -323,10 +323,14 @@ bool LimbSolver::SolveDirectly(bool is_again, bool same_motors) {
   }
   for (int pass = 0; (rubs || is_again) && pass < 2; ++pass) {
     for (Eigen::Index i = 0; i < n; ++i) {
-      const Row& row = rows_[static_cast<std::size_t>(i)];
+      Row& row = rows_[static_cast<std::size_t>(i)];
       if (row.normal == kNone) continue;
       upper_[i] = row.friction * std::max(0.0, impulses_[row.normal]);
       lower_[i] = -upper_[i];
+      if (row.slip_m_s <= 0 || upper_[i] <= 0) continue;
+      const double softness = row.slip_m_s / upper_[i];
+      A_(i, i) += softness - row.softness;
+      row.softness = softness;
     }
     is_solved = lcp_.Solve(A_, b_, lower_, upper_, impulses_);
   }
@@ -338,17 +342,18 @@ bool LimbSolver::SolveDirectly(bool is_again, bool same_motors) {
 void LimbSolver::SolveByIteration() {
   std::vector<double> diagonal;
   impulses_.setZero();
-  for (const Row& row : rows_) diagonal.push_back(Dot(row, Column(row)) + row.softness);
+  for (const Row& row : rows_) diagonal.push_back(Dot(row, Column(row)));
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const Row& row = rows_[i];
       double& impulse = impulses_[static_cast<Eigen::Index>(i)];
-      double lower = row.lower, upper = row.upper;
+      double lower = row.lower, upper = row.upper, softness = row.softness;
       if (row.normal != kNone) {
         upper = row.friction * std::max(0.0, impulses_[row.normal]);
         lower = -upper;
+        if (row.slip_m_s > 0 && upper > 0) softness = row.slip_m_s / upper;
       }
-      const double change = (row.target - Dot(row, state_) - row.softness * impulse) / diagonal[i];
+      const double change = (row.target - Dot(row, state_) - softness * impulse) / (diagonal[i] + softness);
       const double next = std::clamp(impulse + change, lower, upper);
       Apply(row, next - impulse);
       impulse = next;

@@ -93,6 +93,7 @@ class LimbSolver {
     Resistance resistance;
     int normal = kNone;  // row whose impulse, times this friction, bounds it
     double friction = 0;
+    double slip_m_s = 0;  // it is friction across this slip
     int effort = kNone;  // of efforts_
     std::span<const Part> all() const { return std::span(parts).first(part_count); }
   };
