@@ -86,13 +86,13 @@ LimbSolver::Outcome LimbSolver::Step(double dt_s) {
 
 bool LimbSolver::Advance(double dt_s) {
   const bool is_fast = forest_.TurnRate_rad_s() * dt_s > kFast_rad;
-  const double before_j = is_fast ? forest_.EnergyAt(settings_.g_W).total_j() : 0;
+  const Forest::Energy before = is_fast ? forest_.EnergyAt(settings_.g_W) : Forest::Energy();
   BeginStep(dt_s);
   const bool is_solved = FindRates();
   AddEfforts();
   forest_.Move(rates_, dt_s);
   forest_.SetRates(rates_);
-  if (is_fast) LimitGain(before_j);
+  if (is_fast) LimitGain(before);
   // A light hand that hits the floor may get faster than what is sane: bodies that are are frozen.
   constexpr double kMostTurn_rad_s = 0.9 * kMaxTurnRate_rad_s;
   const double turn_rad_s = forest_.TurnRate_rad_s();
@@ -100,10 +100,12 @@ bool LimbSolver::Advance(double dt_s) {
   return is_solved;
 }
 
-void LimbSolver::LimitGain(double before_j) {
+void LimbSolver::LimitGain(const Forest::Energy& before) {
   const Forest::Energy after = forest_.EnergyAt(settings_.g_W);
-  const double gained_j = after.total_j() - before_j - WorkSince(forest_.rates());
-  const double most_j = kMostGain * after.kinetic_j;
+  const Work work = WorkSince(forest_.rates());
+  // What touches is not moved by that; where the sum says so it is an error of the method, too.
+  const double gained_j = after.total_j() - before.total_j() - work.motors_j - std::min(0.0, work.rows_j);
+  const double most_j = kMostGain * std::min(before.kinetic_j, after.kinetic_j);
   if (gained_j > most_j && !touches_) forest_.Slow(gained_j - most_j, after.kinetic_j, rates_);
   if (gained_j > most_j && touches_) {
     const double scale = std::sqrt(std::max(0.0, 1 - (gained_j - most_j) / after.kinetic_j));

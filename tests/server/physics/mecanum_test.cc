@@ -23,9 +23,8 @@ std::string Wheel(const std::string& name, double x_m, double y_m, int y) {
          std::to_string(kRadius_m) +
          " 0 0 0</pose><inertial><mass>0.5</mass><inertia><ixx>0.002</ixx><iyy>0.002</iyy><izz>0.002</izz>"
          "</inertia></inertial><collision name='c'><geometry><sphere><radius>" +
-         std::to_string(kRadius_m) +
-         "</radius></sphere></geometry><surface><friction><ode><mu>1</mu>" + (y == 0 ? "" : rollers) +
-         "</ode></friction></surface></collision></link>\n<joint name='" + name +
+         std::to_string(kRadius_m) + "</radius></sphere></geometry><surface><friction><ode><mu>1</mu>" +
+         (y == 0 ? "" : rollers) + "</ode></friction></surface></collision></link>\n<joint name='" + name +
          "_joint' type='revolute'><parent>chassis</parent><child>" + name +
          "</child><axis><xyz>0 1 "
          "0</xyz><limit><effort>20</effort><velocity>50</velocity></limit></axis></joint>\n";
@@ -110,8 +109,8 @@ TEST_P(MecanumTest, ItsWayIsThatOfItsVelocity) {
   EXPECT_NEAR(TiltOf(scene_.robot(0)), 0, 0.01);
 }
 
-// The friction of each wheel is against its slip: W b along the wheel less than it turns, W a across. All that
-// turns the rover is W_wheels b² = W (a² + b²).
+// The friction of each wheel is against its slip: W b along the wheel less than it turns, W a across. All
+// that turns the rover is W_wheels b² = W (a² + b²).
 TEST_P(MecanumTest, WithoutRollersItTurnsAsFarAsFrictionLets) {
   constexpr double kShare =
       kHalfTrack_m * kHalfTrack_m / (kHalfBase_m * kHalfBase_m + kHalfTrack_m * kHalfTrack_m);
