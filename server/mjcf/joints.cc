@@ -51,7 +51,6 @@ void AddDynamics(int joint, const Source& source, XMLElement& axis) {
   const int dof = m.jnt_dofadr[joint], at = m.jnt_qposadr[joint];
   const double damping = m.dof_damping[dof], friction = m.dof_frictionloss[dof],
                stiffness = m.jnt_stiffness[joint];
-  if (m.dof_armature[dof] > 0) source.words().Say("armature of a joint is left out");
   if (damping == 0 && friction == 0 && stiffness == 0) return;
   XMLElement& dynamics = Add(axis, "dynamics");
   if (damping > 0) Add(dynamics, "damping", Number(damping));
@@ -82,9 +81,9 @@ void WarnBall(int joint, const Source& source) {
   const mjModel& m = source.model();
   const int dof = m.jnt_dofadr[joint];
   if (m.jnt_limited[joint] || m.jnt_stiffness[joint] > 0 || m.dof_damping[dof] > 0 ||
-      m.dof_frictionloss[dof] > 0)
+      m.dof_frictionloss[dof] > 0 || m.dof_armature[dof] > 0)
     source.words().Say(
-        "range, stiffness, damping and frictionloss of a ball joint are left out: it turns freely");
+        "range, stiffness, damping, armature and frictionloss of a ball joint are left out: it turns freely");
 }
 
 }  // namespace
@@ -128,6 +127,9 @@ void AddJoints(int body, const Pose& X_MB, const Couplings& couplings, bool has_
     AddPose(element, X_BJ);
     if (is_ball) WarnBall(joint, source);
     if (!is_ball && !is_locked) AddAxis(joint, couplings, source, element);
+    const double armature = m.dof_armature[m.jnt_dofadr[joint]];
+    if (!is_ball && !is_locked && armature > 0)
+      element.SetAttribute("coopdyn:armature", Number(armature).c_str());
     const double from = source.Start(joint);
     if (!is_ball && !is_locked && std::abs(from) > 1e-9 && !couplings.followers.contains(joint)) {
       if (has_loops)

@@ -87,6 +87,7 @@ struct JointModel {
   double friction = 0;   // Coulomb: effort
   double stiffness = 0;  // of a spring: effort per way from `rest`
   double rest = 0;
+  double armature = 0;            // of what turns or slides with it inside: kg m² (a slider's: kg)
   double pitch_m_rad = 0;         // of a screw: way along the axis per radian
   double torque_per_force_m = 0;  // of a force: about its axis, as a propeller has
   std::optional<DriveTrainModel> drive_train = std::nullopt;  // of a hinge of a control board

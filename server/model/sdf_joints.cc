@@ -160,8 +160,14 @@ class JointReader {
     }
     if (*kind == Kind::kScrew) ReadPitch(joint, line, what, out);
     if (out.has_axis()) {
-      ReadAxis(*joint.Axis(0), joint.Type() == sdf::JointType::CONTINUOUS, StartOf(scope, joint, line), line,
-               out);
+      constexpr double kMostArmature = 1e6;
+      const auto start = NumberOf(scope, joint, line, "coopdyn:start", -kFar, kFar,
+                                  "the position where it starts, a number of rad or m");
+      out.armature = NumberOf(scope, joint, line, "coopdyn:armature", 0, kMostArmature,
+                              "the inertia of its motor as the joint feels it, 0 to 1e6 kg m² (kg of one "
+                              "that slides)")
+                         .value_or(0);
+      ReadAxis(*joint.Axis(0), joint.Type() == sdf::JointType::CONTINUOUS, start, line, out);
     } else {
       WarnPassive(joint, line, what);
     }
@@ -280,15 +286,16 @@ class JointReader {
     }
   }
 
-  /// What coopdyn:start says, rad or m.
-  std::optional<double> StartOf(const ModelScope& scope, const sdf::Joint& joint, int line) {
+  /// What an attribute of a joint says, if it has it.
+  std::optional<double> NumberOf(const ModelScope& scope, const sdf::Joint& joint, int line,
+                                 const char* attribute, double least, double most, const char* meaning) {
     const tinyxml2::XMLElement* const xml = XmlOf(scope, joint);
-    const char* const text = xml == nullptr ? nullptr : xml->Attribute("coopdyn:start");
+    const char* const text = xml == nullptr ? nullptr : xml->Attribute(attribute);
     if (text == nullptr) return std::nullopt;
-    const std::optional<double> start = ParsePlain(text);
-    if (start && std::abs(*start) <= kFar) return start;
-    reading_.Error(line, "coopdyn:start of joint '" + joint.Name() +
-                             "' is the position where it starts, a number of rad or m, not '" + text + "'");
+    const std::optional<double> number = ParsePlain(text);
+    if (number && *number >= least && *number <= most) return number;
+    reading_.Error(line,
+                   fmt::format("{} of joint '{}' is {}, not '{}'", attribute, joint.Name(), meaning, text));
     return std::nullopt;
   }
 

@@ -81,6 +81,7 @@ int Forest::Add(const Mechanism& mechanism, std::span<const BodyState> bodies) {
     AddDofs(node, index);
     if (node.model != nullptr) {
       Measure(node);
+      if (node.dofs > 0) node.rate = at(rates_, node.first_dof);
     } else if (node.dofs > 0) {
       Eigen::Map<Spatial>(&at(rates_, node.first_dof)) = Join(node.state.w_WB, node.state.v_WB);
     }
@@ -115,7 +116,8 @@ void Forest::Weigh() {
     const Node& node = nodes_[n];
     for (int dof = node.first_dof; dof < node.first_dof + node.dofs; ++dof) {
       const Vector3 w = at(axes_, dof).head<3>(), v = at(axes_, dof).tail<3>();
-      at(masses_, dof) = w.dot(node.subtree.Angular(w, v)) + v.dot(node.subtree.Linear(w, v));
+      at(masses_, dof) =
+          w.dot(node.subtree.Angular(w, v)) + v.dot(node.subtree.Linear(w, v)) + ArmatureOf(node);
     }
     if (node.parent != kNone) at(nodes_, node.parent).subtree += node.subtree;
   }
@@ -169,7 +171,7 @@ void Forest::AddUp(std::span<const double> rates, bool at_start) {
   for (std::size_t n = nodes_.size(); n-- > 0;) {
     const Node& node = nodes_[n];
     for (int dof = node.first_dof; dof < node.first_dof + node.dofs; ++dof)
-      at(momentum_, dof) = at(axes_, dof).dot(node.force);
+      at(momentum_, dof) = at(axes_, dof).dot(node.force) + ArmatureOf(node) * at(rates_, dof);
     if (node.parent != kNone) at(nodes_, node.parent).force += node.force;
   }
 }
@@ -183,7 +185,7 @@ void Forest::Factor(std::span<const double> added) {
     for (int dof = node.first_dof + node.dofs; dof-- > node.first_dof;) {
       const Spatial& axis = at(axes_, dof);
       const Spatial moved = node.articulated * axis;
-      const double pivot = axis.dot(moved) + at(added, dof);
+      const double pivot = axis.dot(moved) + at(added, dof) + ArmatureOf(node);
       const Spatial gain = moved / pivot;
       node.articulated -= gain * moved.transpose();
       at(pivots_, dof) = pivot;
@@ -248,8 +250,8 @@ double Forest::SwingRate_rad_s() {
     parent.load += node.load;
     if (parent.model != nullptr)
       parent.square_m2 = std::max(parent.square_m2, (node.model->p_RJ - parent.model->p_RJ).squaredNorm());
-    const double inertia =
-        node.rigid->mass_kg * node.arm_W.squaredNorm() + node.rigid->inertia_kg_m2.trace() / 3;
+    const double inertia = node.rigid->mass_kg * node.arm_W.squaredNorm() +
+                           node.rigid->inertia_kg_m2.trace() / 3 + ArmatureOf(node);
     most = std::max(most, node.load.squaredNorm() * node.square_m2 / (inertia * inertia));
   }
   return std::sqrt(4.0 / 3 * std::sqrt(most));

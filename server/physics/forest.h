@@ -143,6 +143,7 @@ class Forest {
     Quaternion q_rel;                 // of a ball joint: against the parent, in the parent's axes
     double position = 0;              // of its joint
     double position2 = 0;             // of a universal joint's second axis
+    double rate = 0;                  // of its joint's motor, while it has an armature
     Vector3 arm_W = Vector3::Zero();  // from its joint, as it carries it, to its centre of mass
     Vector3 origin;                   // the tree's point
     Inertia inertia;                  // of this body
@@ -166,6 +167,7 @@ class Forest {
   /// About p_W.
   static Inertia InertiaOf(const Node& node, const Vector3& p_W);
   void AddUp(std::span<const double> rates, bool at_start);
+  static double ArmatureOf(const Node& node) { return node.model == nullptr ? 0 : node.model->armature; }
   void AddDofs(Node& node, int index);
   /// Where a joint stands, from its two bodies.
   void Measure(Node& node);

@@ -156,6 +156,7 @@ void Forest::SetRates(std::span<const double> rates) {
       continue;
     }
     const JointModel& joint = *node.model;
+    node.rate = own[0];
     const BodyState& parent = at(nodes_, node.parent).state;
     const Vector3 to_joint = body.p_WB - node.arm_W - parent.p_WB;
     body.w_WB = parent.w_WB;
@@ -193,7 +194,9 @@ Forest::Energy Forest::EnergyAt(const Vector3& g_W) const {
     const BodyState& body = node.state;
     const Vector3 w_B = RotationOf(body).transpose() * body.w_WB;
     energy.kinetic_j +=
-        (node.rigid->mass_kg * body.v_WB.squaredNorm() + w_B.dot(node.rigid->inertia_kg_m2 * w_B)) / 2;
+        (node.rigid->mass_kg * body.v_WB.squaredNorm() + w_B.dot(node.rigid->inertia_kg_m2 * w_B) +
+         ArmatureOf(node) * node.rate * node.rate) /
+        2;
     energy.potential_j -= (node.rigid->mass_kg * g_W).dot(body.p_WB);
   }
   return energy;

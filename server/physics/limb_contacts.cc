@@ -110,6 +110,7 @@ std::span<const Vector3> LimbSolver::AddContact(const Surface& touch, int node_a
   rub(along, surface.mu, (surface.mode & dContactApprox1_1) != 0,
       (surface.mode & dContactMotion1) != 0 ? surface.motion1 : 0);
   rub(n.cross(along), mu2, (surface.mode & dContactApprox1_2) != 0, 0);
+  if (Row& across = rows_.back(); count == 3 && across.normal != kNone) across.slip_m_s = touch.slip_m_s;
   if ((surface.mode & dContactRolling) != 0) {
     const auto hold = [&](const Vector3& axis, double arm_m) {
       if (arm_m <= 0) return;

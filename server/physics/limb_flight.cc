@@ -74,23 +74,26 @@ LimbSolver::Flight LimbSolver::FlyParts(int parts, double dt_s, double most_swin
     flight.is_solved &= FindRates();
     if (swings_too_fast()) return flight;
     AddEfforts();
-    flight.work_j += WorkSince(forest_.rates());
+    const Work work = WorkSince(forest_.rates());
+    flight.work_j += work.motors_j + work.rows_j;
   }
   forest_.Move(rates_, dt_s / 2);
   forest_.SetRates(rates_);
   return flight;
 }
 
-double LimbSolver::WorkSince(std::span<const double> before) const {
+LimbSolver::Work LimbSolver::WorkSince(std::span<const double> before) const {
   const auto mean = [&](std::size_t dof) { return (before[dof] + rates_[dof]) / 2; };
-  double work_j = 0;
-  for (std::size_t dof = 0; dof < pushes_.size(); ++dof) work_j += pushes_[dof] * mean(dof);
-  for (const Motor& motor : motors_) work_j += motor.applied * mean(static_cast<std::size_t>(motor.dof));
+  Work work;
+  for (std::size_t dof = 0; dof < pushes_.size(); ++dof) work.motors_j += pushes_[dof] * mean(dof);
+  for (const Motor& motor : motors_)
+    work.motors_j += motor.applied * mean(static_cast<std::size_t>(motor.dof));
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const double rate = (RateOf(rows_[i], before) + RateOf(rows_[i], rates_)) / 2;
-    work_j += impulses_[static_cast<Eigen::Index>(i)] * rate;
+    const bool is_spring = rows_[i].resistance.stiffness + rows_[i].resistance.damping > 0;
+    (is_spring ? work.motors_j : work.rows_j) += impulses_[static_cast<Eigen::Index>(i)] * rate;
   }
-  return work_j;
+  return work;
 }
 
 }  // namespace coopdyn

@@ -86,13 +86,13 @@ LimbSolver::Outcome LimbSolver::Step(double dt_s) {
 
 bool LimbSolver::Advance(double dt_s) {
   const bool is_fast = forest_.TurnRate_rad_s() * dt_s > kFast_rad;
-  const double before_j = is_fast ? forest_.EnergyAt(settings_.g_W).total_j() : 0;
+  const Forest::Energy before = is_fast ? forest_.EnergyAt(settings_.g_W) : Forest::Energy();
   BeginStep(dt_s);
   const bool is_solved = FindRates();
   AddEfforts();
   forest_.Move(rates_, dt_s);
   forest_.SetRates(rates_);
-  if (is_fast) LimitGain(before_j);
+  if (is_fast) LimitGain(before);
   // A light hand that hits the floor may get faster than what is sane: bodies that are are frozen.
   constexpr double kMostTurn_rad_s = 0.9 * kMaxTurnRate_rad_s;
   const double turn_rad_s = forest_.TurnRate_rad_s();
@@ -100,10 +100,12 @@ bool LimbSolver::Advance(double dt_s) {
   return is_solved;
 }
 
-void LimbSolver::LimitGain(double before_j) {
+void LimbSolver::LimitGain(const Forest::Energy& before) {
   const Forest::Energy after = forest_.EnergyAt(settings_.g_W);
-  const double gained_j = after.total_j() - before_j - WorkSince(forest_.rates());
-  const double most_j = kMostGain * after.kinetic_j;
+  const Work work = WorkSince(forest_.rates());
+  // What touches is not moved by that; where the sum says so it is an error of the method, too.
+  const double gained_j = after.total_j() - before.total_j() - work.motors_j - std::min(0.0, work.rows_j);
+  const double most_j = kMostGain * std::min(before.kinetic_j, after.kinetic_j);
   if (gained_j > most_j && !touches_) forest_.Slow(gained_j - most_j, after.kinetic_j, rates_);
   if (gained_j > most_j && touches_) {
     const double scale = std::sqrt(std::max(0.0, 1 - (gained_j - most_j) / after.kinetic_j));
@@ -323,10 +325,14 @@ bool LimbSolver::SolveDirectly(bool is_again, bool same_motors) {
   }
   for (int pass = 0; (rubs || is_again) && pass < 2; ++pass) {
     for (Eigen::Index i = 0; i < n; ++i) {
-      const Row& row = rows_[static_cast<std::size_t>(i)];
+      Row& row = rows_[static_cast<std::size_t>(i)];
       if (row.normal == kNone) continue;
       upper_[i] = row.friction * std::max(0.0, impulses_[row.normal]);
       lower_[i] = -upper_[i];
+      if (row.slip_m_s <= 0 || upper_[i] <= 0) continue;
+      const double softness = row.slip_m_s / upper_[i];
+      A_(i, i) += softness - row.softness;
+      row.softness = softness;
     }
     is_solved = lcp_.Solve(A_, b_, lower_, upper_, impulses_);
   }
@@ -338,17 +344,18 @@ bool LimbSolver::SolveDirectly(bool is_again, bool same_motors) {
 void LimbSolver::SolveByIteration() {
   std::vector<double> diagonal;
   impulses_.setZero();
-  for (const Row& row : rows_) diagonal.push_back(Dot(row, Column(row)) + row.softness);
+  for (const Row& row : rows_) diagonal.push_back(Dot(row, Column(row)));
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const Row& row = rows_[i];
       double& impulse = impulses_[static_cast<Eigen::Index>(i)];
-      double lower = row.lower, upper = row.upper;
+      double lower = row.lower, upper = row.upper, softness = row.softness;
       if (row.normal != kNone) {
         upper = row.friction * std::max(0.0, impulses_[row.normal]);
         lower = -upper;
+        if (row.slip_m_s > 0 && upper > 0) softness = row.slip_m_s / upper;
       }
-      const double change = (row.target - Dot(row, state_) - row.softness * impulse) / diagonal[i];
+      const double change = (row.target - Dot(row, state_) - softness * impulse) / (diagonal[i] + softness);
       const double next = std::clamp(impulse + change, lower, upper);
       Apply(row, next - impulse);
       impulse = next;

@@ -93,7 +93,8 @@ class LimbSolver {
     Resistance resistance;
     int normal = kNone;  // row whose impulse, times this friction, bounds it
     double friction = 0;
-    int effort = kNone;  // of efforts_
+    double slip_m_s = 0;  // it is friction across this slip
+    int effort = kNone;   // of efforts_
     std::span<const Part> all() const { return std::span(parts).first(part_count); }
   };
   /// A joint of a member: where it is in the forest, or between which nodes it closes a loop.
@@ -151,8 +152,8 @@ class LimbSolver {
   bool Settle(bool is_again);
   /// A step of what touches, or is held: forces where it begins, then the whole way at the new rates.
   bool Advance(double dt_s);
-  /// Takes away what an error of the step has added to the energy of its beginning.
-  void LimitGain(double before_j);
+  /// Takes away what an error of the step has added to the energy `before` it.
+  void LimitGain(const Forest::Energy& before);
   /// Loops, couplings, and what moves forest_ where it is.
   void BeginStep(double dt_s);
   /// The rates at the step's end, rates_; whether they are exact. After BeginStep().
@@ -169,8 +170,11 @@ class LimbSolver {
   Flight FlyParts(int parts, double dt_s, double most_swing_rad);
   /// Adds what motors and rows applied to efforts_, as a share of the whole step.
   void AddEfforts();
-  /// Work of motors and rows in the change from the rates `before` to rates_.
-  double WorkSince(std::span<const double> before) const;
+  struct Work {
+    double motors_j = 0, rows_j = 0;
+  };
+  /// Work of motors (and springs) and of rows in the change from the rates `before` to rates_.
+  Work WorkSince(std::span<const double> before) const;
   /// Coriolis, centrifugal and gyroscopic forces at the mean of the rates before the step and rates_; whether
   /// that changes anything.
   bool TakeMeanForces();

@@ -122,9 +122,11 @@ void Rub(const FoundContact& found, const Toucher& a, const Toucher& b, const Wo
     RubGrain(GrainInWorld(is_a ? a : b, *grained), std::min(grained->friction, other),
              std::min(grained->friction_across, other), point.n_W, along, surface);
   } else if (along.squaredNorm() > kSliding_m_s * kSliding_m_s) {
+    surface.slip_m_s = along.norm();
     contact.surface.mode |= dContactFDir1;
     Copy(contact.fdir1, along.normalized());
   } else {
+    surface.slip_m_s = along.norm();
     surface.may_turn = true;
     const Vector3 pull = Pull(a, b, point.n_W, settings, dt_s);
     constexpr double kFlat = 1e-3;  // of gravity

@@ -46,6 +46,7 @@ struct Surface {
   /// needs.
   std::optional<std::array<double, 2>> grain{};
   bool may_turn = false;  // nothing slips yet: a solver that knows whither it will may turn the axes
+  double slip_m_s = 0;    // of one without a grain
 };
 /// Rows of a contact in a solver, at most.
 int RowsOf(const FoundContact& found);

@@ -71,6 +71,14 @@ TEST(MjcfBodiesTest, ASlideHasItsSpring) {
   EXPECT_FALSE(shock->has_stop());
 }
 
+TEST(MjcfBodiesTest, AJointHasItsArmature) {
+  const auto answer = ReadMjcfText(Limb("foot", "<joint name=\"ankle\" axis=\"0 1 0\" armature=\".03\"/>"));
+  const JointModel* ankle = JointOf(answer, "ankle");
+  ASSERT_NE(ankle, nullptr) << answer.messages;
+  EXPECT_EQ(ankle->armature, 0.03);
+  EXPECT_THAT(answer.messages, Not(HasSubstr("armature")));
+}
+
 TEST(MjcfBodiesTest, JointsOfOneBodyFollowEachOther) {
   const auto answer = ReadMjcfText(Limb("leg",
                                         "<joint name=\"a\" axis=\"1 0 0\"/><joint name=\"b\" axis=\"0 1 0\"/>"

@@ -216,6 +216,19 @@ TEST(JointsReaderTest, MistakesAreNamedWithTheirLine) {
               HasSubstr("<damping> of joint 'j' must be a number from 0"));
 }
 
+TEST(JointsReaderTest, AnArmatureIsANumberOfAtLeastZero) {
+  const auto with = [](const std::string& armature) {
+    return ReadParts(Cube("a", "0 0 0.1 0 0 0") + Cube("b", "0.3 0 0.1 0 0 0") +
+                     "<joint name='j' type='revolute' coopdyn:armature='" + armature +
+                     "'><parent>a</parent><child>b</child><axis>" + kUp + "</axis></joint>");
+  };
+  const auto [robot, messages] = with("0.03");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_EQ(robot->joints[0].armature, 0.03);
+  for (const char* wrong : {"-1", "heavy", "nan", "1e7"})
+    EXPECT_THAT(with(wrong).messages, HasSubstr("coopdyn:armature of joint 'j' is the inertia")) << wrong;
+}
+
 TEST(JointsReaderTest, LimitsWithoutZeroMakeAJointStartAtTheNearest) {
   const auto [robot, messages] =
       ReadParts(Cube("a", "0 0 0.1 0 0 0") + Cube("b", "0.3 0 0.1 0 0 0") + Cube("c", "0.6 0 0.1 0 0 0") +

@@ -214,6 +214,41 @@ TEST_P(JointsTest, AFourBarLinkageStaysClosed) {
   EXPECT_LT(worst_m, 1e-4 * GetParam());
 }
 
+TEST_P(JointsTest, AnArmatureAddsToTheInertiaThatSwings) {
+  RobotModel model = Pendulum(0.5, 0.05, 0.02);
+  model.joints[0].armature = 0.4;
+  Add(model);
+  const double quarter_s = kPi / 2 * std::sqrt((0.02 + 0.25 + 0.4) / (kGravity_m_s2 * 0.5));
+  int steps = 0;
+  while (Where(1).p.x() < 0 && steps * step_s() < 10) {
+    scene_.Run(1);
+    ++steps;
+  }
+  EXPECT_NEAR(steps * step_s(), quarter_s, 0.01 * quarter_s + step_s());
+}
+
+TEST_P(JointsTest, ASwingWithAnArmatureKeepsItsEnergy) {
+  RobotModel model = Pendulum(0.5, kPi / 2, 0.02);
+  model.joints[0].armature = 0.4;
+  Add(model);
+  scene_.RunFor(8);
+  double highest_m = 0;
+  for (int i = 0; i < static_cast<int>(4 / step_s()); ++i) {
+    scene_.Run(1);
+    highest_m = std::max(highest_m, Where(1).p.z());
+  }
+  EXPECT_NEAR(highest_m, 3, 1e-3);
+}
+
+TEST_P(JointsTest, AnArmatureSlowsWhatFallsOnARail) {
+  RobotModel model = Carriage();
+  model.joints[0].axis_R = Vector3::UnitZ();
+  model.joints[0].armature = 3;
+  Add(model);
+  scene_.RunFor(0.7);
+  EXPECT_NEAR(3 - Where(1).p.z(), kGravity_m_s2 * 2 / (2 + 3) * 0.7 * 0.7 / 2, 1e-4);
+}
+
 /// Joint 0 swings on the post; joint 1 turns a disc about the post's x axis with it.
 RobotModel Geared(double multiplier) {
   RobotModel model = Pendulum(0.5, 0.05, 0.02);

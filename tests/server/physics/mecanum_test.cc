@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A Mecanum drive of Gazebo against its formula: friction along the rollers' axes alone.
+// Drives of four wheels against their formulas: Mecanum, by friction along the rollers' axes alone, and
+// skid steering, by the balance of all friction.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -14,30 +15,31 @@ namespace {
 
 constexpr double kRadius_m = 0.1, kHalfBase_m = 0.2, kHalfTrack_m = 0.25;
 
-/// A wheel whose rollers lie along 1 `y` 0 of the chassis where it touches the floor.
+/// A wheel whose rollers lie along 1 `y` 0 of the chassis where it touches the floor; 0: it has none.
 std::string Wheel(const std::string& name, double x_m, double y_m, int y) {
+  const std::string rollers =
+      "<mu2>0</mu2><fdir1 gz:expressed_in='chassis'>1 " + std::to_string(y) + " 0</fdir1>";
   return "<link name='" + name + "'><pose>" + std::to_string(x_m) + " " + std::to_string(y_m) + " " +
          std::to_string(kRadius_m) +
          " 0 0 0</pose><inertial><mass>0.5</mass><inertia><ixx>0.002</ixx><iyy>0.002</iyy><izz>0.002</izz>"
          "</inertia></inertial><collision name='c'><geometry><sphere><radius>" +
-         std::to_string(kRadius_m) +
-         "</radius></sphere></geometry><surface><friction><ode><mu>1</mu><mu2>0</mu2>" +
-         "<fdir1 gz:expressed_in='chassis'>1 " + std::to_string(y) +
-         " 0</fdir1></ode></friction></surface></collision></link>\n<joint name='" + name +
+         std::to_string(kRadius_m) + "</radius></sphere></geometry><surface><friction><ode><mu>1</mu>" +
+         (y == 0 ? "" : rollers) + "</ode></friction></surface></collision></link>\n<joint name='" + name +
          "_joint' type='revolute'><parent>chassis</parent><child>" + name +
          "</child><axis><xyz>0 1 "
          "0</xyz><limit><effort>20</effort><velocity>50</velocity></limit></axis></joint>\n";
 }
 
-std::shared_ptr<const RobotModel> Rover() {
+std::shared_ptr<const RobotModel> Rover(bool has_rollers) {
+  const int y = has_rollers ? 1 : 0;
   const std::string text =
       "<sdf version='1.9' xmlns:gz='http://gazebosim.org/schema'><model name='rover'>\n"
       "<link name='chassis'><pose>0 0 0.12 0 0 "
       "0</pose><inertial><mass>10</mass><inertia><ixx>0.2</ixx><iyy>0.2"
       "</iyy><izz>0.3</izz></inertia></inertial><collision name='c'><geometry><box><size>0.5 0.3 0.1</size>"
       "</box></geometry></collision></link>\n" +
-      Wheel("fl", kHalfBase_m, kHalfTrack_m, -1) + Wheel("fr", kHalfBase_m, -kHalfTrack_m, 1) +
-      Wheel("bl", -kHalfBase_m, kHalfTrack_m, 1) + Wheel("br", -kHalfBase_m, -kHalfTrack_m, -1) +
+      Wheel("fl", kHalfBase_m, kHalfTrack_m, -y) + Wheel("fr", kHalfBase_m, -kHalfTrack_m, y) +
+      Wheel("bl", -kHalfBase_m, kHalfTrack_m, y) + Wheel("br", -kHalfBase_m, -kHalfTrack_m, -y) +
       "<plugin filename='gz-sim-mecanum-drive-system' name='gz::sim::systems::MecanumDrive'>"
       "<front_left_joint>fl_joint</front_left_joint><front_right_joint>fr_joint</front_right_joint>"
       "<back_left_joint>bl_joint</back_left_joint><back_right_joint>br_joint</back_right_joint>"
@@ -58,9 +60,9 @@ std::array<double, 4> WheelSpeeds(double vx_m_s, double vy_m_s, double wz_rad_s)
 
 class MecanumTest : public ::testing::TestWithParam<int> {
  protected:
-  void Start(double heading_rad) {
+  void Start(double heading_rad, bool has_rollers = true) {
     scene_.step_length = GetParam() * 1'000'000;
-    scene_.robot_model = Rover();
+    scene_.robot_model = Rover(has_rollers);
     ASSERT_NE(scene_.robot_model, nullptr);
     ASSERT_EQ(scene_.robot_model->actuators.size(), 1u);
     scene_.AddRobot(0, 0, heading_rad);
@@ -105,6 +107,23 @@ TEST_P(MecanumTest, ItsWayIsThatOfItsVelocity) {
   EXPECT_NEAR(way.y(), 0.9, 0.005);
   EXPECT_NEAR(way.x(), 0, 0.005);
   EXPECT_NEAR(TiltOf(scene_.robot(0)), 0, 0.01);
+}
+
+// The friction of each wheel is against its slip: W b along the wheel less than it turns, W a across. All
+// that turns the rover is W_wheels b² = W (a² + b²).
+TEST_P(MecanumTest, WithoutRollersItTurnsAsFarAsFrictionLets) {
+  constexpr double kShare =
+      kHalfTrack_m * kHalfTrack_m / (kHalfBase_m * kHalfBase_m + kHalfTrack_m * kHalfTrack_m);
+  for (const double turn_rad_s : {0.02, 0.2, 1.0, -2.0}) {
+    scene_ = PhysicsScene();
+    Start(0.5, false);
+    const double speed_rad_s = turn_rad_s * kHalfTrack_m / kRadius_m;
+    for (const double sign : {-1.0, 1.0, -1.0, 1.0})
+      scene_.setpoints.push_back({sign * speed_rad_s, ControlMode::kVelocity});
+    scene_.RunFor(2);
+    EXPECT_NEAR(Body().w_WB.z() / turn_rad_s, kShare, 0.02) << turn_rad_s;
+    EXPECT_NEAR(Body().v_WB.head<2>().norm(), 0, 0.01 * std::abs(turn_rad_s)) << turn_rad_s;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Steps, MecanumTest, ::testing::Values(1, 5, 10));
