@@ -83,13 +83,13 @@ std::vector<XmlNode> SplitLoose(const XmlNode& model) {
   const std::vector<std::size_t> bodies = grouper.Bodies();
   if (bodies.size() <= 1) return {model};
   std::vector<XmlNode> models(bodies.size());
+  const XmlNode* const pose = model.Child("pose");
   std::map<std::size_t, std::size_t> places;  // by group
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     places[bodies[i]] = i;
     models[i].name = model.name;
     models[i].where = model.where;
     models[i].attributes = model.attributes;
-    const XmlNode* pose = model.Child("pose");
     if (pose != nullptr) models[i].children.push_back(*pose);
   }
   for (std::size_t i = 0; i < model.children.size(); ++i) {
