@@ -108,11 +108,21 @@ class Layers {
   std::array<std::vector<std::int64_t>, 3> volumes_, faces_;
 };
 
+/// `corners` as of HullInPlane().
+bool IsIn(const Flat& p, const std::vector<Flat>& corners) {
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Flat &a = corners[i], &b = corners[i + 1 == corners.size() ? 0 : i + 1];
+    if ((b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]) < 0) return false;
+  }
+  return true;
+}
+
 /// A hull that grows by layers.
 class Growing {
  public:
   Growing(const CellGrid& grid, std::size_t axis) : grid_(grid), axis_(axis) {}
 
+  /// `corners` last until the next call.
   void Include(int layer, const std::vector<Flat>& corners) {
     const auto at = [&](const Flat& p, int side) {
       LatticePoint point{};
@@ -122,10 +132,18 @@ class Growing {
       return point;
     };
     if (!hull_) hull_.emplace(at(corners[0], 0), at(corners[1], 0), at(corners[2], 0), at(corners[0], 1));
+    // In the plane between this layer and the last one few corners are out of the hull.
+    const int shared = last_corners_ == nullptr   ? -1
+                       : layer == last_layer_ + 1 ? 0
+                       : layer == last_layer_ - 1 ? 1
+                                                  : -1;
     for (const Flat& p : corners) {
-      hull_->Include(at(p, 0));
-      hull_->Include(at(p, 1));
+      for (const int side : {0, 1}) {
+        if (side != shared || !IsIn(p, *last_corners_)) hull_->Include(at(p, side));
+      }
     }
+    last_corners_ = &corners;
+    last_layer_ = layer;
   }
   std::int64_t volume6() const { return hull_ ? hull_->volume6() : 0; }
   const LatticeHull& hull() const { return *hull_; }
@@ -134,44 +152,71 @@ class Growing {
   const CellGrid& grid_;
   std::size_t axis_;
   std::optional<LatticeHull> hull_;
+  const std::vector<Flat>* last_corners_ = nullptr;
+  int last_layer_ = 0;
 };
 
+/// The corners of the layers of a box; none of those that are empty.
+std::vector<std::vector<Flat>> CornersOf(const Layers& layers, const CellBox& box, std::size_t axis) {
+  std::vector<std::vector<Flat>> corners;
+  for (int layer = box.low[axis]; layer < box.high[axis]; ++layer)
+    corners.push_back(layers.IsEmpty(axis, layer) ? std::vector<Flat>() : layers.Corners(axis, layer));
+  return corners;
+}
+
 /// The piece of the solid cells in `box`; nothing if there are none.
-std::optional<Piece> PieceIn(const CellGrid& grid, CellBox box) {
+std::optional<Piece> PieceIn(const CellGrid& grid, const CellBox& box) {
   const Layers layers(grid, box);
   CellBox filled = box;
+  std::size_t shortest = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     int &low = filled.low[axis], &high = filled.high[axis];
     while (low < high && layers.IsEmpty(axis, low)) ++low;
     while (low < high && layers.IsEmpty(axis, high - 1)) --high;
     if (low == high) return std::nullopt;
+    if (high - low < filled.high[shortest] - filled.low[shortest]) shortest = axis;
   }
+  const std::vector<std::vector<Flat>> corners = CornersOf(layers, filled, shortest);
+  Growing growing(grid, shortest);
+  std::int64_t cells = 0;
+  for (int layer = filled.low[shortest]; layer < filled.high[shortest]; ++layer) {
+    cells += layers.Volume(shortest, layer);
+    const auto& points = corners[static_cast<std::size_t>(layer - filled.low[shortest])];
+    if (!points.empty()) growing.Include(layer, points);
+  }
+  return Piece{filled, growing.hull(), 6 * cells};
+}
+
+struct BestCut {
+  std::size_t axis = 0;
+  int plane = 0;  // before it
+};
+
+BestCut FindBestCut(const CellGrid& grid, const Piece& piece) {
+  const CellBox& box = piece.box;
+  const Layers layers(grid, box);
   std::array<double, 3> areas{};  // of the box, square to each axis
   for (std::size_t axis = 0; axis < 3; ++axis) {
     areas[axis] = 1;
     for (const std::size_t side : {(axis + 1) % 3, (axis + 2) % 3})
-      areas[axis] *=
-          static_cast<double>(grid.plane(side, filled.high[side]) - grid.plane(side, filled.low[side]));
+      areas[axis] *= static_cast<double>(grid.plane(side, box.high[side]) - grid.plane(side, box.low[side]));
   }
-  std::optional<Piece> piece;
+  const auto hull6 = static_cast<double>(piece.hull.volume6());
+  const std::int64_t cells = piece.cells6 / 6;
+  BestCut cut;
   double best = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const int low = filled.low[axis], high = filled.high[axis];
-    std::vector<std::vector<Flat>> corners;
-    for (int layer = low; layer < high; ++layer) {
-      corners.push_back(layers.IsEmpty(axis, layer) ? std::vector<Flat>() : layers.Corners(axis, layer));
-    }
+    const int low = box.low[axis], high = box.high[axis];
+    if (high - low < 2) continue;
+    const std::vector<std::vector<Flat>> corners = CornersOf(layers, box, axis);
     Growing up(grid, axis), down(grid, axis);
     std::vector<std::int64_t> below;  // the volume of the hull of all before a plane
-    for (int layer = low; layer < high; ++layer) {
+    for (int layer = low; layer + 1 < high; ++layer) {
       below.push_back(up.volume6());
       if (const auto& points = corners[static_cast<std::size_t>(layer - low)]; !points.empty())
         up.Include(layer, points);
     }
-    std::int64_t cells = 0;
-    for (int layer = low; layer < high; ++layer) cells += layers.Volume(axis, layer);
-    if (!piece) piece = Piece{filled, up.hull(), 6 * cells};
-    const auto hull6 = static_cast<double>(piece->hull.volume6());
+    below.push_back(up.volume6());
     const double gap = 6 * (layers.Spanned(axis) - static_cast<double>(cells)) / hull6;
     std::int64_t above = 0;  // the volume of the cells above the plane
     for (int layer = high - 1; layer > low; --layer) {
@@ -185,14 +230,13 @@ std::optional<Piece> PieceIn(const CellGrid& grid, CellBox box) {
       const double uneven = std::abs(static_cast<double>(cells - 2 * above)) / static_cast<double>(cells);
       const double face = static_cast<double>(layers.Face(axis, layer)) / areas[axis];
       const double score = hulls / hull6 + kBalance * uneven - kFace * face - kGap * gap;
-      if (piece->cut == 0 || score < best) {
+      if (cut.plane == 0 || score < best) {
         best = score;
-        piece->cut_axis = axis;
-        piece->cut = layer;
+        cut = {axis, layer};
       }
     }
   }
-  return piece;
+  return cut;
 }
 
 }  // namespace
@@ -202,8 +246,9 @@ std::optional<Piece> WholeOf(const CellGrid& grid) {
 }
 
 std::pair<Piece, Piece> CutInTwo(const CellGrid& grid, const Piece& piece) {
+  const BestCut cut = FindBestCut(grid, piece);
   CellBox low = piece.box, high = piece.box;
-  low.high[piece.cut_axis] = high.low[piece.cut_axis] = piece.cut;
+  low.high[cut.axis] = high.low[cut.axis] = cut.plane;
   // Its first and its last layer are not empty.
   return {std::move(*PieceIn(grid, low)), std::move(*PieceIn(grid, high))};
 }

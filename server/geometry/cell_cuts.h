@@ -22,17 +22,15 @@ struct Piece {
   CellBox box;
   LatticeHull hull;
   std::int64_t cells6 = 0;  // six times their volume
-  /// The best cut: before this plane, square to this axis.
-  std::size_t cut_axis = 0;
-  int cut = 0;
 
-  /// Six times what its hull holds besides them; 0 if no plane cuts it.
-  std::int64_t around6() const { return cut == 0 ? 0 : hull.volume6() - cells6; }
+  /// Six times what its hull holds besides them; 0 for a single cell, which no plane cuts.
+  std::int64_t around6() const { return hull.volume6() - cells6; }
 };
 
 /// All solid cells; nothing if there are none.
 std::optional<Piece> WholeOf(const CellGrid& grid);
-/// @pre it can be cut
+/// By the plane that cuts it best.
+/// @pre it has more than one cell
 std::pair<Piece, Piece> CutInTwo(const CellGrid& grid, const Piece& piece);
 
 }  // namespace coopdyn

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <ranges>
 
 #include "server/geometry/lattice_hull.h"
+#include "server/geometry/polygon_clip.h"
 
 namespace coopdyn {
 
@@ -13,8 +15,7 @@ namespace {
 
 constexpr double kCells = 200'000;
 constexpr double kMostOnSide = 128;
-constexpr double kShrunk =
-    1;  // cells for the question whether a triangle touches them, in units on each side
+constexpr std::size_t kMostLooks = 10'000'000;  // some tenths of a second
 
 /// Whether the triangle touches the box about the origin: T. Akenine-Möller (2001), "Fast 3D triangle-box
 /// overlap testing". The box of the triangle touches it.
@@ -44,6 +45,10 @@ Vector3 CellGrid::Behind(const Vector3& a, const Vector3& b, const Vector3& c) c
   return n * (-kBehind * unit_m_ / n.norm());
 }
 
+bool CellGrid::is_tangled() const {
+  return looks_ > kMostLooks;
+}
+
 CellGrid::CellGrid(std::span<const Vector3> vertices, std::span<const MeshData::Triangle> triangles) {
   PlacePlanes(vertices, triangles);
   cells_.resize(static_cast<std::size_t>(count(0)) * static_cast<std::size_t>(count(1)) *
@@ -51,6 +56,7 @@ CellGrid::CellGrid(std::span<const Vector3> vertices, std::span<const MeshData::
   for (const auto& [a, b, c] : triangles) {
     const Vector3 behind = Behind(vertices[a], vertices[b], vertices[c]);
     if (!behind.isZero(0)) MarkSurface({vertices[a] + behind, vertices[b] + behind, vertices[c] + behind});
+    if (is_tangled()) return;
   }
   MarkOutside();
 }
@@ -117,21 +123,50 @@ std::pair<int, int> CellGrid::CellsIn(std::size_t axis, double low, double high)
   return {first, std::clamp(place(std::ranges::lower_bound(planes, high)), first + 1, count(axis))};
 }
 
-void CellGrid::MarkSurface(std::array<Vector3, 3> corners) {
-  const Vector3 low = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]),
-                high = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]);
+std::pair<int, int> CellGrid::CellsOf(std::size_t axis, std::span<const Vector3> polygon, double in) const {
+  const auto i = static_cast<Eigen::Index>(axis);
+  const auto [low, high] =
+      std::ranges::minmax(polygon | std::views::transform([i](const Vector3& p) { return p[i]; }));
+  // A flat one is within one cell.
+  in = std::min(in, (high - low) / 2);
+  return CellsIn(axis, low + in, high - in);
+}
+
+// It is cut into strips along the planes, so that few cells are looked at that it does not touch.
+void CellGrid::MarkSurface(const std::array<Vector3, 3>& corners) {
+  constexpr double kShrunk = 1;  // cells for the question whether a triangle touches them, in units a side
   std::array<std::pair<int, int>, 3> range;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto i = static_cast<Eigen::Index>(axis);
-    // A flat one is within one cell.
-    const double in = std::min(kShrunk * unit_m_, (high[i] - low[i]) / 2);
-    range[axis] = CellsIn(axis, low[i] + in, high[i] - in);
-  }
+  for (std::size_t axis = 0; axis < 3; ++axis) range[axis] = CellsOf(axis, corners, kShrunk * unit_m_);
   const auto is_one = [](const auto& one) { return one.second == one.first + 1; };
   const bool is_small = std::ranges::count_if(range, is_one) >= 2;  // it touches them all
+  const auto narrow = [&](const std::pair<int, int>& all, std::size_t axis,
+                          const std::vector<Vector3>& polygon) {
+    const auto [first, end] = CellsOf(axis, polygon, 0);
+    return std::pair(std::max(first, all.first), std::min(end, all.second));
+  };
+  const auto cut = [&](std::size_t axis, int cell, std::vector<Vector3>& polygon) {
+    const auto i = static_cast<Eigen::Index>(axis);
+    ClipPolygon(i, -1, plane_m(axis, cell), polygon, scratch_);
+    ClipPolygon(i, 1, plane_m(axis, cell + 1), polygon, scratch_);
+  };
   for (int i = range[0].first; i < range[0].second; ++i) {
-    for (int j = range[1].first; j < range[1].second; ++j) {
-      for (int k = range[2].first; k < range[2].second; ++k) {
+    auto of_slab = range[1];
+    slab_.assign(corners.begin(), corners.end());
+    if (!is_small) {
+      cut(0, i, slab_);
+      if (slab_.empty()) continue;
+      of_slab = narrow(range[1], 1, slab_);
+    }
+    for (int j = of_slab.first; j < of_slab.second; ++j) {
+      auto of_strip = range[2];
+      if (!is_small) {
+        strip_ = slab_;
+        cut(1, j, strip_);
+        if (strip_.empty()) continue;
+        of_strip = narrow(range[2], 2, strip_);
+      }
+      looks_ += 1 + static_cast<std::size_t>(std::max(0, of_strip.second - of_strip.first));
+      for (int k = of_strip.first; k < of_strip.second; ++k) {
         Cell& cell = cells_[Index({i, j, k})];
         if (cell == Cell::kSurface) continue;
         const Vector3 from(plane_m(0, i), plane_m(1, j), plane_m(2, k)),

@@ -21,6 +21,9 @@ class CellGrid {
   /// @pre good indices, finite vertices, not all in one plane that is square to an axis
   CellGrid(std::span<const Vector3> vertices, std::span<const MeshData::Triangle> triangles);
 
+  /// The triangles reach into so many cells, again and again, that the grid was given up: it is of no use.
+  bool is_tangled() const;
+
   int count(std::size_t axis) const { return static_cast<int>(planes_[axis].size()) - 1; }
   /// Where plane `i` of 0 … count() is, in the frame of the vertices, m; and in units of unit_m() from the
   /// lowest: whole numbers of at most kLatticeSide.
@@ -48,15 +51,19 @@ class CellGrid {
            static_cast<std::size_t>(cell[2]);
   }
   void PlacePlanes(std::span<const Vector3> vertices, std::span<const MeshData::Triangle> triangles);
-  void MarkSurface(std::array<Vector3, 3> corners);
+  void MarkSurface(const std::array<Vector3, 3>& corners);
   void MarkOutside();
   /// The cells that reach into the open interval, first and one past the last.
   std::pair<int, int> CellsIn(std::size_t axis, double low, double high) const;
+  /// The same for what of a polygon is more than `in` from its ends.
+  std::pair<int, int> CellsOf(std::size_t axis, std::span<const Vector3> polygon, double in) const;
 
   double unit_m_ = 0;
   std::array<std::vector<double>, 3> planes_;
   std::array<std::vector<std::int64_t>, 3> lattice_;
-  std::vector<Cell> cells_;  // kUnknown in the end: within
+  std::vector<Cell> cells_;                      // kUnknown in the end: within
+  std::size_t looks_ = 0;                        // at cells, to mark the surface
+  std::vector<Vector3> slab_, strip_, scratch_;  // of MarkSurface()
 };
 
 }  // namespace coopdyn

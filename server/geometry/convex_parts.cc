@@ -9,6 +9,7 @@
 
 #include "server/geometry/cell_cuts.h"
 #include "server/geometry/cell_grid.h"
+#include "server/geometry/convex_cut.h"
 #include "server/geometry/lattice_hull.h"
 #include "server/geometry/surface_clip.h"
 
@@ -125,10 +126,11 @@ std::vector<Piece> Cut(const CellGrid& grid, Piece whole, std::int64_t free6) {
 
 }  // namespace
 
-std::vector<std::vector<Vector3>> ConvexParts(std::span<const Vector3> vertices,
-                                              std::span<const MeshData::Triangle> triangles, int most) {
+ConvexCut CutConvex(std::span<const Vector3> vertices, std::span<const MeshData::Triangle> triangles,
+                    int most) {
   if (most < 2 || !IsThick(vertices, triangles)) return {};
   const CellGrid grid(vertices, triangles);
+  if (grid.is_tangled()) return {{}, true};
   const std::optional<Piece> whole = WholeOf(grid);
   if (!whole) return {};
   const std::int64_t hull6 = whole->hull.volume6(), around6 = whole->around6();
@@ -144,12 +146,17 @@ std::vector<std::vector<Vector3>> ConvexParts(std::span<const Vector3> vertices,
   constexpr double kWorthIt = 0.7;
   if (clusters.size() < 2 || static_cast<double>(left6) > kWorthIt * static_cast<double>(around6)) return {};
   const SurfaceClip clip(grid, vertices, triangles);
-  std::vector<std::vector<Vector3>> parts;
+  ConvexCut cut;
   for (const Cluster& one : clusters) {
     std::vector<Vector3> corners = clip.CornersIn(one.boxes);
-    if (!corners.empty()) parts.push_back(std::move(corners));
+    if (!corners.empty()) cut.parts.push_back(std::move(corners));
   }
-  return parts;
+  return cut;
+}
+
+std::vector<std::vector<Vector3>> ConvexParts(std::span<const Vector3> vertices,
+                                              std::span<const MeshData::Triangle> triangles, int most) {
+  return CutConvex(vertices, triangles, most).parts;
 }
 
 }  // namespace coopdyn

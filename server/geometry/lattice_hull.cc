@@ -46,8 +46,8 @@ void LatticeHull::Include(const LatticePoint& p) {
     }
     volume6_ += height;
     for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t from = face->corners[i], to = face->corners[(i + 1) % 3];
-      edges_.push_back({std::min(from, to), std::max(from, to), from < to});
+      const std::uint64_t from = face->corners[i], to = face->corners[(i + 1) % 3];
+      edges_.push_back(std::min(from, to) << 32 | std::max(from, to) << 1 | (from < to ? 1 : 0));
     }
   }
   faces_.erase(kept, faces_.end());
@@ -55,11 +55,12 @@ void LatticeHull::Include(const LatticePoint& p) {
   std::ranges::sort(edges_);
   const auto apex = static_cast<std::uint32_t>(points_.size() - 1);
   for (std::size_t i = 0; i < edges_.size(); ++i) {
-    const auto [low, high, up] = edges_[i];
-    if (i + 1 < edges_.size() && edges_[i + 1].low == low && edges_[i + 1].high == high) {
+    const auto low = static_cast<std::uint32_t>(edges_[i] >> 32),
+               high = static_cast<std::uint32_t>(edges_[i]) >> 1;
+    if (i + 1 < edges_.size() && edges_[i + 1] >> 1 == edges_[i] >> 1) {
       ++i;  // between two faces that went
     } else {
-      up ? AddFace(low, high, apex) : AddFace(high, low, apex);
+      (edges_[i] & 1) != 0 ? AddFace(low, high, apex) : AddFace(high, low, apex);
     }
   }
 }

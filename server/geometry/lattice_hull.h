@@ -4,7 +4,6 @@
 #pragma once
 
 #include <array>
-#include <compare>
 #include <cstdint>
 #include <vector>
 
@@ -38,16 +37,12 @@ class LatticeHull {
 
     std::int64_t Height(const LatticePoint& p) const { return n[0] * p[0] + n[1] * p[1] + n[2] * p[2] - d; }
   };
-  struct Edge {
-    std::uint32_t low = 0, high = 0;
-    bool up = false;  // it runs from `low` to `high`
-    auto operator<=>(const Edge&) const = default;
-  };
   void AddFace(std::uint32_t a, std::uint32_t b, std::uint32_t c);
 
   std::vector<LatticePoint> points_;  // also those that are inside by now
   std::vector<Face> faces_;
-  std::vector<Edge> edges_;  // of Include()
+  // Of Include(). An edge: its lower corner, the other, and whether it runs from low to high.
+  std::vector<std::uint64_t> edges_;
   std::int64_t volume6_ = 0;
 };
 

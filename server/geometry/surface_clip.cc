@@ -8,30 +8,13 @@
 #include <optional>
 
 #include "server/geometry/lattice_hull.h"
+#include "server/geometry/polygon_clip.h"
 
 namespace coopdyn {
 
 namespace {
 
 constexpr double kThin_m = 1e-3;
-
-/// What of the polygon has a coordinate of at most `limit` times `sign`: I. E. Sutherland, G. W. Hodgman
-/// (1974), "Reentrant polygon clipping".
-void Clip(Eigen::Index axis, double sign, double limit, std::vector<Vector3>& polygon,
-          std::vector<Vector3>& scratch) {
-  scratch.clear();
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vector3 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
-    const double of_p = sign * (p[axis] - limit), of_q = sign * (q[axis] - limit);
-    if (of_p <= 0) scratch.push_back(p);
-    if ((of_p <= 0) != (of_q <= 0)) {
-      Vector3 cut = p + (q - p) * (of_p / (of_p - of_q));
-      cut[axis] = limit;
-      scratch.push_back(cut);
-    }
-  }
-  std::swap(polygon, scratch);
-}
 
 /// Of the corners of a hull few whose own hull leaves none out by more than `tolerance_m`: one that is
 /// furthest out is taken, again and again.
@@ -162,8 +145,8 @@ void SurfaceClip::AddPoints(const CellBox& box, std::vector<Vector3>& points, Ve
     if (behind_[t].isZero(0)) continue;
     polygon.assign({p + behind_[t], q + behind_[t], r + behind_[t]});
     for (Eigen::Index axis = 0; axis < 3 && !polygon.empty(); ++axis) {
-      Clip(axis, -1, from[axis], polygon, scratch);
-      Clip(axis, 1, to[axis], polygon, scratch);
+      ClipPolygon(axis, -1, from[axis], polygon, scratch);
+      ClipPolygon(axis, 1, to[axis], polygon, scratch);
     }
     for (const Vector3& corner : polygon) {
       Vector3 point = corner - behind_[t];

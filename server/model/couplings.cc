@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -77,8 +78,22 @@ void FixFollowers(XmlNode& model, std::vector<XmlNode>& mimics, Diagnostics& dia
                   [](const XmlNode& one) { return one.name == "axis" || one.name == "axis2"; });
     return true;
   };
-  while (std::erase_if(mimics, fix) > 0) {
+  std::multimap<std::string, std::size_t> ends;  // by the joints that they name
+  std::deque<std::size_t> open;
+  for (std::size_t i = 0; i < mimics.size(); ++i) {
+    for (const char* end : {"follower", "leader"}) ends.emplace(mimics[i].Attribute(end), i);
+    open.push_back(i);
   }
+  std::vector<bool> is_gone(mimics.size());
+  for (; !open.empty(); open.pop_front()) {
+    const std::size_t i = open.front();
+    if (is_gone[i] || !fix(mimics[i])) continue;
+    is_gone[i] = true;
+    const auto [first, end] = ends.equal_range(mimics[i].Attribute("follower"));
+    for (auto other = first; other != end; ++other) open.push_back(other->second);
+  }
+  std::size_t next = 0;
+  std::erase_if(mimics, [&](const XmlNode&) { return is_gone[next++]; });
 }
 
 void WritePitch(XmlNode& model) {

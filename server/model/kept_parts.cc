@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "server/base/random.h"
-#include "server/geometry/convex_parts.h"
 
 namespace coopdyn {
 
@@ -18,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Another number whenever ConvexParts() may give something else.
+/// Another number whenever CutConvex() may give something else.
 constexpr std::uint64_t kVersion = 1;
 constexpr std::string_view kExtension = ".parts";
 constexpr std::size_t kMostFiles = 2000;
@@ -122,21 +121,21 @@ std::optional<PartCorners> PartsFromBytes(std::string_view bytes, const MeshData
   return bytes.empty() ? std::optional(std::move(parts)) : std::nullopt;
 }
 
-PartCorners KeptConvexParts(const MeshData& mesh, int most, const fs::path& folder) {
+ConvexCut KeptConvexCut(const MeshData& mesh, int most, const fs::path& folder) {
   constexpr std::size_t kFewTriangles = 100;  // blocks, which take a few milliseconds
   if (most < 2) return {};
   if (folder.empty() || mesh.triangles.size() < kFewTriangles)
-    return ConvexParts(mesh.vertices, mesh.triangles, most);
+    return CutConvex(mesh.vertices, mesh.triangles, most);
   const std::string key = HeadOf(mesh, most);
   const std::uint64_t name = HashOfBytes(key);
   static constexpr std::string_view kDigits = "0123456789abcdef";
   std::string digits;
   for (int shift = 60; shift >= 0; shift -= 4) digits += kDigits[name >> shift & 15u];
   const fs::path file = folder / (digits + std::string(kExtension));
-  if (auto kept = ReadParts(file, mesh, most)) return *std::move(kept);
-  PartCorners parts = ConvexParts(mesh.vertices, mesh.triangles, most);
-  WriteParts(PartsToBytes(parts, mesh, most), file);
-  return parts;
+  if (auto kept = ReadParts(file, mesh, most)) return {*std::move(kept)};
+  ConvexCut cut = CutConvex(mesh.vertices, mesh.triangles, most);
+  if (!cut.is_tangled) WriteParts(PartsToBytes(cut.parts, mesh, most), file);
+  return cut;
 }
 
 }  // namespace coopdyn

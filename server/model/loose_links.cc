@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "server/model/model_source.h"
@@ -27,16 +28,18 @@ class Grouper {
     for (std::size_t i = 0; i < model.children.size(); ++i) {
       if (IsNamedPart(model.children[i])) JoinAll(model.children[i], i);
     }
+    for (std::size_t i = 0; i < groups_.size(); ++i) groups_[i] = RootOf(i);
   }
 
   /// The groups that have a link or a model, the one with the most joints first.
   std::vector<std::size_t> Bodies() const {
     std::vector<std::size_t> bodies;
+    std::set<std::size_t> known;
     std::map<std::size_t, int> joints;
     for (std::size_t i = 0; i < groups_.size(); ++i) {
       const std::string& name = model_.children[i].name;
       if (name == "joint") ++joints[groups_[i]];
-      if ((name == "link" || name == "model") && std::ranges::count(bodies, groups_[i]) == 0)
+      if ((name == "link" || name == "model") && known.insert(groups_[i]).second)
         bodies.push_back(groups_[i]);
     }
     std::ranges::stable_sort(bodies, std::greater(), [&](std::size_t group) { return joints[group]; });
@@ -49,8 +52,11 @@ class Grouper {
     if (name == "world") parts_.emplace(name, to);  // what is fixed to it is one body
     const auto found = parts_.find(name.substr(0, name.find("::")));
     if (found == parts_.end()) return;
-    const std::size_t from = groups_[found->second], into = groups_[to];
-    if (from != into) std::ranges::replace(groups_, from, into);
+    groups_[RootOf(found->second)] = RootOf(to);
+  }
+  std::size_t RootOf(std::size_t part) {
+    while (groups_[part] != part) part = groups_[part] = groups_[groups_[part]];
+    return part;
   }
 
   void JoinAll(const XmlNode& node, std::size_t part) {
@@ -65,7 +71,7 @@ class Grouper {
 
   const XmlNode& model_;
   std::map<std::string, std::size_t> parts_;
-  std::vector<std::size_t> groups_;  // by child
+  std::vector<std::size_t> groups_;  // by child: another of its group; in the end the same one for all
 };
 
 }  // namespace
@@ -77,13 +83,13 @@ std::vector<XmlNode> SplitLoose(const XmlNode& model) {
   const std::vector<std::size_t> bodies = grouper.Bodies();
   if (bodies.size() <= 1) return {model};
   std::vector<XmlNode> models(bodies.size());
+  const XmlNode* const pose = model.Child("pose");
   std::map<std::size_t, std::size_t> places;  // by group
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     places[bodies[i]] = i;
     models[i].name = model.name;
     models[i].where = model.where;
     models[i].attributes = model.attributes;
-    const XmlNode* pose = model.Child("pose");
     if (pose != nullptr) models[i].children.push_back(*pose);
   }
   for (std::size_t i = 0; i < model.children.size(); ++i) {

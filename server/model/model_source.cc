@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <map>
 #include <set>
 #include <span>
 #include <string_view>
@@ -21,7 +22,14 @@ namespace {
 constexpr std::string_view kMeshMark = "<!--coopdyn:mesh ";
 constexpr std::string_view kTextureKey = "texture";  // instead of a mesh's key
 constexpr int kMaxIncludes = 1000;
-constexpr int kMaxDepth = 10;  // of includes in includes
+constexpr int kMaxDepth = 10;                  // of includes in includes
+constexpr std::size_t kMaxIncluded = 100'000;  // elements, of all includes together
+
+std::size_t CountElements(const XmlNode& node) {
+  std::size_t count = 1;
+  for (const XmlNode& child : node.children) count += CountElements(child);
+  return count;
+}
 
 /// Writes what `<include>` names in its place.
 class Includer {
@@ -109,12 +117,16 @@ class Includer {
       }
       return std::nullopt;
     }
-    const std::string file = path->string();
-    const auto text = ReadTextFile(file, include.where, diagnostics_);
-    if (!text) return std::nullopt;
-    auto root = ParseXml(*text, file, diagnostics_);
-    if (!root) return std::nullopt;
-    if (root->name == "robot") root = SdfOfUrdf(*root, diagnostics_);
+    const Included& included = Read(path->string(), include);
+    if (!included.root) return std::nullopt;
+    elements_ += included.elements;
+    if (elements_ > kMaxIncluded) {
+      if (elements_ <= kMaxIncluded + included.elements)
+        Error(include, "what this file includes has more than " + std::to_string(kMaxIncluded) +
+                           " elements together: include fewer models, or simpler ones");
+      return std::nullopt;
+    }
+    std::optional<XmlNode> root = included.root;
     if (root->Child("include") != nullptr) Expand(*root, depth + 1);
     XmlNode* model = root->Child("model");
     if (root->name == "sdf" && model == nullptr && root->Child("light") != nullptr) {
@@ -146,11 +158,32 @@ class Includer {
     return made;
   }
 
+  /// A file as SDF, with its own includes.
+  struct Included {
+    std::optional<XmlNode> root;
+    std::size_t elements = 0;
+  };
+
+  /// Each file is read once.
+  const Included& Read(const std::string& file, const XmlNode& include) {
+    const auto [known, is_new] = files_.try_emplace(file);
+    Included& included = known->second;
+    if (!is_new) return included;
+    const auto text = ReadTextFile(file, include.where, diagnostics_);
+    if (text) included.root = ParseXml(*text, file, diagnostics_);
+    if (!included.root) return included;
+    if (included.root->name == "robot") included.root = SdfOfUrdf(*included.root, diagnostics_);
+    included.elements = CountElements(*included.root);
+    return included;
+  }
+
   const Resources* resources_;
   const bool leaves_out_;
   Diagnostics& diagnostics_;
   int count_ = 0;
+  std::size_t elements_ = 0;
   std::set<std::string> missing_;
+  std::map<std::string, Included> files_;
 };
 
 /// Cuts off the meshes behind a composed text.

@@ -199,7 +199,8 @@ class WorldConverter {
     const std::string word = ToLower(name.substr(0, name.find_first_of("_0123456789")));
     if (word == "set" || word == "random" || word == "score") name = "m_" + name;
     std::string unique = name;
-    for (int i = 2; !names_.insert(ToLower(unique)).second; ++i) unique = name + "_" + std::to_string(i);
+    int& number = numbers_.try_emplace(name, 2).first->second;
+    while (!names_.insert(ToLower(unique)).second) unique = name + "_" + std::to_string(number++);
     return unique;
   }
 
@@ -207,7 +208,18 @@ class WorldConverter {
   void AddBodies(const XmlNode& model) {
     const std::vector<XmlNode> bodies =
         HasOwnElements(model) ? std::vector<XmlNode>{model} : SplitLoose(model);
-    for (const XmlNode& body : bodies) AddModel(body);
+    for (const XmlNode& body : bodies) {
+      constexpr int kMostModels = 1000;  // each takes some milliseconds
+      if (++model_count_ > kMostModels) {
+        if (model_count_ == kMostModels + 1) {
+          diagnostics_.Error(body.where, "a world has at most " + std::to_string(kMostModels) +
+                                             " models, and a model of loose links counts as one for each: "
+                                             "leave some out, or write a scenario with [SWARM]");
+        }
+        return;
+      }
+      AddModel(body);
+    }
   }
 
   /// X_WF of a model or `<frame>` of the world.
@@ -331,7 +343,8 @@ class WorldConverter {
   std::map<std::string, SourceLine> places_;
   std::map<std::string, const XmlNode*> frames_;  // models and frames of the world
   std::set<std::string> names_;
-  int robot_count_ = 0, light_count_ = 0;
+  std::map<std::string, int> numbers_;  // which the next of these names gets
+  int model_count_ = 0, robot_count_ = 0, light_count_ = 0;
 };
 
 }  // namespace

@@ -116,37 +116,94 @@ std::pair<PartRange, PartRange> FirstToTouch(const Actor& a, const Actor& b) {
   return {{0, a.parts().size()}, {0, b.parts().size()}};
 }
 
-/// All of these contacts across a plane; if they are many the deepest, and up to three that span the most.
-ContactList Spread(std::vector<ContactPoint> all) {
-  ContactList list;
-  if (all.empty()) return list;
-  constexpr std::size_t kFew = 4;
-  if (all.size() <= kFew) {
-    for (const ContactPoint& one : all) list.points[static_cast<std::size_t>(list.count++)] = one;
-    return list;
+/// Of contacts across a plane these: all, or if they are many the deepest, and up to three that span the
+/// most.
+struct Few {
+  static constexpr std::size_t kMost = 4;
+  std::array<std::size_t, kMost> at{};
+  std::size_t count = 0;
+  std::span<const std::size_t> all() const& { return {at.data(), count}; }
+  std::span<const std::size_t> all() && = delete;  // would outlive it
+};
+Few Spread(std::span<const ContactPoint> contacts) {
+  Few few;
+  if (contacts.size() <= Few::kMost) {
+    for (std::size_t i = 0; i < contacts.size(); ++i) few.at[few.count++] = i;
+    return few;
   }
-  const Vector3 n = all.front().n_W;
+  const Vector3 n = contacts.front().n_W;
   const auto take = [&](auto measure) {
-    if (all.empty()) return;
-    const auto best = std::ranges::max_element(all, {}, measure);
-    if (list.count > 0 && !(measure(*best) > 0)) return;
-    list.points[static_cast<std::size_t>(list.count++)] = *best;
-    all.erase(best);
+    std::optional<std::size_t> best;
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      if (std::ranges::find(few.all(), i) != few.all().end()) continue;
+      if (!best || measure(contacts[i]) > measure(contacts[*best])) best = i;
+    }
+    if (few.count == 0 || measure(contacts[*best]) > 0) few.at[few.count++] = *best;
   };
   const auto from = [&](std::size_t i, const ContactPoint& to) {
-    const Vector3 way = to.p_W - list.points[i].p_W;
+    const Vector3 way = to.p_W - contacts[few.at[i]].p_W;
     return Vector3(way - n.dot(way) * n);
   };
   const auto side = [&](const ContactPoint& one) {
-    return n.dot(from(0, list.points[1]).cross(from(0, one)));
+    return n.dot(from(0, contacts[few.at[1]]).cross(from(0, one)));
   };
   take([](const ContactPoint& one) { return one.depth_m; });
-  if (list.count == 1) take([&](const ContactPoint& one) { return from(0, one).squaredNorm(); });
-  if (list.count == 2) {
+  take([&](const ContactPoint& one) { return from(0, one).squaredNorm(); });
+  if (few.count == 2) {
     take([&](const ContactPoint& one) { return side(one); });
     take([&](const ContactPoint& one) { return -side(one); });
   }
+  return few;
+}
+
+ContactList ListOf(std::span<const ContactPoint> contacts) {
+  ContactList list;
+  const Few few = Spread(contacts);
+  for (const std::size_t i : few.all()) list.points[static_cast<std::size_t>(list.count++)] = contacts[i];
   return list;
+}
+
+/// Whether these are different convex pieces of one mesh.
+bool ArePieces(const Part* p, const Part* q) {
+  return p != q && p != nullptr && q != nullptr && p->link == q->link && p->collision == q->collision;
+}
+
+/// Whether both are of the same two solids, which are meshes with all their pieces, and push the same way.
+bool AreAlike(const FoundContact& one, const FoundContact& other) {
+  constexpr double kSameWay = 0.98;
+  const auto is_same = [](const Part* p, const Part* q) { return p == q || ArePieces(p, q); };
+  return one.wheel < 0 && other.wheel < 0 && is_same(one.a, other.a) && is_same(one.b, other.b) &&
+         one.point.n_W.dot(other.point.n_W) > kSameWay;
+}
+
+/// Of what the pieces of a mesh touch, from `first` on, as few contacts as if it were one solid: each costs
+/// the solver as much as a joint.
+void ThinOut(std::size_t first, std::vector<FoundContact>& found) {
+  if (found.size() - first <= Few::kMost) return;
+  std::vector<FoundContact> open(found.begin() + static_cast<std::ptrdiff_t>(first), found.end());
+  const bool has_pieces = std::ranges::any_of(open, [&](const FoundContact& one) {
+    return std::ranges::any_of(open, [&](const FoundContact& other) {
+      return ArePieces(one.a, other.a) || ArePieces(one.b, other.b);
+    });
+  });
+  if (!has_pieces) return;
+  found.resize(first);
+  std::vector<FoundContact> alike;
+  std::vector<ContactPoint> points;
+  while (!open.empty()) {
+    const FoundContact one = open.front();
+    alike.assign(1, one);
+    points.assign(1, one.point);
+    open.erase(open.begin());
+    std::erase_if(open, [&](const FoundContact& other) {
+      if (!AreAlike(one, other)) return false;
+      alike.push_back(other);
+      points.push_back(other.point);
+      return true;
+    });
+    const Few few = Spread(points);
+    for (const std::size_t i : few.all()) found.push_back(alike[i]);
+  }
 }
 
 /// A mesh on the floor: some of its vertices at or below it.
@@ -156,7 +213,7 @@ ContactList MeshOnFloor(const MeshData& mesh, const PlacedRotation& place) {
     const Vector3 p = place.point(v);
     if (p.z() <= 0) low.push_back({p, Vector3::UnitZ(), -p.z()});
   }
-  return Spread(std::move(low));
+  return ListOf(low);
 }
 
 ContactList BoxOnFloor(const Box& box, const PlacedRotation& place, double margin_m) {
@@ -166,7 +223,7 @@ ContactList BoxOnFloor(const Box& box, const PlacedRotation& place, double margi
     const Vector3 p = place.point(signs.cwiseProduct(box.size_m));
     if (p.z() < margin_m) low.push_back({p, Vector3::UnitZ(), -p.z()});
   }
-  return Spread(std::move(low));
+  return ListOf(low);
 }
 
 /// Whether these triangles are the whole surface of a convex solid, and few enough to be looked at one by
@@ -204,7 +261,7 @@ bool ArePartedBy(const ContactList& list, const PlacedPart& a, const PlacedPart&
 ContactList ConvexContacts(const PlacedPart& a, const PlacedPart& b) {
   constexpr double kOverlap_m = 1e-7;  // what only touches is left alone
   const LeastWay least = FindLeastWay(a, b);
-  return least.depth_m > kOverlap_m ? Spread(ContactsAlong(a, b, least)) : ContactList{};
+  return least.depth_m > kOverlap_m ? ListOf(ContactsAlong(a, b, least)) : ContactList{};
 }
 
 }  // namespace
@@ -295,7 +352,7 @@ ContactList Collide(Collider& collider, const PlacedPart& a, const PlacedPart& b
   const Shape &of_a = a.part->shape, &of_b = b.part->shape;
   const Box *box_a = std::get_if<Box>(&of_a), *box_b = std::get_if<Box>(&of_b);
   if (box_a != nullptr && box_b != nullptr) {
-    return Spread(BoxContacts(*box_a, a.place(), *box_b, b.place(), kAhead_m));
+    return ListOf(BoxContacts(*box_a, a.place(), *box_b, b.place(), kAhead_m));
   }
   const bool convex = collider.IsConvex(a) && collider.IsConvex(b);
   if (convex && OdeErrs(of_a, of_b)) return ConvexContacts(a, b);
@@ -324,33 +381,49 @@ ContactList CollideFloor(Collider& collider, const PlacedPart& a, double margin_
 
 void FindContacts(Collider& collider, const Actor& a, const Actor& b, double margin_m,
                   std::vector<FoundContact>& found) {
+  const std::size_t first = found.size();
   const auto [range_a, range_b] = FirstToTouch(a, b);
-  AroundParts around_b;
-  const bool are_many = range_a.end - range_a.first > 1 && range_b.end - range_b.first > 1;
-  for (std::size_t j = range_b.first; are_many && j < range_b.end; ++j) around_b.Include(b.Place(j));
-  for (std::size_t i = range_a.first; i < range_a.end; ++i) {
-    const PlacedPart part_a = a.Place(i);
-    if (are_many && !around_b.IsNear(part_a, margin_m + 2 * kAhead_m)) continue;
+  const auto collide = [&](const PlacedPart& part_a, const PlacedPart& part_b) {
+    if (!Near(part_a, part_b, margin_m + kAhead_m)) return;
+    const ContactList list = Collide(collider, part_a, part_b, margin_m);
+    for (const ContactPoint& point : list.all()) {
+      found.push_back({point, part_a.part, part_b.part, list.wheel});
+    }
+  };
+  if (range_b.end - range_b.first == 1) {
+    const PlacedPart part_b = b.Place(range_b.first);
+    for (std::size_t i = range_a.first; i < range_a.end; ++i) collide(a.Place(i), part_b);
+  } else {
+    std::vector<PlacedPart> parts_b;
+    AroundParts around_b;
     for (std::size_t j = range_b.first; j < range_b.end; ++j) {
-      const PlacedPart part_b = b.Place(j);
-      if (!Near(part_a, part_b, margin_m + kAhead_m)) continue;
-      const ContactList list = Collide(collider, part_a, part_b, margin_m);
-      for (const ContactPoint& point : list.all()) {
-        found.push_back({point, part_a.part, part_b.part, list.wheel});
-      }
+      parts_b.push_back(b.Place(j));
+      around_b.Include(parts_b.back());
+    }
+    for (std::size_t i = range_a.first; i < range_a.end; ++i) {
+      const PlacedPart part_a = a.Place(i);
+      if (!around_b.IsNear(part_a, margin_m + 2 * kAhead_m)) continue;
+      for (const PlacedPart& part_b : parts_b) collide(part_a, part_b);
     }
   }
+  ThinOut(first, found);
 }
 
 void FindFloorContacts(Collider& collider, const Actor& a, double margin_m,
                        std::vector<FoundContact>& found) {
+  const std::size_t first = found.size();
   const Mechanism& mechanism = *a.thing.mechanism;
   for (std::size_t i = 0; i < mechanism.parts.size(); ++i) {
     if (mechanism.one_body() && mechanism.planar() && mechanism.parts[i].wheel < 0) continue;
+    if (mechanism.has_limbs()) {
+      const auto body = static_cast<std::size_t>(mechanism.parts[i].body);
+      if (a.bodies[body].p_WB.z() > mechanism.limb_radii_m[body] + margin_m + kAhead_m) continue;
+    }
     const PlacedPart part = a.Place(i);
     const ContactList list = CollideFloor(collider, part, margin_m);
     for (const ContactPoint& point : list.all()) found.push_back({point, part.part, nullptr, list.wheel});
   }
+  ThinOut(first, found);
 }
 
 }  // namespace coopdyn

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/base/random.h"
+#include "server/geometry/convex_cut.h"
 #include "server/geometry/lattice_hull.h"
 #include "tests/server/geometry/concave_solids.h"
 #include "tests/server/geometry/triangle_soup.h"
@@ -167,6 +168,27 @@ TEST(ConvexPartsTest, HostileMeshesEnd) {
   for (const Triangles& one :
        {two, flat, point, needle, grains, lines, Triangles{soup.vertices, soup.triangles}})
     EXPECT_LE(PartsOf(one).size(), 16u);
+}
+
+TEST(ConvexPartsTest, TrianglesThroughEachOtherAreGivenUp) {
+  Triangles soup;
+  std::mt19937 bits(1);
+  const auto coordinate = [&bits] { return static_cast<double>(bits() % 1000) / 1000; };
+  for (std::uint32_t i = 0; i < 40'000; ++i) {
+    for (int k = 0; k < 3; ++k) soup.vertices.emplace_back(coordinate(), coordinate(), coordinate());
+    soup.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  const ConvexCut cut = CutConvex(soup.vertices, soup.triangles, kMostConvexParts);
+  EXPECT_TRUE(cut.parts.empty());
+  EXPECT_TRUE(cut.is_tangled);
+}
+
+// The box about each of its triangles has all cells.
+TEST(ConvexPartsTest, AFineTubeAlongTheDiagonalIsNoTangle) {
+  Triangles tube = Turned({{0.1, 0}, {0.1, 2}, {0.09, 2}, {0.09, 0}, {0.1, 0}}, 1000);
+  const Quaternion turn = Quaternion::FromTwoVectors(Vector3::UnitZ(), Vector3::Ones());
+  for (Vector3& v : tube.vertices) v = turn * v;
+  EXPECT_FALSE(CutConvex(tube.vertices, tube.triangles, kMostConvexParts).is_tangled);
 }
 
 TEST(ConvexPartsTest, PartsAreTheSameOnEveryMachine) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -59,6 +60,51 @@ TEST(ConcaveMeshTest, WhatIsFixedCollidesByItsTriangles) {
   ASSERT_NE(robot, nullptr) << messages;
   ASSERT_EQ(robot->links[0].collisions.size(), 1u);
   EXPECT_EQ(std::get<Mesh>(robot->links[0].collisions[0].shape).data->triangles.size(), 36u);
+}
+
+TEST(ConcaveMeshTest, AMeshOfSeveralLinksIsCutOnce) {
+  const TempFolder folder;
+  folder.Write("hook.obj", ObjOf(Hook()));
+  std::string links;
+  for (const char* name : {"a", "b", "c"}) links += SdfLink(name, "0 0 1 0 0 0", kHook);
+  for (const char* name : {"b", "c"})
+    links += "<joint name=\"to_" + std::string(name) + "\" type=\"revolute\"><parent>a</parent><child>" +
+             name + "</child><axis><xyz>0 0 1</xyz></axis></joint>";
+  folder.Write("model.sdf", "<sdf version=\"1.9\"><model name=\"m\">" + links + "</model></sdf>");
+  const auto [robot, messages] = ReadFile(folder, "model.sdf");
+  ASSERT_NE(robot, nullptr) << messages;
+  ASSERT_EQ(robot->links.size(), 3u);
+  for (const LinkModel& link : robot->links) {
+    ASSERT_EQ(link.collisions.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_EQ(std::get<Mesh>(link.collisions[i].shape).data,
+                std::get<Mesh>(robot->links[0].collisions[i].shape).data);
+  }
+}
+
+TEST(ConcaveMeshTest, ATangleOfTrianglesCollidesAsItsHullWhichIsSaid) {
+  Triangles soup;
+  std::mt19937 bits(1);
+  const auto coordinate = [&bits] { return static_cast<double>(bits() % 1000) / 1000; };
+  for (std::uint32_t i = 0; i < 40'000; ++i) {
+    for (int k = 0; k < 3; ++k) soup.vertices.emplace_back(coordinate(), coordinate(), coordinate());
+    soup.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  const TempFolder folder, cache;
+  folder.Write("soup.obj", ObjOf(soup));
+  folder.Write("model.sdf", "<sdf version=\"1.9\"><model name=\"m\">" +
+                                SdfLink("l", "0 0 1 0 0 0", "<mesh><uri>soup.obj</uri></mesh>") +
+                                "</model></sdf>");
+  SearchPath path;
+  path.parts_folder = cache.path();
+  for (int i = 0; i < 2; ++i) {
+    const auto [robot, messages] = ReadFile(folder, "model.sdf", path);
+    ASSERT_NE(robot, nullptr) << messages;
+    EXPECT_EQ(robot->links[0].collisions.size(), 1u);
+    EXPECT_THAT(messages,
+                HasSubstr("warning: a mesh of link 'l' collides as its convex hull, as its triangles "
+                          "run through each other: give its <collision> a mesh of the surface"));
+  }
 }
 
 TEST(ConcaveMeshTest, OptimizationKeepsOneHullOrSaysHowManyParts) {

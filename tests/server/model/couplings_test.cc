@@ -7,6 +7,7 @@
 #include <numbers>
 #include <string>
 
+#include "server/model/model_source.h"
 #include "server/model/readers.h"
 
 namespace coopdyn {
@@ -114,6 +115,23 @@ TEST(CouplingsTest, TheTextOfARecordingGivesTheSameCouplings) {
   ASSERT_NE(again.robot, nullptr) << again.messages;
   ASSERT_EQ(again.robot->couplings.size(), 1u);
   EXPECT_DOUBLE_EQ(again.robot->couplings[0].multiplier, 2);
+}
+
+// Each looks only at those that it may fix: if all were looked at for each, this would take minutes.
+TEST(CouplingsTest, AVeryLongChainThatFollowsAFixedJointIsFixed) {
+  constexpr int kCount = 30'000;
+  XmlNode model;
+  model.name = "model";
+  for (int i = kCount; i >= 0; --i) {
+    XmlNode& joint = model.Add("joint");
+    joint.Set("name", "j" + std::to_string(i));
+    joint.Set("type", i == 0 ? "fixed" : "revolute");
+    if (i > 0) joint.Add("axis").Add("mimic").Set("joint", "j" + std::to_string(i - 1));
+  }
+  Diagnostics diagnostics;
+  GatherMimics(model, true, diagnostics);
+  EXPECT_EQ(model.children.size(), static_cast<std::size_t>(kCount + 1));
+  for (const XmlNode& joint : model.children) ASSERT_EQ(joint.Attribute("type"), "fixed");
 }
 
 TEST(CouplingsTest, AFollowerIsInNoGroup) {

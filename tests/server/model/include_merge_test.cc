@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "server/model/sdf_world.h"
 #include "tests/server/model/read_text.h"
 
 namespace coopdyn {
@@ -110,6 +111,43 @@ TEST(IncludeMergeTest, ARecordingsTextNeedsNoFiles) {
   const auto again = ReadRobotModelText(answer.robot->text, "whole.sdf", "whole", diagnostics);
   ASSERT_NE(again, nullptr) << diagnostics.ToString();
   EXPECT_EQ(again->modules().size(), answer.robot->modules().size());
+}
+
+/// A world of `count` includes of part.sdf, whose text is `part`.
+std::string ReadIncludes(int count, const std::string& part) {
+  const TempFolder folder;
+  folder.Write("part.sdf", part);
+  std::string world = "<sdf version=\"1.9\"><world name=\"w\">";
+  for (int i = 0; i < count; ++i) world += "<include><uri>part.sdf</uri></include>\n";
+  const auto file = folder.Write("world.sdf", world + "</world></sdf>");
+  Diagnostics diagnostics;
+  ReadSdfWorld(file, SearchPath(), diagnostics);
+  return folder.Strip(diagnostics.ToString());
+}
+
+TEST(IncludeTest, AFileThatIsIncludedOftenIsReadOnce) {
+  const std::string messages = ReadIncludes(3, "<sdf version=\"1.9\"><model");
+  const std::size_t first = messages.find("not well-formed");
+  ASSERT_NE(first, std::string::npos) << messages;
+  EXPECT_EQ(messages.find("not well-formed", first + 1), std::string::npos) << messages;
+}
+
+TEST(IncludeTest, AWorldHasALimitOfModels) {
+  std::string part = "<sdf version=\"1.9\"><model name=\"p\">";
+  for (int i = 0; i < 300; ++i) part += "<link name=\"l" + std::to_string(i) + "\"/>";
+  EXPECT_THAT(
+      ReadIncludes(4, part + "</model></sdf>"),
+      HasSubstr("part.sdf:1: error: a world has at most 1000 models, and a model of loose links counts "
+                "as one for each: leave some out, or write a scenario with [SWARM]\n"));
+}
+
+TEST(IncludeTest, IncludesHaveALimitTogether) {
+  std::string part = "<sdf version=\"1.9\"><model name=\"p\">";
+  for (int i = 0; i < 300; ++i) part += "<link name=\"l" + std::to_string(i) + "\"><pose/></link>";
+  EXPECT_THAT(
+      ReadIncludes(900, part + "</model></sdf>"),
+      HasSubstr("world.sdf:167: error: what this file includes has more than 100000 elements together: "
+                "include fewer models, or simpler ones\n"));
 }
 
 }  // namespace

@@ -2,10 +2,13 @@
 // Concave meshes that move: they collide as they look.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "server/geometry/convex_parts.h"
+#include "server/physics/contacts.h"
 #include "server/physics/things.h"
 #include "tests/server/geometry/concave_solids.h"
 #include "tests/server/physics/physics_scene.h"
@@ -42,6 +45,52 @@ TEST(ConcaveTest, PiecesAreOneCollision) {
   const Mechanism mechanism = MakeRobot(*model, Fidelity::kFull, 1, Vector3(0, 0, -kG));
   ASSERT_GT(mechanism.parts.size(), 4u);
   for (const Part& part : mechanism.parts) EXPECT_EQ(part.collision, 0);
+}
+
+/// What a robot of `model` touches of the floor at `X_WR`.
+std::vector<FoundContact> OnFloor(const Mechanism& mechanism, const Pose& X_WR) {
+  Thing thing;
+  thing.mechanism = &mechanism;
+  const std::vector<BodyState> bodies = StartBodies(mechanism, X_WR);
+  Collider collider;
+  std::vector<FoundContact> found;
+  FindFloorContacts(collider, {thing, bodies.data()}, 0, found);
+  return found;
+}
+
+TEST(ConcaveTest, AllPiecesOfAMeshLieOnAsFewPointsAsOneSolid) {
+  const auto model = Free(Ring(), 1);
+  const Mechanism ring = MakeRobot(*model, Fidelity::kFull, 1, Vector3(0, 0, -kG));
+  ASSERT_GT(ring.parts.size(), 8u);
+  const std::vector<FoundContact> found = OnFloor(ring, {Vector3(0, 0, 0.199), Quaternion::Identity()});
+  ASSERT_EQ(found.size(), 4u);
+  Vector3 low = found[0].point.p_W, high = low;
+  for (const FoundContact& one : found) {
+    low = low.cwiseMin(one.point.p_W);
+    high = high.cwiseMax(one.point.p_W);
+  }
+  // Its lowest circle has a radius of 1 m.
+  EXPECT_GT((high - low).head<2>().minCoeff(), 1.4);
+}
+
+TEST(ConcaveTest, WhatPushesAnotherWayIsKept) {
+  // Its legs stand in the tops of two boxes and its inner sides against them.
+  const auto model = Free(Hook(), 1);
+  const Mechanism hook = MakeRobot(*model, Fidelity::kFull, 1, Vector3(0, 0, -kG));
+  WorldObject block;
+  block.shape = Box{{0.082, 0.5, 0.5}};
+  const Mechanism object = MakeObject(block);
+  Thing of_hook, of_block;
+  of_hook.mechanism = &hook;
+  of_block.mechanism = &object;
+  const std::vector<BodyState> bodies = StartBodies(hook, Pose());
+  of_block.fixed.p_WB = {0, 0, 0.1 - 0.25 + 0.001};
+  Collider collider;
+  std::vector<FoundContact> found;
+  FindContacts(collider, {of_hook, bodies.data()}, {of_block, &of_block.fixed}, 0, found);
+  EXPECT_EQ(std::ranges::count_if(found, [](const auto& one) { return one.point.n_W.x() < -0.9; }), 4);
+  EXPECT_EQ(std::ranges::count_if(found, [](const auto& one) { return one.point.n_W.x() > 0.9; }), 4);
+  EXPECT_EQ(std::ranges::count_if(found, [](const auto& one) { return one.point.n_W.z() > 0.9; }), 4);
 }
 
 class StepLengths : public ::testing::TestWithParam<int> {};
