@@ -64,6 +64,8 @@ std::string WithMeshes(const ModelSource& source);
 void ExpandIncludes(XmlNode& root, const Resources* resources, Diagnostics& diagnostics);
 /// The parts of `model` (`<model>`, with the <pose> of its <include>) as those of a model that merges it.
 std::vector<XmlNode> PartsToMerge(XmlNode model);
+/// Joints of models in `model` that name its own links become its joints: Gazebo Classic takes them so.
+void RaiseJoints(XmlNode& model, Diagnostics& diagnostics);
 /// Minor number of an SDF version 1.x; nothing for anything else.
 std::optional<int> MinorOf(const std::string& version);
 /// Writes elements of older and newer SDF as those of 1.9. `version`: of the file of `root`.

@@ -61,7 +61,10 @@ class WorldConverter {
       if (child.name == "model" || child.name == "frame") frames_.emplace(child.Attribute("name"), &child);
     }
     for (const XmlNode& child : world->children) {
-      if (child.name == "model") {
+      if (child.name == "model" && !HasAny(child, "link")) {  // Gazebo's worlds have some to hold plug-ins
+        diagnostics_.Mended(child.where,
+                            "model '" + child.Attribute("name") + "' has no link: it is left out");
+      } else if (child.name == "model") {
         AddBodies(child);
       } else if (child.name == "light" && child.Attribute("type") == "point") {
         AddLight(child);
