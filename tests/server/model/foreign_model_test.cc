@@ -231,7 +231,7 @@ TEST(ForeignModelTest, TheDeclarationMayStandBehindAComment) {
       "model.sdf", "<!-- of\nus -->\n<?xml version=\"1.0\"?>\n<sdf version=\"1.6\"><model name=\"rig\">\n" +
                        SdfLink("base", "0 0 0.1 0 0 0", kSdfBox) + "<wrong/></model></sdf>");
   ASSERT_NE(robot, nullptr) << messages;
-  EXPECT_THAT(messages, HasSubstr("model.sdf:6: warning: <wrong>"));
+  EXPECT_THAT(messages, HasSubstr("model.sdf:7: warning: <wrong>"));
 }
 
 TEST(ForeignModelTest, ThePoseIsInTheFirstSixNumbers) {
