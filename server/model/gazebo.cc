@@ -15,6 +15,12 @@ namespace coopdyn {
 
 namespace {
 
+/// Of a text that may have lines.
+std::vector<std::string> AllWords(std::string text) {
+  std::ranges::replace_if(
+      text, [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  return SplitWords(text);
+}
 std::string Joined(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
@@ -124,7 +130,7 @@ class Adopter {
       ClampColors(child);
       constexpr std::string_view kColors[] = {"ambient", "diffuse", "specular", "emissive"};
       if (node.name != "material" || std::ranges::find(kColors, child.name) == std::end(kColors)) continue;
-      std::vector<std::string> words = SplitWords(child.text);
+      std::vector<std::string> words = AllWords(child.text);
       const auto is_above = [](const std::string& word) { return ParsePlain(word).value_or(0) > 1; };
       if (std::ranges::none_of(words, is_above)) continue;
       std::ranges::replace_if(words, is_above, "1");
@@ -139,7 +145,7 @@ class Adopter {
     for (XmlNode& child : node.children) {
       CutPoses(child);
       if (child.name != "pose" || child.Has("rotation_format")) continue;
-      std::vector<std::string> words = SplitWords(child.text);
+      std::vector<std::string> words = AllWords(child.text);
       if (words.size() <= kNumbers) continue;
       words.resize(kNumbers);
       diagnostics_.Mended(child.where, "<pose> has more than 6 numbers: the first 6 count");

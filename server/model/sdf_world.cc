@@ -289,6 +289,11 @@ class WorldConverter {
     const XmlNode* geometry = collision == nullptr ? nullptr : collision->Child("geometry");
     const XmlNode* plane = geometry == nullptr ? nullptr : geometry->Child("plane");
     if (plane == nullptr || std::abs(X_WM.p.z()) > 1e-3 || !floor_.empty()) return false;
+    Vector3 normal = Vector3::UnitZ();
+    const std::vector<std::string> xyz = SplitWords(plane->TextOf("normal"));
+    for (int i = 0; i < 3 && xyz.size() == 3; ++i)
+      normal[i] = ParsePlain(xyz[static_cast<std::size_t>(i)]).value_or(0);
+    if ((X_WM.q * normal).z() < 0.999 * normal.norm()) return false;
     const std::vector<std::string> size = SplitWords(plane->TextOf("size"));
     const auto length = size.size() == 2 ? ParsePlain(size[0]) : std::nullopt;
     const auto width = size.size() == 2 ? ParsePlain(size[1]) : std::nullopt;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -232,6 +233,12 @@ TEST(ForeignModelTest, TheDeclarationMayStandBehindAComment) {
                        SdfLink("base", "0 0 0.1 0 0 0", kSdfBox) + "<wrong/></model></sdf>");
   ASSERT_NE(robot, nullptr) << messages;
   EXPECT_THAT(messages, HasSubstr("model.sdf:7: warning: <wrong>"));
+}
+
+TEST(ForeignModelTest, APoseMayHaveLines) {
+  const auto [robot, messages] = ReadSdf(SdfLink("base", "\n 0 0 0.1\n 0 0 0.5\n", kSdfBox));
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_NEAR((robot->links.at(0).X_RL.q * Vector3::UnitX()).y(), std::sin(0.5), 1e-12);
 }
 
 TEST(ForeignModelTest, ThePoseIsInTheFirstSixNumbers) {
