@@ -35,7 +35,7 @@ Origin OriginOf(const std::string& file) {
   if (extension == ".xacro") return {"xacro", "", true, false};
   Diagnostics ignored;
   const auto text = IsPipe(file) ? std::nullopt : ReadTextFile(file, {file, 0}, ignored);
-  if (!text || !Trim(*text).starts_with('<')) {
+  if (!text || !IsXml(*text)) {
     if (extension == ".world") origin.format = "world";
     return extension == ".urdf" ? Origin{"URDF", "", true, false} : origin;
   }

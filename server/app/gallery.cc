@@ -86,7 +86,7 @@ void LookAtRobot(const Frame& frame, ImageRequest& request) {
 std::string Gallery::TitleOf(const std::string& text) {
   std::string_view rest = text;
   std::string title;
-  if (Trim(text).starts_with('<')) return XmlTitle(text);
+  if (IsXml(text)) return XmlTitle(text);
   while (!rest.empty()) {
     const std::string_view line = Trim(TakeLine(rest));
     if (!line.starts_with('#')) {

@@ -103,7 +103,7 @@ Upload Uploads::Keep(const std::string& name, const std::string& text) {
   }
   const fs::path given(name);
   std::string extension = ToLower(given.extension().string());
-  const bool xml = Trim(text).starts_with('<');
+  const bool xml = IsXml(text);
   if (extension != ".world" && !xml) return {400, Printable(name) + " holds no XML: it must begin with <"};
   const bool robot = xml && extension != ".world" && text.find("<world") == std::string::npos;
   if (robot && text.find("<robot") != std::string::npos) extension = ".urdf";

@@ -77,30 +77,27 @@ void Diagnostics::Keep(Diagnostic diagnostic) {
     place = std::upper_bound(all_.begin(), all_.end(), diagnostic, before);
   }
   diagnostic.text = Printable(diagnostic.text);
-  const auto is_error = [](const Diagnostic& one) { return one.level == Diagnostic::Level::kError; };
-  const bool counts_as_error = is_error(diagnostic);
+  const bool counts_as_error = diagnostic.level == Diagnostic::Level::kError;
   all_.insert(place, std::move(diagnostic));
-  const auto errors = static_cast<std::size_t>(std::count_if(all_.begin(), all_.end(), is_error));
-  if (counts_as_error ? errors <= kMaxKept : all_.size() - errors <= kMostWarnings) return;
+  if (counts_as_error ? ++kept_errors_ <= kMaxKept : all_.size() - kept_errors_ <= kMostWarnings) return;
   // The last error goes, or the last of what matters least.
   const auto by_level = [](const Diagnostic& a, const Diagnostic& b) { return a.level < b.level; };
   const auto last = counts_as_error ? std::min_element(all_.rbegin(), all_.rend(), by_level)
                                     : std::max_element(all_.rbegin(), all_.rend(), by_level);
   all_.erase(std::prev(last.base()));
+  if (counts_as_error) --kept_errors_;
 }
 
 std::string Diagnostics::ToString() const {
   std::string out;
-  const auto errors = static_cast<std::size_t>(std::ranges::count_if(
-      all_, [](const Diagnostic& one) { return one.level == Diagnostic::Level::kError; }));
   std::size_t warnings = 0;
   for (const Diagnostic& diagnostic : all_) {
     const bool is_error = diagnostic.level == Diagnostic::Level::kError;
-    if (!is_error && warnings + errors >= kMaxKept) continue;
+    if (!is_error && warnings + kept_errors_ >= kMaxKept) continue;
     out += coopdyn::ToString(diagnostic) + '\n';
     if (!is_error) ++warnings;
   }
-  const std::size_t more_errors = static_cast<std::size_t>(errors_) - errors;
+  const std::size_t more_errors = static_cast<std::size_t>(errors_) - kept_errors_;
   const std::size_t more_warnings = static_cast<std::size_t>(warnings_) - warnings;
   if (more_errors + more_warnings > 0) {
     out += "and " + (more_errors > 0 ? Counted(more_errors, "error") : std::string());

@@ -68,6 +68,7 @@ class Diagnostics {
 
   std::optional<std::string> by_line_of_;
   std::vector<Diagnostic> all_;
+  std::size_t kept_errors_ = 0;  // of all_
   int errors_ = 0, warnings_ = 0;
   std::optional<SourceLine> stopped_;  // where a reader stopped
 };

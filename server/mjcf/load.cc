@@ -10,6 +10,8 @@
 #include <functional>
 #include <optional>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "server/base/words.h"
 
@@ -189,6 +191,7 @@ class Mender {
     if (const std::string number = Between(error, "key ", ":");
         error.find("size, expected") != std::string::npos)
       return LeaveOutKey(std::atoi(number.c_str()), error);
+    if (error.find("stateless actuators must come before") != std::string::npos) return SortActuators();
     const std::size_t at = error.rfind("line ");
     int line = 0;
     if (at != std::string::npos)
@@ -206,16 +209,45 @@ class Mender {
     }
     if (const std::string word = Between(error, "invalid keyword: '", "'"); !word.empty())
       return LeaveOutWord(*element, word);
+    if (const std::string key = Between(error, "attribute '", "' has too much data");
+        element->Attribute(key.c_str()))
+      return LeaveOutLastWord(*element, key);
     if (ParentName(*element) == "asset" && std::string_view(element->Name()) == "mesh")
       return PutBox(*element, error);
     // What nothing else hangs on.
-    for (const char* part : {"sensor", "keyframe", "custom", "contact", "actuator"}) {
+    for (const char* part : {"sensor", "keyframe", "custom", "contact", "actuator", "equality", "tendon"}) {
       if (ParentName(*element) != part) continue;
       words_.Say("a " + what + " is left out, as libmujoco says: " + error.substr(0, error.find('\n')));
       element->Parent()->DeleteChild(element);
       return true;
     }
     return false;
+  }
+
+  /// Newer versions take them in any order. False if that was done.
+  bool SortActuators() {
+    if (std::exchange(has_sorted_, true)) return false;
+    std::vector<XMLElement*> with_state;
+    ForAll(*document_.RootElement(), [&with_state](XMLElement& element) {
+      const std::string_view name = element.Name();
+      const std::string type = AttributeOf(element, "dyntype");
+      const bool has_state = name == "muscle" || name == "cylinder" || (!type.empty() && type != "none");
+      if (ParentName(element) == "actuator" && has_state) with_state.push_back(&element);
+    });
+    for (XMLElement* one : with_state) one->Parent()->InsertEndChild(one);  // moves it
+    return !with_state.empty();
+  }
+
+  /// Newer versions take more numbers.
+  bool LeaveOutLastWord(XMLElement& element, const std::string& key) {
+    const std::string value = AttributeOf(element, key.c_str());
+    const std::size_t end = value.find_last_of(' ');
+    if (end == std::string::npos) return false;
+    words_.Say("'" + key + "' of <" + element.Name() + "> has more numbers than libmujoco " +
+                   mj_versionString() + " knows: the first count",
+               false);
+    element.SetAttribute(key.c_str(), std::string(Trim(value.substr(0, end))).c_str());
+    return true;
   }
 
   bool LeaveOutKey(int number, const std::string& error) {
@@ -332,7 +364,7 @@ class Mender {
   Words& words_;
   tinyxml2::XMLDocument document_;
   int includes_ = 0;
-  bool has_joint_limits_ = false;
+  bool has_joint_limits_ = false, has_sorted_ = false;
   std::map<std::string, UnreadMesh> unread_meshes_;
 };
 

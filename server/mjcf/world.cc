@@ -150,6 +150,12 @@ class WorldWriter {
       source_.words().Say("a mocap body is left out");
       return;
     }
+    if (!moves && bodies.size() > 1) {  // each stands for itself: a model has only so many links
+      for (const int body : bodies) {
+        if (m_.body_geomnum[body] > 0) AddModel(body, {body}, world);
+      }
+      return;
+    }
     std::string name = source_.BodyName(root);
     const std::string given = PlainName(m_.names == nullptr ? "" : m_.names);
     if (moves && moving_ == 1 && !given.empty() && given != "MuJoCo_Model") name = given;
@@ -170,12 +176,9 @@ class WorldWriter {
     const Pose X_MW = X_WM.Inverse();
     const bool has_loops = std::ranges::any_of(loops_, [&](const Loop& loop) { return IsOf(loop, bodies); });
     for (const int body : bodies) AddLink(body, X_MW * source_.X_WB(body), source_, meshes_, model);
-    if (!moves && bodies.size() == 1) return;
-    for (const int body : bodies) {
-      if (moves || m_.body_parentid[body] != 0)
-        AddJoints(body, X_MW * source_.X_WB(body), couplings_, has_loops, source_, model);
-    }
     if (!moves) return;
+    for (const int body : bodies)
+      AddJoints(body, X_MW * source_.X_WB(body), couplings_, has_loops, source_, model);
     for (const Loop& loop : loops_) {
       if (IsOf(loop, bodies)) AddLoop(loop, model);
     }

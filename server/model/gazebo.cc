@@ -2,6 +2,7 @@
 // What models made for Gazebo or ROS say in its own way: `<static>`, materials, and the rest that coopdyn
 // leaves out and reports. What their plug-ins say: gazebo_plugins.cc.
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <string_view>
 
@@ -13,6 +14,18 @@
 namespace coopdyn {
 
 namespace {
+
+/// Of a text that may have lines.
+std::vector<std::string> AllWords(std::string text) {
+  std::ranges::replace_if(
+      text, [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  return SplitWords(text);
+}
+std::string Joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
+  return text;
+}
 
 class Adopter {
  public:
@@ -30,6 +43,9 @@ class Adopter {
     Prune(model_);
     HoldEndlessly(model_);
     FitViews(model_);
+    ClampColors(model_);
+    CutPoses(model_);
+    AddAxes(model_);
     for (const auto& [what, left_out] : left_out_) {
       diagnostics_.LeftOut(left_out.first, what, left_out.count);
     }
@@ -120,6 +136,54 @@ class Adopter {
       diagnostics_.Mended(child.where, "<horizontal_fov> lies between 0.1 and 3.05 rad here: " + taken +
                                            " is taken instead of " + FormatNumber(*wide));
       child.text = taken;
+    }
+  }
+
+  /// Older programs took numbers above 1 for 1.
+  void ClampColors(XmlNode& node) {
+    for (XmlNode& child : node.children) {
+      ClampColors(child);
+      constexpr std::string_view kColors[] = {"ambient", "diffuse", "specular", "emissive"};
+      if (node.name != "material" || std::ranges::find(kColors, child.name) == std::end(kColors)) continue;
+      std::vector<std::string> words = AllWords(child.text);
+      const auto is_above = [](const std::string& word) { return ParsePlain(word).value_or(0) > 1; };
+      if (std::ranges::none_of(words, is_above)) continue;
+      std::ranges::replace_if(words, is_above, "1");
+      diagnostics_.Mended(child.where, "<" + child.name + "> has numbers above 1: they are taken as 1");
+      child.text = Joined(words);
+    }
+  }
+
+  /// Older programs read the first six numbers.
+  void CutPoses(XmlNode& node) {
+    constexpr std::size_t kNumbers = 6;
+    for (XmlNode& child : node.children) {
+      CutPoses(child);
+      if (child.name != "pose" || child.Has("rotation_format")) continue;
+      std::vector<std::string> words = AllWords(child.text);
+      if (words.size() <= kNumbers) continue;
+      words.resize(kNumbers);
+      diagnostics_.Mended(child.where, "<pose> has more than 6 numbers: the first 6 count");
+      child.text = Joined(words);
+    }
+  }
+
+  /// Gazebo has these axes where none is written.
+  void AddAxes(XmlNode& node) {
+    for (XmlNode& child : node.children) {
+      if (child.name == "model") AddAxes(child);
+      const std::string type = child.name == "joint" ? child.Attribute("type") : "";
+      const bool has_two = type == "universal" || type == "revolute2";
+      const bool has_one =
+          type == "revolute" || type == "continuous" || type == "prismatic" || type == "screw";
+      const auto add = [&](const char* axis, const char* xyz) {
+        if (child.Child(axis) != nullptr) return;
+        child.Add(axis, "").Add("xyz", xyz);
+        diagnostics_.Mended(child.where,
+                            "joint '" + child.Attribute("name") + "' has no <" + axis + ">: it is " + xyz);
+      };
+      if (has_one || has_two) add("axis", has_two ? "1 0 0" : "0 0 1");
+      if (has_two) add("axis2", "0 1 0");
     }
   }
 

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
-// <include merge="true">: the parts of a model become parts of the one that includes it.
+// <include merge="true">: the parts of a model become parts of the one that includes it. And joints of an
+// included model that name links of the one around it.
+#include <algorithm>
+#include <iterator>
 #include <utility>
+#include <vector>
 
 #include "server/model/model_source.h"
 
@@ -20,7 +24,41 @@ void NameFrame(XmlNode& node, const std::string& frame) {
   for (XmlNode& child : node.children) NameFrame(child, frame);
 }
 
+bool HasPart(const XmlNode& model, const std::string& name) {
+  return std::ranges::any_of(model.children, [&](const XmlNode& one) {
+    return (one.name == "link" || one.name == "frame" || one.name == "model") &&
+           one.Attribute("name") == name;
+  });
+}
+
 }  // namespace
+
+void RaiseJoints(XmlNode& model, Diagnostics& diagnostics) {
+  std::vector<XmlNode> raised;
+  for (XmlNode& inner : model.children) {
+    if (inner.name != "model") continue;
+    const auto is_outer = [&](const XmlNode& part) {
+      return (part.name == "parent" || part.name == "child") && !HasPart(inner, part.text) &&
+             HasPart(model, part.text);
+    };
+    const std::string name = inner.Attribute("name");
+    for (XmlNode& part : inner.children) {
+      if (part.name != "joint" || std::ranges::none_of(part.children, is_outer)) continue;
+      XmlNode joint = part;
+      for (XmlNode& end : joint.children) {
+        const bool is_inner = (end.name == "parent" || end.name == "child") && HasPart(inner, end.text);
+        if (is_inner) end.text = name + "::" + end.text;
+      }
+      NameFrame(joint, name);
+      diagnostics.Mended(joint.where, "joint '" + joint.Attribute("name") + "' of model '" + name +
+                                          "' names a link of the model around it: it is a joint of that one");
+      raised.push_back(std::move(joint));
+      part.name.clear();
+    }
+    std::erase_if(inner.children, [](const XmlNode& part) { return part.name.empty(); });
+  }
+  std::ranges::move(raised, std::back_inserter(model.children));
+}
 
 std::vector<XmlNode> PartsToMerge(XmlNode model) {
   std::vector<XmlNode> parts;

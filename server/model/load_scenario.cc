@@ -98,7 +98,7 @@ std::shared_ptr<const Scenario> LoadScenario(const std::string& name, RobotLibra
   } else if (text && IsUrdf(*path)) {
     scenario =
         ReadScenario(WithSettings(UrdfAsScenario(*path), settings, found), file, robots, false, found, seed);
-  } else if (text && Trim(*text).starts_with('<')) {  // Gazebo's worlds may end in .world, too
+  } else if (text && IsXml(*text)) {  // Gazebo's worlds may end in .world, too
     if (const std::optional<SdfWorld> world = ReadSdfWorld(file, robots.path(), found)) {
       for (const auto& [name, model] : world->models) robots.Add(model->type, model);
       scenario =

@@ -65,6 +65,7 @@ class Includer {
       all.push_back(std::move(child));
     }
     parent.children = std::move(all);
+    if (parent.name == "model") RaiseJoints(parent, diagnostics_);
   }
 
  private:

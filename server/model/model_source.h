@@ -76,6 +76,8 @@ std::vector<XmlNode> PartsToMerge(XmlNode model);
 void SettlePlacement(XmlNode& model, Diagnostics& diagnostics);
 /// What `<pose>` says, also in degrees or as a quaternion; nothing for null.
 Pose PoseOf(const XmlNode* pose);
+/// Joints of models in `model` that name its own links become its joints: Gazebo Classic takes them so.
+void RaiseJoints(XmlNode& model, Diagnostics& diagnostics);
 /// Minor number of an SDF version 1.x; nothing for anything else.
 std::optional<int> MinorOf(const std::string& version);
 /// Writes elements of older and newer SDF as those of 1.9. `version`: of the file of `root`.

@@ -328,6 +328,7 @@ bool IsModelSize(std::string_view text, const std::string& file, Diagnostics& di
 
 bool IsModelCount(const XMLElement& root, const std::string& file, Diagnostics& diagnostics) {
   std::map<std::string_view, int> counts;
+  int in_worlds = 0;
   const auto is_below = [&](int count, int most, const std::string& what, const XMLElement& element) {
     if (count <= most) return true;
     diagnostics.Error({file, element.GetLineNum()}, TooMany(most, what));
@@ -338,6 +339,13 @@ bool IsModelCount(const XMLElement& root, const std::string& file, Diagnostics& 
     if (!is_below(++counts["elements"], kMaxModelElements, "elements", element)) return false;
     const bool is_part = name == "link" || name == "joint" || name == "frame";
     if (is_part && !is_below(++counts[element.Name()], kMaxModelParts, name + "s", element)) return false;
+    const XMLElement* parent = element.Parent() == nullptr ? nullptr : element.Parent()->ToElement();
+    const bool in_world = parent != nullptr && std::string_view(parent->Name()) == "world";
+    if (in_world) {  // each model of a world has these limits, and all of them together one of their own
+      in_worlds += counts["elements"];
+      counts.clear();
+      if (!is_below(in_worlds, kMaxWorldElements, "elements", element)) return false;
+    }
     for (const XMLElement* child = element.FirstChildElement(); child != nullptr;
          child = child->NextSiblingElement()) {
       if (!count(*child)) return false;

@@ -326,11 +326,16 @@ class JointReader {
     out.friction = axis.Friction();
     out.stiffness = axis.SpringStiffness();
     out.rest = axis.SpringReference();
-    for (const auto& [name, value] : {std::pair("damping", out.damping),
-                                      {"friction", out.friction},
-                                      {"spring_stiffness", out.stiffness}}) {
-      if (!(value >= 0) || value > 1e9) {
-        reading_.Error(line, std::string("<") + name + "> of " + what + " must be a number from 0 to 1e9");
+    constexpr double kMost = 1e9;
+    for (const auto& [name, value] : {std::pair("damping", &out.damping),
+                                      {"friction", &out.friction},
+                                      {"spring_stiffness", &out.stiffness}}) {
+      const std::string wrong = std::string("<") + name + "> of " + what + " must be a number from 0 to 1e9";
+      if (*value > kMost) {  // as some hold what shall not move
+        reading_.Complain(line, wrong, "it is 1e9");
+        *value = kMost;
+      } else if (!(*value >= 0)) {
+        reading_.Error(line, wrong);
       }
     }
     if (!(std::abs(out.rest) <= kFar))

@@ -296,7 +296,11 @@ Pose ModelReading::CheckedPose(const ignition::math::Pose3d& pose, const sdf::El
 Pose ModelReading::Resolve(const sdf::SemanticPose& pose, const std::string& relative_to,
                            const sdf::ElementPtr& element, const std::string& what) {
   ignition::math::Pose3d out;
-  for (const sdf::Error& error : pose.Resolve(out, relative_to)) Error(LineOf(element), error.Message());
+  const sdf::Errors errors = pose.Resolve(out, relative_to);
+  if (!errors.empty()) {
+    Complain(LineOf(element), errors.front().Message(), "the pose counts from its own link");
+    out = pose.RawPose();
+  }
   return CheckedPose(out, element, what);
 }
 

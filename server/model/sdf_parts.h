@@ -27,6 +27,7 @@ namespace coopdyn {
 inline constexpr std::size_t kMaxModelBytes = 4u << 20;
 inline constexpr int kMaxModelParts = 300;  // of each kind: links, joints, frames
 inline constexpr int kMaxModelElements = 10'000;
+inline constexpr int kMaxWorldElements = 100'000;
 inline constexpr int kMaxElementAttributes = 64;
 inline constexpr double kMaxMotorEffort = 1e6, kMaxMotorVelocity = 1e4;  // N m or N, rad/s or m/s
 

@@ -64,7 +64,10 @@ class WorldConverter {
       if (child.name == "model" || child.name == "frame") frames_.emplace(child.Attribute("name"), &child);
     }
     for (const XmlNode& child : world->children) {
-      if (child.name == "model") {
+      if (child.name == "model" && !HasAny(child, "link")) {  // Gazebo's worlds have some to hold plug-ins
+        diagnostics_.Mended(child.where,
+                            "model '" + child.Attribute("name") + "' has no link: it is left out");
+      } else if (child.name == "model") {
         AddBodies(child);
       } else if (child.name == "light" && child.Attribute("type") == "point") {
         AddLight(child);
@@ -282,6 +285,11 @@ class WorldConverter {
     const XmlNode* geometry = collision == nullptr ? nullptr : collision->Child("geometry");
     const XmlNode* plane = geometry == nullptr ? nullptr : geometry->Child("plane");
     if (plane == nullptr || std::abs(X_WM.p.z()) > 1e-3 || !floor_.empty()) return false;
+    Vector3 normal = Vector3::UnitZ();
+    const std::vector<std::string> xyz = SplitWords(plane->TextOf("normal"));
+    for (int i = 0; i < 3 && xyz.size() == 3; ++i)
+      normal[i] = ParsePlain(xyz[static_cast<std::size_t>(i)]).value_or(0);
+    if ((X_WM.q * normal).z() < 0.999 * normal.norm()) return false;
     const std::vector<std::string> size = SplitWords(plane->TextOf("size"));
     const auto length = size.size() == 2 ? ParsePlain(size[0]) : std::nullopt;
     const auto width = size.size() == 2 ? ParsePlain(size[1]) : std::nullopt;

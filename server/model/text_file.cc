@@ -53,6 +53,11 @@ std::optional<std::string> DecodeText(std::string_view bytes, const SourceLine& 
   return out;
 }
 
+bool IsXml(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != std::string_view::npos && text[first] == '<';
+}
+
 std::optional<std::string> ReadTextFile(const std::string& file, const SourceLine& where,
                                         Diagnostics& diagnostics) {
   const std::string shown = where.file == file ? "" : " '" + file + "'";

@@ -23,6 +23,9 @@ std::optional<std::string> DecodeText(std::string_view bytes, const SourceLine& 
 std::optional<std::string> ReadTextFile(const std::string& file, const SourceLine& where,
                                         Diagnostics& diagnostics);
 
+/// Whether a text begins with '<', as XML does, behind spaces and empty lines.
+bool IsXml(std::string_view text);
+
 /// Takes the first line off `text`; lines end in \n, \r\n or \r.
 std::string_view TakeLine(std::string_view& text);
 

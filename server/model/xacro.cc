@@ -1,11 +1,30 @@
 // SPDX-License-Identifier: MIT
 #include "server/model/xacro.h"
 
+#include <algorithm>
+
+#include "server/base/printable.h"
 #include "server/base/run_program.h"
+#include "server/base/words.h"
 #include "server/model/readers.h"
 #include "server/model/sdf_parts.h"
 
 namespace coopdyn {
+
+namespace {
+
+/// xacro says last in which files it was; before that, what is wrong.
+std::string WhatFailed(const ProgramEnd& end) {
+  constexpr std::string_view kMark = "error:";
+  const std::size_t start = end.error.find(kMark);
+  if (start == std::string::npos) return end.LastWords();
+  const std::string_view rest = std::string_view(end.error).substr(start + kMark.size());
+  constexpr std::size_t kMost = 300;
+  const std::string_view line = Trim(rest.substr(0, std::min(rest.find('\n'), kMost)));
+  return line.empty() ? end.LastWords() : Printable(line);
+}
+
+}  // namespace
 
 bool IsXacro(std::string_view text, const std::filesystem::path& file) {
   if (file.extension() == ".xacro") return true;
@@ -36,7 +55,14 @@ std::optional<std::string> ExpandXacro(const std::filesystem::path& file, const 
         "or write it out where there is one: xacro FILE > robot.urdf");
   }
   if (!end) return fail("xacro wrote nothing for a minute, or more than 4 MiB");
-  if (!end->succeeded()) return fail("xacro: " + end->LastWords());
+  if (!end->succeeded()) {
+    const std::string what = WhatFailed(*end);
+    const bool has_arguments = what.starts_with("Undefined substitution argument");
+    return fail("xacro: " + what +
+                (has_arguments ? ": give it one, xacro FILE NAME:=VALUE > robot.urdf, and load that" : ""));
+  }
+  if (end->out.find("<link") == std::string::npos)
+    return fail("xacro wrote no <link>: the file holds macros alone; load the file that uses them");
   const std::size_t start = end->out.find("<?xml");  // some versions write warnings before it
   return start == std::string::npos ? end->out : end->out.substr(start);
 }

@@ -70,6 +70,19 @@ void Print(const XmlNode& node, std::string& out, std::vector<SourceLine>& lines
   out += "</" + node.name + ">\n";
 }
 
+/// A text of the same lines without `<?xml … ?>`.
+std::string WithoutDeclaration(std::string text) {
+  for (std::size_t start = text.find("<?xml"); start != std::string::npos;
+       start = text.find("<?xml", start)) {
+    const std::size_t end = text.find("?>", start);
+    if (end == std::string::npos) break;
+    std::replace_if(
+        text.begin() + static_cast<std::ptrdiff_t>(start),
+        text.begin() + static_cast<std::ptrdiff_t>(end + 2), [](char c) { return c != '\n'; }, ' ');
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string XmlNode::Attribute(std::string_view key) const {
@@ -116,7 +129,13 @@ XmlNode& XmlNode::Add(std::string child, std::string content) {
 std::optional<XmlNode> ParseXml(const std::string& text, const std::string& file, Diagnostics& diagnostics) {
   if (!IsModelSize(text, file, diagnostics)) return std::nullopt;
   tinyxml2::XMLDocument document;
-  if (document.Parse(text.c_str(), text.size()) != tinyxml2::XML_SUCCESS) {
+  document.Parse(text.c_str(), text.size());
+  if (document.ErrorID() == tinyxml2::XML_ERROR_PARSING_DECLARATION) {
+    // Older programs took a declaration that stands behind a comment.
+    const std::string without = WithoutDeclaration(text);
+    document.Parse(without.c_str(), without.size());
+  }
+  if (document.Error()) {
     diagnostics.Error({file, document.ErrorLineNum()},
                       std::string("not well-formed XML (") + document.ErrorName() + ")");
     return std::nullopt;

@@ -42,6 +42,45 @@ TEST(MjcfFilesTest, AWorldHasItsFloorThingsAndRobots) {
   EXPECT_THAT(messages, Not(HasSubstr("ground plane")));
 }
 
+TEST(MjcfFilesTest, BodiesThatNeverMoveAreAModelEach) {
+  std::string bodies;
+  for (int i = 0; i < 400; ++i) {
+    const std::string number = std::to_string(i);
+    bodies += "<body name=\"b" + number + "\" pos=\"0 0 1\"><geom type=\"box\" size=\".1 .1 .1\" pos=\"" +
+              number + " 0 0\"/></body>";
+  }
+  const auto [world, messages] =
+      ReadMjcfWorld(Mjcf("<worldbody><body name=\"map\"><body name=\"side\" pos=\"0 2 0\">" + bodies +
+                         "</body></body></worldbody>"));
+  ASSERT_TRUE(world) << messages;
+  EXPECT_THAT(world->scenario, HasSubstr("[b399]\ntype box"));
+}
+
+TEST(MjcfFilesTest, ActuatorsMayStandInAnyOrder) {
+  const auto answer =
+      ReadMjcfText(Limb("leg", "<joint name=\"hip\"/>") + Limb("arm", "<joint name=\"elbow\"/>"),
+                   "<actuator><general joint=\"hip\" dyntype=\"filter\" forcerange=\"-3 3\"/>"
+                   "<motor joint=\"elbow\" ctrlrange=\"-2 2\"/></actuator>");
+  ASSERT_NE(answer.robot, nullptr) << answer.messages;
+  EXPECT_EQ(JointOf(answer, "hip")->max_effort, 3);
+  EXPECT_EQ(JointOf(answer, "elbow")->max_effort, 2);
+}
+
+TEST(MjcfFilesTest, OfTooManyNumbersTheFirstCount) {
+  const auto [robot, messages] = ReadMjcfText(
+      "<site name=\"a\"/><site name=\"b\" pos=\"0 0 1\"/>",
+      "<tendon><spatial springlength=\"0 1 2\"><site site=\"a\"/><site site=\"b\"/></spatial></tendon>");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_THAT(messages, HasSubstr("'springlength' of <spatial> has more numbers than libmujoco"));
+}
+
+TEST(MjcfFilesTest, AnEqualityThatCannotBeReadIsLeftOut) {
+  const auto [robot, messages] = ReadMjcfText("<site name=\"a\"/><site name=\"b\" pos=\"0 0 1\"/>",
+                                              "<equality><connect site1=\"a\" site2=\"b\"/></equality>");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_THAT(messages, HasSubstr("a <connect> is left out, as libmujoco says: "));
+}
+
 TEST(MjcfFilesTest, OneRobotAndAFloorIsThatRobotAndTwoAreNamed) {
   const std::string floor = "<worldbody><geom type=\"plane\" size=\"5 5 1\"/></worldbody>";
   const std::string robot = "<worldbody><body name=\"a\"><freejoint/><geom size=\".1\"/></body></worldbody>";

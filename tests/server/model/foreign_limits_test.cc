@@ -87,5 +87,16 @@ TEST(ForeignLimitTest, AStopWithoutEndIsNone) {
               HasSubstr("error: <lower> needs finite numbers, not 'nan'"));
 }
 
+TEST(ForeignLimitTest, ADamperAboveTheMostHasTheMostAndIsSaid) {
+  const std::string parts =
+      SdfLink("base", "0 0 0.1 0 0 0", kSdfBox) + SdfLink("arm", "0 0 0.4 0 0 0", kSdfBox) +
+      "<joint name=\"j\" type=\"prismatic\"><parent>base</parent><child>arm</child><axis><xyz>0 0 1</xyz>"
+      "<dynamics><damping>1e11</damping></dynamics></axis></joint>";
+  const auto [robot, said] = ReadSdf(parts);
+  ASSERT_NE(robot, nullptr) << said;
+  EXPECT_EQ(robot->joints[0].damping, 1e9);
+  EXPECT_THAT(said, HasSubstr("<damping> of joint 'j' must be a number from 0 to 1e9: it is 1e9"));
+}
+
 }  // namespace
 }  // namespace coopdyn

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <numbers>
@@ -226,6 +227,58 @@ TEST(ForeignModelTest, AnAxisOfSdf14IsInTheModelsFrame) {
   ASSERT_TRUE(old != nullptr && newer != nullptr);
   EXPECT_NEAR((old->joints[0].axis_R - Vector3::UnitX()).norm(), 0, 1e-9);
   EXPECT_NEAR((newer->joints[0].axis_R - Vector3::UnitY()).norm(), 0, 1e-4);
+}
+
+TEST(ForeignModelTest, TheDeclarationMayStandBehindAComment) {
+  const auto [robot, messages] = ReadAs(
+      "model.sdf", "<!-- of\nus -->\n<?xml version=\"1.0\"?>\n<sdf version=\"1.6\"><model name=\"rig\">\n" +
+                       SdfLink("base", "0 0 0.1 0 0 0", kSdfBox) + "<wrong/></model></sdf>");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_THAT(messages, HasSubstr("model.sdf:7: warning: <wrong>"));
+}
+
+TEST(ForeignModelTest, APoseMayHaveLines) {
+  const auto [robot, messages] = ReadSdf(SdfLink("base", "\n 0 0 0.1\n 0 0 0.5\n", kSdfBox));
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_NEAR((robot->links.at(0).X_RL.q * Vector3::UnitX()).y(), std::sin(0.5), 1e-12);
+}
+
+TEST(ForeignModelTest, ThePoseIsInTheFirstSixNumbers) {
+  const auto [robot, messages] =
+      ReadSdf(SdfLink("base", "0 0 0.1 0 0 0", kSdfBox) + SdfLink("arm", "0 0.3 0.4 0 0 0 0", kSdfBox) +
+              "<joint name=\"j\" type=\"ball\"><parent>base</parent><child>arm</child></joint>");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_NEAR((robot->links.at(1).X_RL.p - Vector3(0, 0.3, 0.4)).norm(), 0, 1e-12);
+  EXPECT_THAT(messages, HasSubstr("warning: <pose> has more than 6 numbers: the first 6 count"));
+}
+
+TEST(ForeignModelTest, AJointWithoutAxisTurnsAboutZ) {
+  const auto [robot, messages] =
+      ReadSdf(SdfLink("base", "0 0 0.1 0 0 0", kSdfBox) + SdfLink("arm", "0 0.3 0.4 0 0 0", kSdfBox) +
+              "<joint name=\"j\" type=\"revolute\"><parent>base</parent><child>arm</child></joint>");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_NEAR((robot->joints.at(0).axis_R - Vector3::UnitZ()).norm(), 0, 1e-12);
+  EXPECT_THAT(messages, HasSubstr("warning: joint 'j' has no <axis>: it is 0 0 1"));
+}
+
+TEST(ForeignModelTest, AShapeRelativeToNothingStandsInItsLink) {
+  const auto [robot, messages] = ReadSdf(
+      "<link name=\"base\"><collision name=\"c\">\n<pose relative_to=\"hull\">0 0 0.3 "
+      "0 0 0</pose><geometry>" +
+          kSdfBox + "</geometry></collision></link>",
+      "1.8");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_NEAR(robot->links.at(0).collisions.at(0).X_LG.p.z(), 0.3, 1e-12);
+  EXPECT_THAT(messages, HasSubstr("[hull] in graph.: the pose counts from its own link"));
+}
+
+TEST(ForeignModelTest, ColoursAboveOneAreOne) {
+  const auto [robot, messages] =
+      ReadSdf("<link name=\"base\"><visual name=\"v\"><geometry>" + kSdfBox +
+              "</geometry><material>\n<diffuse>200 0.5 1.1 1</diffuse></material></visual></link>");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_THAT(messages,
+              HasSubstr("model.sdf:3: warning: <diffuse> has numbers above 1: they are taken as 1"));
 }
 
 TEST(ForeignModelTest, AnEmptyPoseIsTheFrameItself) {

@@ -65,6 +65,33 @@ TEST(IncludeMergeTest, APoseMovesThePartsThatMerge) {
   EXPECT_NEAR((link.X_RL.q * Vector3::UnitX() - Vector3::UnitY()).norm(), 0, 1e-12);
 }
 
+TEST(IncludeMergeTest, AJointThatNamesALinkOfTheOuterModelIsAJointOfThat) {
+  const std::string inertial =
+      "<inertial><mass>1</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia></inertial>";
+  const TempFolder folder;
+  folder.Write(
+      "leg/model.sdf",
+      "<sdf version=\"1.6\"><model name=\"leg\"><link name=\"hip\"><pose>0 0 0.5 0 0 0</pose>" + inertial +
+          "</link>\n<joint name=\"pitch\" type=\"revolute\"><parent>root</parent><child>hip</child><axis>"
+          "<xyz>0 1 0</xyz><use_parent_model_frame>1</use_parent_model_frame></axis></joint></model></sdf>");
+  const auto file = folder.Write(
+      "whole/model.sdf", "<sdf version=\"1.6\"><model name=\"whole\"><link name=\"root\">" + inertial +
+                             "</link><include><uri>model://leg</uri><pose>0 0 1 0 0 1.5707963267948966"
+                             "</pose></include></model></sdf>");
+  Diagnostics diagnostics;
+  const auto robot = ReadRobotModel(file, SearchPath{{folder.path()}}, diagnostics);
+  ASSERT_NE(robot, nullptr) << diagnostics.ToString();
+  EXPECT_THAT(
+      folder.Strip(diagnostics.ToString()),
+      HasSubstr("leg/model.sdf:2: warning: joint 'pitch' of model 'leg' names a link of the model around "
+                "it: it is a joint of that one"));
+  ASSERT_EQ(robot->joints.size(), 1u);
+  const JointModel& joint = robot->joints[0];
+  EXPECT_EQ(robot->links[static_cast<std::size_t>(joint.child)].name, "leg::hip");
+  EXPECT_NEAR((joint.p_RJ - Vector3(0, 0, 1.5)).norm(), 0, 1e-9);
+  EXPECT_NEAR((joint.axis_R + Vector3::UnitX()).norm(), 0, 1e-9);
+}
+
 TEST(IncludeMergeTest, WhatIsStaticIsNotMergedAndThatIsSaid) {
   const MergeAnswer answer = ReadMerged("merge=\"true\"", "<static>true</static>");
   EXPECT_THAT(answer.messages, HasSubstr("model.sdf:2: warning: merge of an <include> with <static> is "

@@ -12,6 +12,7 @@ namespace coopdyn {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 std::string Repeat(const std::string& text, int count) {
   std::string all;
@@ -104,6 +105,26 @@ TEST(ModelLimits, LinksJointsAndFramesAreCounted) {
 
 TEST(ModelLimits, ElementsOfAnyNameAreCounted) {
   EXPECT_THAT(ReadModel(Repeat("<coopdyn:x/>", 20'000)), HasSubstr("at most 10000 elements"));
+}
+
+/// What the reader says about a world of `inside`.
+std::string ReadWorld(const std::string& inside) {
+  const TempFolder folder;
+  folder.Write("lab.sdf", "<sdf version=\"1.9\"><world name=\"lab\">" + inside + "</world></sdf>");
+  RobotLibrary library(SearchPath{{folder.path().string()}});
+  Diagnostics diagnostics;
+  const auto scenario = LoadScenario((folder.path() / "lab.sdf").string(), library, diagnostics);
+  return (scenario == nullptr ? "refused: " : "loads: ") + diagnostics.ToString();
+}
+
+TEST(ModelLimits, EachModelOfAWorldHasThem) {
+  const std::string still =
+      "\"><static>true</static><link name=\"l\"><collision name=\"c\"><geometry><box><size>1 1 1</size></box>"
+      "</geometry></collision></link></model>\n";
+  EXPECT_THAT(ReadWorld(Numbered("<model name=\"m", still, 1500)), StartsWith("loads: "));
+  EXPECT_THAT(ReadWorld("<model name=\"m\">" + Numbered("<link name=\"l", "\"/>\n", 400) + "</model>"),
+              HasSubstr("at most 300 links"));
+  EXPECT_THAT(ReadWorld(Numbered("<model name=\"m", still, 20'000)), HasSubstr("at most 100000 elements"));
 }
 
 TEST(ModelLimits, AttributesOfAnElementAreCounted) {

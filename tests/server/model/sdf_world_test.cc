@@ -59,6 +59,29 @@ const std::string kArm =
     "<joint name=\"turn\" type=\"revolute\"><parent>base</parent><child>arm</child><axis><xyz>0 0 1</xyz>"
     "<limit><effort>1</effort><velocity>1</velocity></limit></axis></joint>\n";
 
+TEST_F(SdfWorldTest, APlaneThatIsTurnedIsNoFloor) {
+  for (const auto& [pose, normal] : {std::pair("0 0 0 1.5707963 0 0", "0 0 1"), {"0 0 0 0 0 0", "0 1 0"}}) {
+    const auto scenario = LoadText(
+        "<sdf version=\"1.9\"><world name=\"lab\"><model name=\"wall\"><static>true</static><pose>" +
+        std::string(pose) + "</pose><link name=\"l\"><collision name=\"c\"><geometry><plane><normal>" +
+        normal + "</normal><size>20 30</size></plane></geometry></collision></link></model></world></sdf>");
+    ASSERT_NE(scenario, nullptr) << messages();
+    EXPECT_THAT(messages(), HasSubstr("the world has no ground plane"));
+  }
+}
+
+TEST_F(SdfWorldTest, AModelWithoutLinksIsLeftOut) {
+  const auto scenario =
+      Load("<model name=\"fog\"><static>true</static></model>" + Model("crate", Link("l", "0 0 1 0 0 0")));
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_THAT(messages(), HasSubstr("lab.sdf:2: warning: model 'fog' has no link: it is left out"));
+}
+
+TEST_F(SdfWorldTest, EmptyLinesMayStandBeforeIt) {
+  EXPECT_NE(LoadText("\n<?xml version=\"1.0\"?>\n<sdf version=\"1.9\"><world name=\"lab\"/></sdf>"), nullptr)
+      << messages();
+}
+
 TEST_F(SdfWorldTest, ItsPlugInsAreToldOnce) {
   Load(
       "<plugin filename=\"gz-sim-physics-system\" name=\"gz::sim::systems::Physics\"/>\n"

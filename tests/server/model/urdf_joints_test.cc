@@ -158,10 +158,25 @@ TEST(UrdfJointsTest, XacroNeedsItsProgramAndFindsIt) {
   const auto [robot, messages] = ReadFile(folder, "rig.urdf.xacro");
   folder.Write("bin/xacro", "#!/bin/sh\necho 'undefined: wheel' >&2\nexit 2\n");
   const std::string failed = ReadFile(folder, "rig.urdf.xacro").messages;
+  folder.Write(
+      "bin/xacro",
+      "#!/bin/sh\nprintf 'warning: old\\nerror: resource not found: rig_parts\\nwhen processing file: "
+      "a.xacro\\n' >&2\nexit 2\n");
+  const std::string missing = ReadFile(folder, "rig.urdf.xacro").messages;
+  folder.Write("bin/xacro", "#!/bin/sh\necho 'error: Undefined substitution argument name ' >&2\nexit 2\n");
+  const std::string unnamed = ReadFile(folder, "rig.urdf.xacro").messages;
+  folder.Write("bin/xacro", "#!/bin/sh\necho '<robot name=\"rig\"/>'\n");
+  const std::string empty = ReadFile(folder, "rig.urdf.xacro").messages;
   setenv("PATH", path.c_str(), 1);
   ASSERT_NE(robot, nullptr) << messages;
   EXPECT_EQ(robot->type, "rig");
   EXPECT_THAT(failed, HasSubstr("error: xacro: undefined: wheel"));
+  EXPECT_THAT(missing, HasSubstr("error: xacro: resource not found: rig_parts\n"));
+  EXPECT_THAT(unnamed, HasSubstr("xacro: Undefined substitution argument name: give it one, xacro FILE "
+                                 "NAME:=VALUE > robot.urdf, and load that"));
+  EXPECT_THAT(empty,
+              HasSubstr("error: xacro wrote no <link>: the file holds macros alone; load the file that "
+                        "uses them"));
 }
 
 }  // namespace
