@@ -13,7 +13,6 @@ namespace coopdyn {
 
 namespace {
 
-constexpr double kCells = 200'000;
 constexpr double kMostOnSide = 128;
 constexpr std::size_t kMostLooks = 10'000'000;  // some tenths of a second
 
@@ -49,8 +48,9 @@ bool CellGrid::is_tangled() const {
   return looks_ > kMostLooks;
 }
 
-CellGrid::CellGrid(std::span<const Vector3> vertices, std::span<const MeshData::Triangle> triangles) {
-  PlacePlanes(vertices, triangles);
+CellGrid::CellGrid(std::span<const Vector3> vertices, std::span<const MeshData::Triangle> triangles,
+                   int most_cells) {
+  PlacePlanes(vertices, triangles, most_cells);
   cells_.resize(static_cast<std::size_t>(count(0)) * static_cast<std::size_t>(count(1)) *
                 static_cast<std::size_t>(count(2)));
   for (const auto& [a, b, c] : triangles) {
@@ -61,7 +61,8 @@ CellGrid::CellGrid(std::span<const Vector3> vertices, std::span<const MeshData::
   MarkOutside();
 }
 
-void CellGrid::PlacePlanes(std::span<const Vector3> vertices, std::span<const MeshData::Triangle> triangles) {
+void CellGrid::PlacePlanes(std::span<const Vector3> vertices, std::span<const MeshData::Triangle> triangles,
+                           int most_cells) {
   Vector3 low = vertices[triangles.front()[0]], high = low;
   for (const auto& triangle : triangles) {
     for (const std::uint32_t v : triangle) {
@@ -77,7 +78,7 @@ void CellGrid::PlacePlanes(std::span<const Vector3> vertices, std::span<const Me
   const auto cells_for = [&](double step_m) {
     return std::ceil(size.x() / step_m) * std::ceil(size.y() / step_m) * std::ceil(size.z() / step_m);
   };
-  while (cells_for(cell_m) > kCells) cell_m *= 1.1;
+  while (cells_for(cell_m) > most_cells) cell_m *= 1.1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<Eigen::Index>(axis);
     // The area of the faces that are square to the axis, by where they are.

@@ -12,14 +12,15 @@
 
 namespace coopdyn {
 
-/// Some 200,000 cells about a mesh. The planes between them go through its large faces that are square to an
+/// Cells about a mesh. The planes between them go through its large faces that are square to an
 /// axis, so that shapes made of blocks are exact.
 class CellGrid {
  public:
   using Place = std::array<int, 3>;
 
+  /// Of at most some `most_cells`.
   /// @pre good indices, finite vertices, not all in one plane that is square to an axis
-  CellGrid(std::span<const Vector3> vertices, std::span<const MeshData::Triangle> triangles);
+  CellGrid(std::span<const Vector3> vertices, std::span<const MeshData::Triangle> triangles, int most_cells);
 
   /// The triangles reach into so many cells, again and again, that the grid was given up: it is of no use.
   bool is_tangled() const;
@@ -50,7 +51,8 @@ class CellGrid {
                static_cast<std::size_t>(count(2)) +
            static_cast<std::size_t>(cell[2]);
   }
-  void PlacePlanes(std::span<const Vector3> vertices, std::span<const MeshData::Triangle> triangles);
+  void PlacePlanes(std::span<const Vector3> vertices, std::span<const MeshData::Triangle> triangles,
+                   int most_cells);
   void MarkSurface(const std::array<Vector3, 3>& corners);
   void MarkOutside();
   /// The cells that reach into the open interval, first and one past the last.

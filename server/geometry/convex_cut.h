@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "server/geometry/mesh.h"
+#include "server/geometry/convex_parts.h"
 
 namespace coopdyn {
 
@@ -15,8 +15,9 @@ struct ConvexCut {
   bool is_tangled = false;
 };
 
+/// With a grid of at most some `cells`: fewer see less, and take less time.
 /// @pre as of ConvexParts()
 ConvexCut CutConvex(std::span<const Vector3> vertices, std::span<const MeshData::Triangle> triangles,
-                    int most);
+                    int most, int cells = kPartCells);
 
 }  // namespace coopdyn

@@ -127,9 +127,9 @@ std::vector<Piece> Cut(const CellGrid& grid, Piece whole, std::int64_t free6) {
 }  // namespace
 
 ConvexCut CutConvex(std::span<const Vector3> vertices, std::span<const MeshData::Triangle> triangles,
-                    int most) {
+                    int most, int cells) {
   if (most < 2 || !IsThick(vertices, triangles)) return {};
-  const CellGrid grid(vertices, triangles);
+  const CellGrid grid(vertices, triangles, cells);
   if (grid.is_tangled()) return {{}, true};
   const std::optional<Piece> whole = WholeOf(grid);
   if (!whole) return {};

@@ -10,6 +10,8 @@
 namespace coopdyn {
 
 inline constexpr int kMostConvexParts = 16;
+/// Of the grid.
+inline constexpr int kPartCells = 200'000;
 /// Of the volume of a solid's hull: with less around the solid it counts as convex.
 inline constexpr double kConcave = 0.1;
 

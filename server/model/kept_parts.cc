@@ -35,22 +35,23 @@ bool TakeValue(std::string_view& bytes, T& value) {
   return true;
 }
 
-std::string HeadOf(const MeshData& mesh, int most) {
+std::string HeadOf(const MeshData& mesh, int most, int cells) {
   std::string head = "coopdyn parts\n";
-  for (const std::uint64_t number : {kVersion, mesh.id, std::uint64_t{mesh.vertices.size()},
-                                     std::uint64_t{mesh.triangles.size()}, static_cast<std::uint64_t>(most)})
+  for (const std::uint64_t number :
+       {kVersion, mesh.id, std::uint64_t{mesh.vertices.size()}, std::uint64_t{mesh.triangles.size()},
+        static_cast<std::uint64_t>(most), static_cast<std::uint64_t>(cells)})
     Put(number, head);
   return head;
 }
 
-std::optional<PartCorners> ReadParts(const fs::path& file, const MeshData& mesh, int most) {
+std::optional<PartCorners> ReadParts(const fs::path& file, const MeshData& mesh, int most, int cells) {
   std::error_code code;
   const auto size = fs::file_size(file, code);
   if (code || size > kMostPartBytes || !fs::is_regular_file(file, code)) return std::nullopt;
   std::string bytes(size, '\0');
   std::ifstream stream(file, std::ios::binary);
   if (!stream.read(bytes.data(), static_cast<std::streamsize>(size))) return std::nullopt;
-  return PartsFromBytes(bytes, mesh, most);
+  return PartsFromBytes(bytes, mesh, most, cells);
 }
 
 /// Leaves half of the files if there are too many.
@@ -81,8 +82,8 @@ void WriteParts(const std::string& bytes, const fs::path& file) {
 
 }  // namespace
 
-std::string PartsToBytes(const PartCorners& parts, const MeshData& mesh, int most) {
-  std::string bytes = HeadOf(mesh, most);
+std::string PartsToBytes(const PartCorners& parts, const MeshData& mesh, int most, int cells) {
+  std::string bytes = HeadOf(mesh, most, cells);
   Put(std::uint64_t{parts.size()}, bytes);
   for (const auto& corners : parts) {
     Put(std::uint64_t{corners.size()}, bytes);
@@ -94,9 +95,9 @@ std::string PartsToBytes(const PartCorners& parts, const MeshData& mesh, int mos
   return bytes;
 }
 
-std::optional<PartCorners> PartsFromBytes(std::string_view bytes, const MeshData& mesh, int most) {
+std::optional<PartCorners> PartsFromBytes(std::string_view bytes, const MeshData& mesh, int most, int cells) {
   std::uint64_t hash = 0, count = 0;
-  const std::string head = HeadOf(mesh, most);
+  const std::string head = HeadOf(mesh, most, cells);
   if (bytes.size() < head.size() + sizeof(hash) || !bytes.starts_with(head)) return std::nullopt;
   std::string_view end = bytes.substr(bytes.size() - sizeof(hash));
   bytes.remove_suffix(sizeof(hash));
@@ -121,20 +122,20 @@ std::optional<PartCorners> PartsFromBytes(std::string_view bytes, const MeshData
   return bytes.empty() ? std::optional(std::move(parts)) : std::nullopt;
 }
 
-ConvexCut KeptConvexCut(const MeshData& mesh, int most, const fs::path& folder) {
+ConvexCut KeptConvexCut(const MeshData& mesh, int most, const fs::path& folder, int cells) {
   constexpr std::size_t kFewTriangles = 100;  // blocks, which take a few milliseconds
   if (most < 2) return {};
   if (folder.empty() || mesh.triangles.size() < kFewTriangles)
-    return CutConvex(mesh.vertices, mesh.triangles, most);
-  const std::string key = HeadOf(mesh, most);
+    return CutConvex(mesh.vertices, mesh.triangles, most, cells);
+  const std::string key = HeadOf(mesh, most, cells);
   const std::uint64_t name = HashOfBytes(key);
   static constexpr std::string_view kDigits = "0123456789abcdef";
   std::string digits;
   for (int shift = 60; shift >= 0; shift -= 4) digits += kDigits[name >> shift & 15u];
   const fs::path file = folder / (digits + std::string(kExtension));
-  if (auto kept = ReadParts(file, mesh, most)) return {*std::move(kept)};
-  ConvexCut cut = CutConvex(mesh.vertices, mesh.triangles, most);
-  if (!cut.is_tangled) WriteParts(PartsToBytes(cut.parts, mesh, most), file);
+  if (auto kept = ReadParts(file, mesh, most, cells)) return {*std::move(kept)};
+  ConvexCut cut = CutConvex(mesh.vertices, mesh.triangles, most, cells);
+  if (!cut.is_tangled) WriteParts(PartsToBytes(cut.parts, mesh, most, cells), file);
   return cut;
 }
 

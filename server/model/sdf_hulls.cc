@@ -28,7 +28,7 @@ struct Cutting {
   bool is_tangled = false;
 };
 
-void CutMesh(const std::filesystem::path& folder, Cutting& cutting) {
+void CutMesh(const std::filesystem::path& folder, int cells, Cutting& cutting) {
   const auto add = [&](std::span<const Vector3> points) {
     Solid solid;
     auto hull = ConvexHull(points, solid.middle);
@@ -36,7 +36,7 @@ void CutMesh(const std::filesystem::path& folder, Cutting& cutting) {
     solid.hull = std::make_shared<const MeshData>(std::move(*hull));
     cutting.solids.push_back(std::move(solid));
   };
-  const ConvexCut cut = KeptConvexCut(*cutting.mesh, cutting.most_parts, folder);
+  const ConvexCut cut = KeptConvexCut(*cutting.mesh, cutting.most_parts, folder, cells);
   cutting.is_tangled = cut.is_tangled;
   for (const auto& corners : cut.parts) add(corners);
   if (cut.parts.empty()) add(cutting.mesh->vertices);
@@ -49,13 +49,18 @@ class HullMaker {
   void Make() {
     Visit([this](LinkModel& link, LinkShape& collision) { Plan(link, collision); });
     if (reading_.diagnostics.has_errors()) return;
-    // The meshes are independent, and each takes tenths of a second.
+    // The meshes are independent, and each takes tenths of a second; where there are many, they are small.
+    constexpr int kMostCells = 4'000'000, kLeastCells = 40'000;  // of all, of each
+    const auto concave = static_cast<int>(
+        std::ranges::count_if(cuttings_, [](const Cutting& one) { return one.most_parts > 1; }));
+    const int cells = std::clamp(kMostCells / std::max(1, concave), kLeastCells, kPartCells);
     constexpr std::size_t kMostThreads = 8;
     const std::size_t threads =
         std::min({std::size_t{std::thread::hardware_concurrency()}, cuttings_.size(), kMostThreads});
     WorkerPool(static_cast<int>(threads))
-        .For(cuttings_.size(), 1, [this](std::size_t first, std::size_t end) {
-          for (std::size_t i = first; i < end; ++i) CutMesh(reading_.source.parts_folder, cuttings_[i]);
+        .For(cuttings_.size(), 1, [this, cells](std::size_t first, std::size_t end) {
+          for (std::size_t i = first; i < end; ++i)
+            CutMesh(reading_.source.parts_folder, cells, cuttings_[i]);
         });
     for (const Cutting& cutting : cuttings_) {
       for (const Solid& solid : cutting.solids) robot_.meshes.push_back(solid.hull);

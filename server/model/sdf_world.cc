@@ -212,7 +212,7 @@ class WorldConverter {
     const std::vector<XmlNode> bodies =
         HasOwnElements(model) ? std::vector<XmlNode>{model} : SplitLoose(model);
     for (const XmlNode& body : bodies) {
-      constexpr int kMostModels = 1000;  // each takes some milliseconds
+      constexpr int kMostModels = 3000;  // each takes about a millisecond
       if (++model_count_ > kMostModels) {
         if (model_count_ == kMostModels + 1) {
           diagnostics_.Error(body.where, "a world has at most " + std::to_string(kMostModels) +

@@ -163,8 +163,8 @@ TEST(IncludeTest, AWorldHasALimitOfModels) {
   std::string part = "<sdf version=\"1.9\"><model name=\"p\">";
   for (int i = 0; i < 300; ++i) part += "<link name=\"l" + std::to_string(i) + "\"/>";
   EXPECT_THAT(
-      ReadIncludes(4, part + "</model></sdf>"),
-      HasSubstr("part.sdf:1: error: a world has at most 1000 models, and a model of loose links counts "
+      ReadIncludes(11, part + "</model></sdf>"),
+      HasSubstr("part.sdf:1: error: a world has at most 3000 models, and a model of loose links counts "
                 "as one for each: leave some out, or write a scenario with [SWARM]\n"));
 }
 
