@@ -111,7 +111,7 @@ std::vector<std::string> RobotTexts(const std::vector<CheckedRobot>& robots) {
     for (const ModuleModel& module : robot.model->modules()) modules.push_back(module.name);
     texts.push_back(robot.name + ": " + MotorText(*robot.model) + "; modules " + JoinNames(modules));
   }
-  if (!others.empty()) texts.push_back("nothing to drive or read, so no sockets: " + JoinNames(others));
+  if (!others.empty()) texts.push_back("nothing to drive, and no sensors: " + JoinNames(others));
   return texts;
 }
 

@@ -434,9 +434,12 @@ std::string Daemon::HowToGoOn() const {
   const std::string server =
       port == 10000 && IsLoopback(host) ? "" : fmt::format("\"{}:{}\"", Bracketed(host), port);
   const auto& robots = frames_.Latest()->scene->robots;
-  const std::string robot = robots.empty() ? "robot1" : robots.front().entry.name;
+  const auto driven = std::ranges::find_if(
+      robots, [](const SceneRobot& one) { return one.entry.sockets && one.entry.model->has_actuators(); });
+  const auto first = driven != robots.end() ? driven : robots.begin();
+  const std::string robot = robots.empty() ? "robot1" : first->entry.name;
   const std::vector<ModuleModel> modules =
-      robots.empty() ? std::vector<ModuleModel>() : robots.front().entry.model->modules();
+      robots.empty() ? std::vector<ModuleModel>() : first->entry.model->modules();
   const std::string module = modules.empty() ? "motors" : modules.front().name;  // what drives it
   if (web_ != nullptr) out << fmt::format("page:    http://{}:{}/\n", Bracketed(host), web_->port());
   out << "MATLAB:  sim = coopdyn.connect(" << server << "); r = sim.robot(\"" << robot << "\");\n"

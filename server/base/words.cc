@@ -30,8 +30,9 @@ std::string_view Trim(std::string_view text) {
 std::vector<std::string> SplitWords(std::string_view text) {
   std::vector<std::string> words;
   std::size_t at = 0;
-  while ((at = text.find_first_not_of(" \t", at)) != std::string_view::npos) {
-    const std::size_t end = std::min(text.find_first_of(" \t", at), text.size());
+  constexpr const char* kBlank = " \t\r\n";
+  while ((at = text.find_first_not_of(kBlank, at)) != std::string_view::npos) {
+    const std::size_t end = std::min(text.find_first_of(kBlank, at), text.size());
     words.emplace_back(text.substr(at, end - at));
     at = end;
   }

@@ -63,21 +63,23 @@ bool AddShape(int geom, const Source& source, Meshes& meshes, XMLElement& parent
 }
 
 /// A contact has the greater condim of two geoms: 1, without friction, counts only if the whole world has it.
-bool IsFrictionless(const mjModel& m) {
+bool IsFrictionless(const Source& source) {
+  const mjModel& m = source.model();
   bool has_ground = false;
   for (int geom = 0; geom < m.ngeom; ++geom) {
-    if (!Collides(m, geom)) continue;
+    if (!source.Collides(geom)) continue;
     if (m.geom_condim[geom] > 1) return false;
     has_ground = has_ground || m.geom_bodyid[geom] == 0;
   }
   return has_ground;
 }
 
-void AddFriction(int geom, const mjModel& m, XMLElement& collision) {
+void AddFriction(int geom, const Source& source, XMLElement& collision) {
+  const mjModel& m = source.model();
   const mjtNum* const friction = m.geom_friction + 3 * geom;
   const int dimensions = m.geom_condim[geom];
   XMLElement& element = Add(Add(collision, "surface"), "friction");
-  Add(Add(element, "ode"), "mu", Number(IsFrictionless(m) ? 0 : friction[0]));
+  Add(Add(element, "ode"), "mu", Number(IsFrictionless(source) ? 0 : friction[0]));
   if (dimensions >= 4) {
     // The arm of the torque is friction[1]; SDF's is 3π/16 of a patch's radius.
     XMLElement& torsional = Add(element, "torsional");
@@ -95,20 +97,16 @@ std::array<float, 4> ColorOf(int geom, const mjModel& m) {
 
 }  // namespace
 
-bool Collides(const mjModel& model, int geom) {
-  return model.geom_contype[geom] != 0 || model.geom_conaffinity[geom] != 0;
-}
-
 void AddGeom(int geom, const Pose& X_LB, const Source& source, Meshes& meshes, XMLElement& link) {
   const mjModel& m = source.model();
   constexpr int kFirstHiddenGroup = 3;  // MuJoCo's viewers show groups 0 to 2
   const std::string name = source.NameOf(mjOBJ_GEOM, geom, "geom");
   const Pose X_LG = X_LB * ToPose(m.geom_pos + 3 * geom, m.geom_quat + 4 * geom);
-  if (Collides(m, geom)) {
+  if (source.Collides(geom)) {
     XMLElement& collision = AddNamed(link, "collision", name);
     AddPose(collision, X_LG);
     if (AddShape(geom, source, meshes, collision))
-      AddFriction(geom, m, collision);
+      AddFriction(geom, source, collision);
     else
       link.DeleteChild(&collision);
   }

@@ -368,14 +368,34 @@ class Mender {
   std::map<std::string, UnreadMesh> unread_meshes_;
 };
 
+/// What <flag> switches off is not there.
+void SwitchOff(mjModel& m) {
+  const auto is_off = [&m](int flag) { return (m.opt.disableflags & flag) != 0; };
+  if (is_off(mjDSBL_CONTACT)) {
+    std::fill_n(m.geom_contype, m.ngeom, 0);
+    std::fill_n(m.geom_conaffinity, m.ngeom, 0);
+  }
+  if (is_off(mjDSBL_PASSIVE)) {
+    std::fill_n(m.jnt_stiffness, m.njnt, 0.0);
+    std::fill_n(m.dof_damping, m.nv, 0.0);
+  }
+  if (is_off(mjDSBL_LIMIT)) std::fill_n(m.jnt_limited, m.njnt, mjtByte{0});
+  if (is_off(mjDSBL_FRICTIONLOSS)) std::fill_n(m.dof_frictionloss, m.nv, 0.0);
+  if (is_off(mjDSBL_EQUALITY)) std::fill_n(m.eq_active, m.neq, mjtByte{0});
+}
+
 }  // namespace
 
 Loaded Load(const std::string& file, Words& words) {
   Loaded loaded;
   std::array<char, 1000> error{};
   loaded.model.reset(mj_loadXML(file.c_str(), nullptr, error.data(), static_cast<int>(error.size())));
-  if (loaded.model != nullptr) return loaded;
+  if (loaded.model != nullptr) {
+    SwitchOff(*loaded.model);
+    return loaded;
+  }
   Loaded mended = Mender(file, words).Load();
+  if (mended.model != nullptr) SwitchOff(*mended.model);
   // The lines of what is mended are not those of the file.
   const std::string last = mended.why.substr(0, mended.why.find('\n'));
   mended.why = error.data();

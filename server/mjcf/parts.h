@@ -14,8 +14,6 @@ namespace coopdyn::mjcf {
 
 /// The <collision> and <visual> of a geom in a link; `X_LB`: of the geom's body in the link.
 void AddGeom(int geom, const Pose& X_LB, const Source& source, Meshes& meshes, tinyxml2::XMLElement& link);
-/// Whether the geom touches anything.
-bool Collides(const mjModel& model, int geom);
 
 /// The <link> of a body that stands at `X_MB` in its model.
 void AddLink(int body, const Pose& X_MB, const Source& source, Meshes& meshes, tinyxml2::XMLElement& model);

@@ -39,10 +39,69 @@ Source::Source(const Loaded& loaded, Words& words)
     : loaded_(loaded), model_(*loaded.model), words_(words), home_(mj_name2id(&model_, mjOBJ_KEY, "home")) {
   mjData* const data = mj_makeData(&model_);
   mj_kinematics(&model_, data);
-  for (int body = 0; body < model_.nbody; ++body)
+  FindFloor();
+  for (int body = 0; body < model_.nbody; ++body) {
     X_WB_.push_back(ToPose(data->xpos + 3 * body, data->xquat + 4 * body));
+    X_WB_.back().p.z() -= floor_z_m_;
+  }
   mj_deleteData(data);
   ReadActuators();
+  ReadMasks();
+}
+
+void Source::FindFloor() {
+  bool has_floor = false;
+  for (int i = 0; i < model_.body_geomnum[0]; ++i) {
+    const int geom = model_.body_geomadr[0] + i;
+    constexpr double kLevel = 1 - 1e-6;
+    const Vector3 up = ToPose(model_.geom_pos + 3 * geom, model_.geom_quat + 4 * geom).q * Vector3::UnitZ();
+    if (model_.geom_type[geom] != mjGEOM_PLANE || up.z() < kLevel) continue;
+    const double z_m = model_.geom_pos[3 * geom + 2];
+    floor_z_m_ = has_floor ? std::max(floor_z_m_, z_m) : z_m;
+    has_floor = true;
+  }
+  if (floor_z_m_ != 0)
+    words_.Say(
+        "the floor is at z = " + Number(floor_z_m_) + " m: here it is at 0, and all else as far above it",
+        false);
+}
+
+void Source::ReadMasks() {
+  const mjModel& m = model_;
+  const auto n = static_cast<std::size_t>(m.ngeom);
+  const auto mask = [](const int* masks, std::size_t geom) { return static_cast<unsigned>(masks[geom]); };
+  const auto fit = [&](std::size_t a, std::size_t b) {
+    return (mask(m.geom_contype, a) & mask(m.geom_conaffinity, b)) != 0 ||
+           (mask(m.geom_contype, b) & mask(m.geom_conaffinity, a)) != 0;
+  };
+  const auto tree = [&](std::size_t geom) { return m.body_rootid[m.geom_bodyid[geom]]; };
+  const auto moves = [&](std::size_t geom) { return m.body_weldid[m.geom_bodyid[geom]] != 0; };
+  bool any_moves = false, has_plane = false;
+  for (std::size_t geom = 0; geom < n; ++geom) {
+    any_moves = any_moves || moves(geom);
+    has_plane = has_plane || m.geom_type[geom] == mjGEOM_PLANE;
+  }
+  collides_.assign(n, 0);
+  for (std::size_t a = 0; a < n; ++a) {
+    const bool is_any = mask(m.geom_contype, a) != 0 || mask(m.geom_conaffinity, a) != 0;
+    const bool meets_all = !any_moves || (!has_plane && moves(a));
+    collides_[a] |= static_cast<char>(is_any && meets_all);
+    for (std::size_t b = 0; b < a; ++b) {
+      if (tree(a) == tree(b) || !(moves(a) || moves(b)) || !fit(a, b)) continue;
+      collides_[a] = collides_[b] = 1;
+    }
+  }
+  for (std::size_t a = 0; a < n; ++a) {
+    for (std::size_t b = 0; b < a; ++b) {
+      if (collides_[a] == 0 || collides_[b] == 0 || tree(a) == tree(b) || !(moves(a) || moves(b)) ||
+          fit(a, b))
+        continue;
+      return words_.Say(
+          "contype and conaffinity let some geoms through each other: here these touch, as both "
+          "touch something",
+          false);
+    }
+  }
 }
 
 std::string PlainName(std::string name) {

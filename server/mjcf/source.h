@@ -38,6 +38,10 @@ class Source {
   std::string BodyName(int body) const { return body == 0 ? "world" : NameOf(mjOBJ_BODY, body, "body"); }
   std::string JointName(int joint) const { return NameOf(mjOBJ_JOINT, joint, "joint"); }
 
+  /// Whether the geom's masks let it touch what is not of its own tree: the floor, if the file has none, too.
+  bool Collides(int geom) const { return collides_[static_cast<std::size_t>(geom)] != 0; }
+  /// Of the floor in the file: its highest level plane. Below X_WB() and in what is written it lies at 0.
+  double floor_z_m() const { return floor_z_m_; }
   /// In the pose in which the model is written.
   const Pose& X_WB(int body) const { return X_WB_[static_cast<std::size_t>(body)]; }
   /// The greatest force or torque that actuators give the joint; 0: it has none.
@@ -50,12 +54,16 @@ class Source {
 
  private:
   void ReadActuators();
+  void ReadMasks();
+  void FindFloor();
 
   const Loaded& loaded_;
   const mjModel& model_;
   Words& words_;
   int home_;
   std::vector<Pose> X_WB_;
+  std::vector<char> collides_;  // by geom
+  double floor_z_m_ = 0;
   std::vector<double> efforts_, speeds_;
 };
 

@@ -125,15 +125,16 @@ class WorldWriter {
     for (int i = 0; i < m_.body_geomnum[0]; ++i) {
       const int geom = m_.body_geomadr[0] + i;
       const bool is_plane = m_.geom_type[geom] == mjGEOM_PLANE;
-      if (!is_plane && !Collides(m_, geom)) {
+      if (!is_plane && !source_.Collides(geom)) {
         source_.words().Say("what only decorates the world is left out");
         continue;
       }
-      const Pose X_WG = ToPose(m_.geom_pos + 3 * geom, m_.geom_quat + 4 * geom);
+      Pose X_WG = ToPose(m_.geom_pos + 3 * geom, m_.geom_quat + 4 * geom);
+      const Pose X_GB = X_WG.Inverse();
+      X_WG.p.z() -= source_.floor_z_m();
       XMLElement& model = AddNamed(world, "model", FreeName(source_.NameOf(mjOBJ_GEOM, geom, "ground")));
       AddPose(model, X_WG);
       Add(model, "static", "true");
-      const Pose X_GB = X_WG.Inverse();
       AddGeom(geom, X_GB, source_, meshes_, AddNamed(model, "link", "link"));
     }
   }
@@ -166,6 +167,7 @@ class WorldWriter {
       if (source_.home() >= 0) {
         const mjtNum* const q = m_.key_qpos + m_.nq * source_.home() + m_.jnt_qposadr[m_.body_jntadr[root]];
         X_WS = ToPose(q, q + 3);
+        X_WS.p.z() -= source_.floor_z_m();
       }
     } else {
       X_WM = {{X_WM.p.x(), X_WM.p.y(), 0}, Quaternion::Identity()};
@@ -212,6 +214,11 @@ class WorldWriter {
     for (int i = 0; i < m_.ncam; ++i) {
       if (m_.cam_bodyid[i] == 0) words.Say("a camera in the world is left out");
     }
+    const mjOption& option = m_.opt;
+    if (option.density > 0 || option.viscosity > 0)
+      words.Say(
+          "density and viscosity of <option> are not used: nothing swims, flies or is slowed by the air",
+          false);
     if (m_.npair > 0)
       words.Say("the <pair>s of <contact> are left out: geoms touch as their shapes say", false);
     for (int joint = 0; joint < m_.njnt; ++joint) {

@@ -15,12 +15,6 @@ namespace coopdyn {
 
 namespace {
 
-/// Of a text that may have lines.
-std::vector<std::string> AllWords(std::string text) {
-  std::ranges::replace_if(
-      text, [](char c) { return c == '\n' || c == '\r'; }, ' ');
-  return SplitWords(text);
-}
 std::string Joined(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
@@ -42,6 +36,7 @@ class Adopter {
     TakeScripts(model_);
     Prune(model_);
     HoldEndlessly(model_);
+    if (!plugins.empty()) DropRolling(model_);
     FitViews(model_);
     ClampColors(model_);
     CutPoses(model_);
@@ -125,6 +120,17 @@ class Adopter {
     }
   }
 
+  /// Gazebo's usual engines do not read it, and those who wrote it gave wheels arms of half their radius.
+  void DropRolling(XmlNode& node) {
+    for (XmlNode& child : node.children) {
+      DropRolling(child);
+      if (node.name != "bullet" || child.name != "rolling_friction") continue;
+      diagnostics_.Note(child.where,
+                        "<rolling_friction> of <bullet> is not used, nor is it by Gazebo's usual engines");
+      child.text = "0";
+    }
+  }
+
   /// SDF's cameras see at least 0.1 rad, and pictures are flat here.
   void FitViews(XmlNode& node) {
     constexpr double kLeast_rad = 0.1, kMost_rad = 3.05;
@@ -145,7 +151,7 @@ class Adopter {
       ClampColors(child);
       constexpr std::string_view kColors[] = {"ambient", "diffuse", "specular", "emissive"};
       if (node.name != "material" || std::ranges::find(kColors, child.name) == std::end(kColors)) continue;
-      std::vector<std::string> words = AllWords(child.text);
+      std::vector<std::string> words = SplitWords(child.text);
       const auto is_above = [](const std::string& word) { return ParsePlain(word).value_or(0) > 1; };
       if (std::ranges::none_of(words, is_above)) continue;
       std::ranges::replace_if(words, is_above, "1");
@@ -160,7 +166,7 @@ class Adopter {
     for (XmlNode& child : node.children) {
       CutPoses(child);
       if (child.name != "pose" || child.Has("rotation_format")) continue;
-      std::vector<std::string> words = AllWords(child.text);
+      std::vector<std::string> words = SplitWords(child.text);
       if (words.size() <= kNumbers) continue;
       words.resize(kNumbers);
       diagnostics_.Mended(child.where, "<pose> has more than 6 numbers: the first 6 count");

@@ -204,11 +204,25 @@ class PluginTranslator {
     return true;
   }
 
+  /// Joints with one axis of `model`, which is called `scope`, that are in `wanted`.
+  static void AddJointsIn(const XmlNode& model, const std::string& scope, const std::string& wanted,
+                          std::vector<std::string>& joints) {
+    constexpr std::string_view kWithMotor[] = {"revolute", "continuous", "prismatic", "screw"};
+    for (const XmlNode& child : model.children) {
+      const std::string name = scope + child.Attribute("name");
+      if (child.name == "model") AddJointsIn(child, name + "::", wanted, joints);
+      if (child.name != "joint" || !name.starts_with(wanted)) continue;
+      if (std::ranges::find(kWithMotor, child.Attribute("type")) != std::end(kWithMotor))
+        joints.push_back(name);
+    }
+  }
+
   bool AddJoints(const GazeboPlugin& plugin, const std::string& word) {
     constexpr const char* kWords[] = {"jointpositioncontroller", "jointcontroller", "jointposition",
                                       "jointposetrajectory",     "jointtrajectory", "applyjointforce"};
     if (std::ranges::none_of(kWords, [&word](const char* one) { return HasWord(word, one); })) return false;
-    const auto joints = JointsOf(plugin, {"joint_name", "jointName", "joint"});
+    auto joints = JointsOf(plugin, {"joint_name", "jointName", "joint"});
+    if (joints.empty() && HasWord(word, "jointtrajectory")) AddJointsIn(model_, "", plugin.scope, joints);
     const std::string effort = plugin.node.TextOf("cmd_max");
     for (const std::string& joint : joints) {
       XmlNode& moved = Add(plugin, "coopdyn:gazebo_joint");

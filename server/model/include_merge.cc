@@ -31,6 +31,21 @@ bool HasPart(const XmlNode& model, const std::string& name) {
   });
 }
 
+bool HasJoint(const XmlNode& model, const std::string& name) {
+  return std::ranges::any_of(model.children, [&](const XmlNode& one) {
+    return one.name == "joint" && one.Attribute("name") == name;
+  });
+}
+
+/// Puts `model` before the names of its own frames.
+void NameFramesOf(const XmlNode& model, XmlNode& node) {
+  for (const char* key : {"relative_to", "expressed_in"}) {
+    const std::string frame = node.Attribute(key);
+    if (HasPart(model, frame)) node.Set(key, model.Attribute("name") + "::" + frame);
+  }
+  for (XmlNode& child : node.children) NameFramesOf(model, child);
+}
+
 }  // namespace
 
 void RaiseJoints(XmlNode& model, Diagnostics& diagnostics) {
@@ -39,7 +54,7 @@ void RaiseJoints(XmlNode& model, Diagnostics& diagnostics) {
     if (inner.name != "model") continue;
     const auto is_outer = [&](const XmlNode& part) {
       return (part.name == "parent" || part.name == "child") && !HasPart(inner, part.text) &&
-             HasPart(model, part.text);
+             HasPart(model, part.text) && part.text != inner.Attribute("name");
     };
     const std::string name = inner.Attribute("name");
     for (XmlNode& part : inner.children) {
@@ -49,9 +64,16 @@ void RaiseJoints(XmlNode& model, Diagnostics& diagnostics) {
         const bool is_inner = (end.name == "parent" || end.name == "child") && HasPart(inner, end.text);
         if (is_inner) end.text = name + "::" + end.text;
       }
+      NameFramesOf(inner, joint);
       NameFrame(joint, name);
-      diagnostics.Mended(joint.where, "joint '" + joint.Attribute("name") + "' of model '" + name +
-                                          "' names a link of the model around it: it is a joint of that one");
+      const std::string given = joint.Attribute("name");
+      const bool is_taken = HasJoint(model, given) || std::ranges::any_of(raised, [&](const XmlNode& one) {
+                              return one.Attribute("name") == given;
+                            });
+      if (is_taken) joint.Set("name", name + "_" + given);
+      diagnostics.Mended(joint.where, "joint '" + given + "' of model '" + name +
+                                          "' names a link of the model around it: it is a joint of that one" +
+                                          (is_taken ? ", called '" + name + "_" + given + "'" : ""));
       raised.push_back(std::move(joint));
       part.name.clear();
     }

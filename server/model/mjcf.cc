@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -10,6 +11,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <fstream>
 #include <vector>
 
 #include "server/base/printable.h"
@@ -27,6 +29,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kProgram = "coopdyn-mjcf";
 constexpr std::string_view kFolder = "coopdyn-mjcf-";
+constexpr const char* kMark = ".coopdyn-meshes";
 constexpr std::size_t kMostSdfBytes = 64u << 20;
 
 void ForgetLines(XmlNode& node) {
@@ -72,6 +75,16 @@ int Lock(const fs::path& folder) {
   return -1;
 }
 
+/// Whether `folder` was made by a MeshFolder of this user: by its name, rights and the mark in it.
+bool IsMeshFolder(const fs::path& folder) {
+  struct stat is {};
+  constexpr std::size_t kLetters = 6;  // of mkdtemp()
+  const std::string name = folder.filename().string();
+  return name.starts_with(kFolder) && name.size() == kFolder.size() + kLetters &&
+         ::lstat(folder.c_str(), &is) == 0 && S_ISDIR(is.st_mode) && is.st_uid == ::geteuid() &&
+         (is.st_mode & 07777) == 0700 && ::lstat((folder / kMark).c_str(), &is) == 0 && S_ISREG(is.st_mode);
+}
+
 /// Removes folders beside `own` that nobody holds. Young ones may not be held yet.
 void RemoveLeft(const fs::path& own) {
   constexpr auto kYoung = std::chrono::minutes(10);
@@ -80,7 +93,7 @@ void RemoveLeft(const fs::path& own) {
   for (fs::directory_iterator it(own.parent_path(), code), end; !code && it != end; it.increment(code)) {
     std::error_code other;
     const fs::path& folder = it->path();
-    if (!folder.filename().string().starts_with(kFolder)) continue;
+    if (!IsMeshFolder(folder)) continue;
     if (const auto made = it->last_write_time(other); other || now - made < kYoung) continue;
     const int lock = Lock(folder);
     if (lock < 0) continue;
@@ -97,6 +110,7 @@ MeshFolder::MeshFolder() {
   if (code || ::mkdtemp(name.data()) == nullptr) return;
   path_ = name;
   lock_ = Lock(path_);
+  std::ofstream(path_ / kMark) << "coopdyn removes this folder when nobody uses it\n";
   RemoveLeft(path_);
 }
 

@@ -169,7 +169,7 @@ class JointReader {
                          .value_or(0);
       ReadAxis(*joint.Axis(0), joint.Type() == sdf::JointType::CONTINUOUS, start, line, out);
     } else {
-      WarnPassive(joint, line, what);
+      WarnPassive(joint, XmlOf(scope, joint), line, what);
     }
     ReadTrains(scope, joint, out);
     reading_.robot.joints.push_back(std::move(out));
@@ -236,7 +236,10 @@ class JointReader {
   }
 
   /// A ball or universal joint turns freely.
-  void WarnPassive(const sdf::Joint& joint, int line, const std::string& what) {
+  void WarnPassive(const sdf::Joint& joint, const tinyxml2::XMLElement* xml, int line,
+                   const std::string& what) {
+    if (xml != nullptr && xml->Attribute("coopdyn:armature") != nullptr)
+      reading_.Warn(line, "coopdyn:armature of " + what + " is not used: only a joint with one axis has it");
     for (const unsigned index : {0u, 1u}) {
       const sdf::JointAxis* axis = joint.Axis(index);
       if (axis == nullptr) continue;

@@ -23,6 +23,7 @@ namespace {
 std::string Exact(double value) {
   char text[40];
   const auto end = std::to_chars(text, text + sizeof(text), value, std::chars_format::fixed, 12);
+  if (end.ec != std::errc()) return FormatNumber(value);  // too large to be anywhere, as its reader says
   std::string out(text, end.ptr);
   out.erase(out.find_last_not_of('0') + 1);
   if (out.ends_with('.')) out.pop_back();

@@ -254,7 +254,10 @@ std::string ModelOfWorldType(const std::string& type) {
 }
 
 std::string ShortWorldModelType(const fs::path& world, const std::string& model) {
-  return world.stem().string() + "." + model;
+  std::string stem = world.stem().string();
+  std::ranges::replace_if(
+      stem, [](char c) { return c == ' ' || c == '\t'; }, '_');  // a type is one word
+  return stem + "." + model;
 }
 
 std::string TypeFromAnywhere(const RobotModel& model) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "server/base/portable_math.h"
 #include "server/geometry/shape.h"
 #include "server/model/values.h"
 
@@ -19,7 +20,12 @@ std::optional<StandIn> StandIn::Of(const XmlNode& link) {
   // I_xx = m (b² + c²) / 12, and so on.
   constexpr double kThinnest_m = 1e-3, kLongest_m = 10;
   const Vector3 squares = 6 / *mass_kg * Vector3(*yy + *zz - *xx, *zz + *xx - *yy, *xx + *yy - *zz);
-  const Vector3 size = squares.cwiseMax(0).cwiseSqrt().cwiseMax(kThinnest_m).cwiseMin(kLongest_m);
+  Vector3 size = squares.cwiseMax(0).cwiseSqrt().cwiseMax(kThinnest_m).cwiseMin(kLongest_m);
+  // Inertias that somebody made up may give a box of metres to some grams: lighter than air.
+  constexpr double kLightest_kg_m3 = 1;
+  const double density_kg_m3 = *mass_kg / size.prod();
+  if (density_kg_m3 < kLightest_kg_m3)
+    size = (size * portable::Cbrt(density_kg_m3 / kLightest_kg_m3)).cwiseMax(kThinnest_m);
   StandIn made;
   XmlNode& shape = made.shape_;
   shape = {"box", {}, "", {}, inertial->where};

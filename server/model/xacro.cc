@@ -57,9 +57,12 @@ std::optional<std::string> ExpandXacro(const std::filesystem::path& file, const 
   if (!end) return fail("xacro wrote nothing for a minute, or more than 4 MiB");
   if (!end->succeeded()) {
     const std::string what = WhatFailed(*end);
-    const bool has_arguments = what.starts_with("Undefined substitution argument");
-    return fail("xacro: " + what +
-                (has_arguments ? ": give it one, xacro FILE NAME:=VALUE > robot.urdf, and load that" : ""));
+    std::string cure;
+    if (what.starts_with("Undefined substitution argument"))
+      cure = ": give it one, xacro FILE NAME:=VALUE > robot.urdf, and load that";
+    if (what.find("resource not found") != std::string::npos)
+      cure = ": xacro finds packages in the folders of ROS_PACKAGE_PATH (ROS 2: AMENT_PREFIX_PATH)";
+    return fail("xacro: " + what + cure);
   }
   if (end->out.find("<link") == std::string::npos)
     return fail("xacro wrote no <link>: the file holds macros alone; load the file that uses them");

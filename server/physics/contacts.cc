@@ -168,9 +168,10 @@ bool ArePieces(const Part* p, const Part* q) {
   return p != q && p != nullptr && q != nullptr && p->link == q->link && p->collision == q->collision;
 }
 
-/// Whether both are of the same two solids, which are meshes with all their pieces, and push the same way.
+/// Whether both are of the same two solids, which are meshes with all their pieces, in one plane.
 bool AreAlike(const FoundContact& one, const FoundContact& other) {
-  constexpr double kSameWay = 0.98;
+  constexpr double kSameWay = 0.999, kSamePlane_m = 1e-3;
+  if (std::abs(one.point.n_W.dot(other.point.p_W - one.point.p_W)) > kSamePlane_m) return false;
   const auto is_same = [](const Part* p, const Part* q) { return p == q || ArePieces(p, q); };
   return one.wheel < 0 && other.wheel < 0 && is_same(one.a, other.a) && is_same(one.b, other.b) &&
          one.point.n_W.dot(other.point.n_W) > kSameWay;

@@ -15,6 +15,8 @@ namespace {
 // More rows than this are solved by iteration.
 constexpr std::size_t kMaxRows = 150;
 constexpr int kIterations = 80;
+// Softer than this times what a row moves, friction across a slip does nothing.
+constexpr double kSoftest = 1e6;
 // Motors change between holding and giving in no more often than this in a step.
 constexpr int kMotorRounds = 12;
 // Rates at which the step's mean forces change something while others touch: rad/s, m/s.
@@ -330,7 +332,7 @@ bool LimbSolver::SolveDirectly(bool is_again, bool same_motors) {
       upper_[i] = row.friction * std::max(0.0, impulses_[row.normal]);
       lower_[i] = -upper_[i];
       if (row.slip_m_s <= 0 || upper_[i] <= 0) continue;
-      const double softness = row.slip_m_s / upper_[i];
+      const double softness = std::min(row.slip_m_s / upper_[i], kSoftest * (A_(i, i) - row.softness));
       A_(i, i) += softness - row.softness;
       row.softness = softness;
     }
@@ -353,7 +355,7 @@ void LimbSolver::SolveByIteration() {
       if (row.normal != kNone) {
         upper = row.friction * std::max(0.0, impulses_[row.normal]);
         lower = -upper;
-        if (row.slip_m_s > 0 && upper > 0) softness = row.slip_m_s / upper;
+        if (row.slip_m_s > 0 && upper > 0) softness = std::min(row.slip_m_s / upper, kSoftest * diagonal[i]);
       }
       const double change = (row.target - Dot(row, state_) - softness * impulse) / (diagonal[i] + softness);
       const double next = std::clamp(impulse + change, lower, upper);

@@ -81,6 +81,56 @@ TEST(MjcfFilesTest, AnEqualityThatCannotBeReadIsLeftOut) {
   EXPECT_THAT(messages, HasSubstr("a <connect> is left out, as libmujoco says: "));
 }
 
+/// The scenery that a world of these has: a floor, a shelf with a mask of its own, and `bodies`.
+std::string Shelf(const std::string& bodies, const std::string& rest = {}) {
+  return Mjcf(
+      "<worldbody><geom type=\"plane\" size=\"5 5 1\"/><geom name=\"shelf\" type=\"box\" "
+      "size=\".5 .5 .1\" pos=\"0 0 .5\" contype=\"2\" conaffinity=\"2\"/>" +
+      bodies + "</worldbody>" + rest);
+}
+
+TEST(MjcfFilesTest, WhatTouchesNothingByItsMaskIsOnlyDrawn) {
+  const std::string ball = "<body name=\"ball\" pos=\"0 0 1\"><freejoint/><geom size=\".1\"";
+  EXPECT_THAT(ReadMjcfWorld(Shelf(ball + "/></body>")).messages, HasSubstr("what only decorates the world"));
+  EXPECT_THAT(ReadMjcfWorld(Shelf(ball + " contype=\"3\"/></body>")).messages,
+              Not(HasSubstr("what only decorates the world")));
+}
+
+TEST(MjcfFilesTest, MasksThatLetSomeThroughAreSaid) {
+  const std::string two =
+      "<body name=\"a\" pos=\"0 0 1\"><freejoint/><geom size=\".1\"/></body>"
+      "<body name=\"b\" pos=\"0 0 2\"><freejoint/><geom size=\".1\" contype=\"2\" "
+      "conaffinity=\"2\"/></body>";
+  EXPECT_THAT(ReadMjcfWorld(Shelf(two)).messages, HasSubstr("let some geoms through each other"));
+}
+
+TEST(MjcfFilesTest, FlagsSwitchOff) {
+  const auto answer = ReadMjcfText(
+      Limb("leg", "<joint name=\"hip\" range=\"-1 1\" damping=\"1\" stiffness=\"2\" frictionloss=\"3\"/>"),
+      "<option><flag contact=\"disable\" passive=\"disable\" limit=\"disable\" "
+      "frictionloss=\"disable\"/></option>");
+  const JointModel* hip = JointOf(answer, "hip");
+  ASSERT_NE(hip, nullptr) << answer.messages;
+  EXPECT_FALSE(hip->has_stop());
+  EXPECT_FALSE(hip->is_resisted());
+  for (const LinkModel& link : answer.robot->links) EXPECT_TRUE(link.collisions.empty()) << link.name;
+}
+
+TEST(MjcfFilesTest, AFloorElsewhereIsAtZeroWithAllAboveIt) {
+  const auto answer = ReadMjcfWorld(
+      Mjcf("<worldbody><geom type=\"plane\" size=\"5 5 1\" pos=\"0 0 -.5\"/><body name=\"ball\" "
+           "pos=\"0 0 1\"><freejoint/><geom size=\".1\"/></body></worldbody>"));
+  ASSERT_TRUE(answer.world) << answer.messages;
+  EXPECT_THAT(answer.messages, HasSubstr("the floor is at z = -0.5 m: here it is at 0"));
+  EXPECT_THAT(answer.messages, Not(HasSubstr("no ground plane")));
+  EXPECT_THAT(answer.world->scenario, HasSubstr("position 0 0 1."));
+}
+
+TEST(MjcfFilesTest, AFluidIsSaid) {
+  const auto [robot, messages] = ReadMjcfText("", "<option density=\"1000\"/>");
+  EXPECT_THAT(messages, HasSubstr("density and viscosity of <option> are not used"));
+}
+
 TEST(MjcfFilesTest, OneRobotAndAFloorIsThatRobotAndTwoAreNamed) {
   const std::string floor = "<worldbody><geom type=\"plane\" size=\"5 5 1\"/></worldbody>";
   const std::string robot = "<worldbody><body name=\"a\"><freejoint/><geom size=\".1\"/></body></worldbody>";
@@ -228,21 +278,31 @@ TEST(MjcfFilesTest, MeshesWhoseNamesDifferInOddSignsStayTwo) {
 }
 
 TEST(MjcfFilesTest, WhatAKilledProcessLeftIsRemovedAndWhatALivingOneHoldsStays) {
-  const auto made = [](const std::string& name) {
-    const auto folder =
-        std::filesystem::temp_directory_path() / ("coopdyn-mjcf-" + name + std::to_string(::getpid()));
+  const auto made = [](const std::string& name, const std::string& inside) {
+    std::string made_name = (std::filesystem::temp_directory_path() / ("coopdyn-mjcf-" + name)).string();
+    const std::filesystem::path folder =
+        name.empty() ? ::mkdtemp((made_name += "XXXXXX").data()) : made_name.c_str();
     std::filesystem::create_directory(folder);
-    std::ofstream(folder / "a.stl") << "a";
+    std::filesystem::permissions(folder, std::filesystem::perms::owner_all);
+    std::ofstream(folder / inside) << "a";
     std::filesystem::last_write_time(folder,
                                      std::filesystem::last_write_time(folder) - std::chrono::hours(1));
     return folder;
   };
-  const auto left = made("left"), held = made("held");
+  constexpr const char* kMark = ".coopdyn-meshes";
+  const auto left = made("", kMark), held = made("", kMark);
+  // What somebody else has called so.
+  const auto other = made("", "thesis.tex"),
+             named = made("of" + std::to_string(::getpid()) + "others", kMark);
   const int lock = ::open(held.c_str(), O_RDONLY | O_DIRECTORY);
   ASSERT_EQ(::flock(lock, LOCK_EX | LOCK_NB), 0);
   { const MeshFolder meshes; }
   EXPECT_FALSE(std::filesystem::exists(left));
   EXPECT_TRUE(std::filesystem::exists(held));
+  for (const auto& folder : {other, named}) {
+    EXPECT_TRUE(std::filesystem::exists(folder));
+    std::filesystem::remove_all(folder);
+  }
   ::close(lock);
   { const MeshFolder meshes; }
   EXPECT_FALSE(std::filesystem::exists(held));

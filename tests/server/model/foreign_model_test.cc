@@ -305,19 +305,39 @@ TEST(ForeignModelTest, AttributesWithoutNumberAreRefusedBeforeTheyAreCompared) {
 }
 
 TEST(ForeignModelTest, AControllerPlugInGivesAllItsJointsMotors) {
+  constexpr const char* kNamed = "<joint_name>j</joint_name><joint_name>k</joint_name>";
   const auto joint = [](const std::string& name, const std::string& child) {
     return "<joint name=\"" + name + "\" type=\"revolute\"><parent>base</parent><child>" + child +
            "</child><axis><xyz>0 0 1</xyz></axis></joint>\n";
   };
-  const auto [robot, messages] =
-      ReadSdf(SdfLink("base", "0 0 0.1 0 0 0", kSdfBox) + SdfLink("a", "0 0 0.5 0 0 0", kSdfBox) +
-              SdfLink("b", "0 0 0.9 0 0 0", kSdfBox) + joint("j", "a") + joint("k", "b") +
-              "<plugin filename=\"gz-sim-joint-trajectory-controller-system\" "
-              "name=\"gz::sim::systems::JointTrajectoryController\"><joint_name>j</joint_name>"
-              "<joint_name>k</joint_name></plugin>\n");
-  ASSERT_NE(robot, nullptr) << messages;
-  ASSERT_EQ(robot->actuators.size(), 1u);
-  EXPECT_EQ(robot->actuators[0].joints.size(), 2u);
+  for (const std::string named : {kNamed, ""}) {  // without names it moves all
+    const auto [robot, messages] =
+        ReadSdf(SdfLink("base", "0 0 0.1 0 0 0", kSdfBox) + SdfLink("a", "0 0 0.5 0 0 0", kSdfBox) +
+                SdfLink("b", "0 0 0.9 0 0 0", kSdfBox) + joint("j", "a") + joint("k", "b") +
+                "<plugin filename=\"gz-sim-joint-trajectory-controller-system\" "
+                "name=\"gz::sim::systems::JointTrajectoryController\">" +
+                named + "</plugin>\n");
+    ASSERT_NE(robot, nullptr) << messages;
+    ASSERT_EQ(robot->actuators.size(), 1u) << named;
+    EXPECT_EQ(robot->actuators[0].joints.size(), 2u) << named;
+  }
+}
+
+TEST(ForeignModelTest, RollingFrictionOfBulletIsNotUsedWhereGazeboIsMeant) {
+  const auto wheel = [](const std::string& plugin) {
+    return ReadSdf(
+        "<link name='ball'><pose>0 0 0.1 0 0 "
+        "0</pose><inertial><mass>1</mass><inertia><ixx>0.01</ixx><iyy>0.01"
+        "</iyy><izz>0.01</izz></inertia></inertial><collision name='c'><geometry><sphere><radius>0.1</radius>"
+        "</sphere></geometry><surface><friction><bullet><rolling_friction>0.1</rolling_friction></bullet>"
+        "</friction></surface></collision></link>\n" +
+        plugin);
+  };
+  const auto alone = wheel(""), made = wheel("<plugin name='p' filename='libgazebo_ros_p3d.so'/>\n");
+  ASSERT_NE(alone.robot, nullptr) << alone.messages;
+  ASSERT_NE(made.robot, nullptr) << made.messages;
+  EXPECT_EQ(alone.robot->links[0].collisions[0].rolling_friction_m, 0.1);
+  EXPECT_EQ(made.robot->links[0].collisions[0].rolling_friction_m, 0);
 }
 
 TEST(ForeignModelTest, AStaticModelStandsFixed) {

@@ -92,6 +92,34 @@ TEST(IncludeMergeTest, AJointThatNamesALinkOfTheOuterModelIsAJointOfThat) {
   EXPECT_NEAR((joint.axis_R + Vector3::UnitX()).norm(), 0, 1e-9);
 }
 
+TEST(IncludeMergeTest, JointsOfTheOuterModelOfOneNameAreTold) {
+  const std::string inertial =
+      "<inertial><mass>1</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia></inertial>";
+  const TempFolder folder;
+  folder.Write(
+      "leg/model.sdf",
+      "<sdf version=\"1.6\"><model name=\"leg\"><frame name=\"top\"><pose>0 0 0.5 0 0 0</pose></frame>"
+      "<link name=\"hip\">" +
+          inertial +
+          "</link>\n<joint name=\"pitch\" type=\"revolute\"><pose relative_to=\"top\"/><parent>root"
+          "</parent><child>hip</child><axis><xyz expressed_in=\"top\">0 1 0</xyz></axis></joint>"
+          "</model></sdf>");
+  const auto leg = [](const std::string& name, const std::string& y) {
+    return "<include><uri>model://leg</uri><name>" + name + "</name><pose>0 " + y +
+           " 1 0 0 0</pose></include>";
+  };
+  const auto file = folder.Write(
+      "whole/model.sdf", "<sdf version=\"1.6\"><model name=\"whole\"><link name=\"root\">" + inertial +
+                             "</link>" + leg("left", "1") + leg("right", "-1") + "</model></sdf>");
+  Diagnostics diagnostics;
+  const auto robot = ReadRobotModel(file, SearchPath{{folder.path()}}, diagnostics);
+  ASSERT_NE(robot, nullptr) << diagnostics.ToString();
+  ASSERT_EQ(robot->joints.size(), 2u);
+  EXPECT_EQ(robot->joints[0].name, "pitch");
+  EXPECT_EQ(robot->joints[1].name, "right_pitch");
+  EXPECT_NEAR((robot->joints[1].p_RJ - Vector3(0, -1, 1.5)).norm(), 0, 1e-9);
+}
+
 TEST(IncludeMergeTest, WhatIsStaticIsNotMergedAndThatIsSaid) {
   const MergeAnswer answer = ReadMerged("merge=\"true\"", "<static>true</static>");
   EXPECT_THAT(answer.messages, HasSubstr("model.sdf:2: warning: merge of an <include> with <static> is "

@@ -171,7 +171,8 @@ TEST(UrdfJointsTest, XacroNeedsItsProgramAndFindsIt) {
   ASSERT_NE(robot, nullptr) << messages;
   EXPECT_EQ(robot->type, "rig");
   EXPECT_THAT(failed, HasSubstr("error: xacro: undefined: wheel"));
-  EXPECT_THAT(missing, HasSubstr("error: xacro: resource not found: rig_parts\n"));
+  EXPECT_THAT(missing, HasSubstr("error: xacro: resource not found: rig_parts: xacro finds packages in the "
+                                 "folders of ROS_PACKAGE_PATH"));
   EXPECT_THAT(unnamed, HasSubstr("xacro: Undefined substitution argument name: give it one, xacro FILE "
                                  "NAME:=VALUE > robot.urdf, and load that"));
   EXPECT_THAT(empty,

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -124,6 +125,65 @@ TEST_P(StepLengths, AHookHangsOnABar) {
   const Pose X_WH = scene.robot(0);
   EXPECT_NEAR(X_WH.p.z(), 0.395, 1e-3);
   EXPECT_LT(TiltOf(X_WH), 0.02);
+}
+
+/// 6 m by 6 m of hills of 5 cm.
+std::shared_ptr<const RobotModel> Hills() {
+  constexpr std::uint32_t kSide = 31;
+  Triangles hills;
+  for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
+    const double x = 0.2 * (i % kSide) - 3, y = 0.2 * (i / kSide) - 3;
+    hills.vertices.emplace_back(x, y, 0.05 * std::sin(3 * x) * std::cos(3 * y) + 0.1);
+  }
+  for (std::uint32_t row = 0; row + 1 < kSide; ++row) {
+    for (std::uint32_t i = row * kSide; i + 1 < (row + 1) * kSide; ++i)
+      hills.AddFace(i, i + 1, i + kSide + 1, i + kSide);
+  }
+  auto model = std::make_shared<RobotModel>();
+  model->type = "hills";
+  model->fixed_base = true;
+  Vector3 middle;
+  model->meshes.push_back(
+      std::make_shared<const MeshData>(MakeMesh(hills.vertices, hills.triangles, middle)));
+  LinkModel link;
+  link.name = "ground";
+  link.mass_kg = 1;
+  link.inertia_kg_m2 = Vector3::Ones();
+  LinkShape& shape = link.collisions.emplace_back();
+  shape.shape = Mesh{model->meshes.back().get()};
+  shape.X_LG.p = middle;
+  model->links = {link};
+  model->footprint_radius_m = 4;
+  model->height_m = 0.2;
+  return model;
+}
+
+/// Two legs under a plate.
+Triangles Bridge() {
+  Triangles bridge;
+  bridge.AddBox({-0.3, -0.1, 0}, {-0.2, 0.1, 0.2});
+  bridge.AddBox({0.2, -0.1, 0}, {0.3, 0.1, 0.2});
+  bridge.AddBox({-0.3, -0.1, 0.2}, {0.3, 0.1, 0.3});
+  return bridge;
+}
+
+TEST_P(StepLengths, WhatIsDroppedOnHillsComesToRest) {
+  PhysicsScene scene;
+  scene.AllowOverlaps();
+  scene.step_length = GetParam() * Nanoseconds{1'000'000};
+  scene.robot_model = Hills();
+  scene.AddRobot(0, 0);
+  scene.robot_model = Free(Bridge(), 2);
+  constexpr int kDrops = 9;
+  for (int i = 0; i < kDrops; ++i)
+    scene.AddRobot({{1.7 * (i % 3 - 1) + 0.1 * i, 1.7 * (i / 3 - 1) - 0.07 * i, 0.5},
+                    Quaternion(Eigen::AngleAxisd(0.7 * i, Vector3::UnitZ()))});
+  scene.RunFor(1);
+  std::vector<Vector3> before;
+  for (int i = 1; i <= kDrops; ++i) before.push_back(scene.robot(i).p);
+  scene.RunFor(3);
+  for (int i = 1; i <= kDrops; ++i)
+    EXPECT_LT((scene.robot(i).p - before[static_cast<std::size_t>(i - 1)]).norm(), 0.05) << i;
 }
 
 }  // namespace
