@@ -332,7 +332,7 @@ bool LimbSolver::SolveDirectly(bool is_again, bool same_motors) {
       upper_[i] = row.friction * std::max(0.0, impulses_[row.normal]);
       lower_[i] = -upper_[i];
       if (row.slip_m_s <= 0 || upper_[i] <= 0) continue;
-      const double softness = std::min(row.slip_m_s / upper_[i], kSoftest * (A_(i, i) - row.softness));
+      const double softness = SoftnessAcross(row.slip_m_s, upper_[i], A_(i, i) - row.softness);
       A_(i, i) += softness - row.softness;
       row.softness = softness;
     }
@@ -340,6 +340,11 @@ bool LimbSolver::SolveDirectly(bool is_again, bool same_motors) {
   }
   for (Eigen::Index i = 0; i < n; ++i) Apply(rows_[static_cast<std::size_t>(i)], impulses_[i]);
   return is_solved;
+}
+
+double LimbSolver::SoftnessAcross(double slip_m_s, double most, double mobility) const {
+  const double least = kCfm / step_s_;
+  return std::clamp(slip_m_s / most, least, std::max(least, kSoftest * mobility));
 }
 
 // Projected Gauss-Seidel; each row sees the friction that the present loads allow.
@@ -355,7 +360,7 @@ void LimbSolver::SolveByIteration() {
       if (row.normal != kNone) {
         upper = row.friction * std::max(0.0, impulses_[row.normal]);
         lower = -upper;
-        if (row.slip_m_s > 0 && upper > 0) softness = std::min(row.slip_m_s / upper, kSoftest * diagonal[i]);
+        if (row.slip_m_s > 0 && upper > 0) softness = SoftnessAcross(row.slip_m_s, upper, diagonal[i]);
       }
       const double change = (row.target - Dot(row, state_) - softness * impulse) / (diagonal[i] + softness);
       const double next = std::clamp(impulse + change, lower, upper);

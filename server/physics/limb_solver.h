@@ -189,6 +189,8 @@ class LimbSolver {
   /// The mass matrix with what the motors add, and the rows by it.
   void Factor();
   void SolveByIteration();
+  /// Of friction across a slip that is `most` (N s) along it; `mobility`: what an impulse of 1 moves there.
+  double SoftnessAcross(double slip_m_s, double most, double mobility) const;
   /// What a row's impulse of 1 adds to the transformed rates. Until the next call.
   const std::vector<double>& Column(const Row& row);
   double Dot(const Row& row, std::span<const double> transformed) const;

@@ -249,6 +249,25 @@ TEST_P(JointsTest, AnArmatureSlowsWhatFallsOnARail) {
   EXPECT_NEAR(3 - Where(1).p.z(), kGravity_m_s2 * 2 / (2 + 3) * 0.7 * 0.7 / 2, 1e-4);
 }
 
+TEST_P(JointsTest, WhatSlidesMayHaveNoRoomAcross) {
+  // A ball on two rails, along x and z: nothing lets it move along y.
+  RobotModel model = OnAPost();
+  model.links.push_back(Link("carriage", {0, 0, 0.02}, 1e-6, 1e-12));
+  model.links.push_back(Link("ball", {0, 0, 0.02}, 2, 0.01));
+  model.links[1].collisions.clear();
+  for (int i = 0; i < 2; ++i) {
+    JointModel rail = Hinge(i == 0 ? "along" : "up", i, i + 1, {0, 0, 0.02});
+    rail.kind = JointModel::Kind::kSlider;
+    rail.axis_R = i == 0 ? Vector3::UnitX() : Vector3::UnitZ();
+    model.joints.push_back(rail);
+  }
+  scene_.SetFloorFriction(0.1).SetGravity(Vector3(3, 0, -kGravity_m_s2));
+  Add(model);
+  scene_.RunFor(1);
+  EXPECT_TRUE(scene_.world().TakeFrozen().empty());
+  EXPECT_NEAR(Where(2).p.x(), (3 - 0.1 * kGravity_m_s2) / 2, 0.02);
+}
+
 /// Joint 0 swings on the post; joint 1 turns a disc about the post's x axis with it.
 RobotModel Geared(double multiplier) {
   RobotModel model = Pendulum(0.5, 0.05, 0.02);
