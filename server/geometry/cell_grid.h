@@ -22,7 +22,7 @@ class CellGrid {
   /// @pre good indices, finite vertices, not all in one plane that is square to an axis
   CellGrid(std::span<const Vector3> vertices, std::span<const MeshData::Triangle> triangles, int most_cells);
 
-  /// The triangles reach into so many cells, again and again, that the grid was given up: it is of no use.
+  /// The triangles reach into millions of cells: the grid is not finished.
   bool is_tangled() const;
 
   int count(std::size_t axis) const { return static_cast<int>(planes_[axis].size()) - 1; }

@@ -151,7 +151,7 @@ class WorldWriter {
       source_.words().Say("a mocap body is left out");
       return;
     }
-    if (!moves && bodies.size() > 1) {  // each stands for itself: a model has only so many links
+    if (!moves && bodies.size() > 1) {  // each is a model: one has at most 300 links
       for (const int body : bodies) {
         if (m_.body_geomnum[body] > 0) AddModel(body, {body}, world);
       }

@@ -47,6 +47,16 @@ class JointsTest : public ::testing::TestWithParam<int> {
   }
   double Angle(int link) { return 2 * std::atan2(Where(link).q.y(), Where(link).q.w()); }
 
+  /// How long a pendulum takes from its start to the vertical.
+  double TimeToHang_s() {
+    int steps = 0;
+    while (Where(1).p.x() < 0 && steps * step_s() < 10) {
+      scene_.Run(1);
+      ++steps;
+    }
+    return steps * step_s();
+  }
+
   /// Where a pendulum that is so resisted lies that fell from level onto a stop 0.5 rad below.
   double AngleAtStop(double damping, double friction) {
     RobotModel model = Pendulum(0.5, kPi / 2, 0.02);
@@ -219,12 +229,7 @@ TEST_P(JointsTest, AnArmatureAddsToTheInertiaThatSwings) {
   model.joints[0].armature = 0.4;
   Add(model);
   const double quarter_s = kPi / 2 * std::sqrt((0.02 + 0.25 + 0.4) / (kGravity_m_s2 * 0.5));
-  int steps = 0;
-  while (Where(1).p.x() < 0 && steps * step_s() < 10) {
-    scene_.Run(1);
-    ++steps;
-  }
-  EXPECT_NEAR(steps * step_s(), quarter_s, 0.01 * quarter_s + step_s());
+  EXPECT_NEAR(TimeToHang_s(), quarter_s, 0.01 * quarter_s + step_s());
 }
 
 TEST_P(JointsTest, ASwingWithAnArmatureKeepsItsEnergy) {
@@ -282,12 +287,7 @@ TEST_P(JointsTest, AGearboxAddsTheInertiaBeyondItByItsRatioSquared) {
   Add(Geared(-3));
   const double inertia_kg_m2 = 0.02 + 0.25 + 9 * 0.03;
   const double quarter_s = kPi / 2 * std::sqrt(inertia_kg_m2 / (kGravity_m_s2 * 0.5));
-  int steps = 0;
-  while (Where(1).p.x() < 0 && steps * step_s() < 10) {
-    scene_.Run(1);
-    ++steps;
-  }
-  EXPECT_NEAR(steps * step_s(), quarter_s, 0.01 * quarter_s + step_s());
+  EXPECT_NEAR(TimeToHang_s(), quarter_s, 0.01 * quarter_s + step_s());
 }
 
 TEST_P(JointsTest, AFollowerKeepsToItsLeader) {
