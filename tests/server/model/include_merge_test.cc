@@ -180,6 +180,13 @@ std::string ReadIncludes(int count, const std::string& part) {
   return folder.Strip(diagnostics.ToString());
 }
 
+/// A model of 300 links, each with `inside`.
+std::string ManyLinks(const std::string& inside) {
+  std::string part = "<sdf version=\"1.9\"><model name=\"p\">";
+  for (int i = 0; i < 300; ++i) part += "<link name=\"l" + std::to_string(i) + "\">" + inside + "</link>";
+  return part + "</model></sdf>";
+}
+
 TEST(IncludeTest, AFileThatIsIncludedOftenIsReadOnce) {
   const std::string messages = ReadIncludes(3, "<sdf version=\"1.9\"><model");
   const std::size_t first = messages.find("not well-formed");
@@ -188,19 +195,15 @@ TEST(IncludeTest, AFileThatIsIncludedOftenIsReadOnce) {
 }
 
 TEST(IncludeTest, AWorldHasALimitOfModels) {
-  std::string part = "<sdf version=\"1.9\"><model name=\"p\">";
-  for (int i = 0; i < 300; ++i) part += "<link name=\"l" + std::to_string(i) + "\"/>";
   EXPECT_THAT(
-      ReadIncludes(11, part + "</model></sdf>"),
+      ReadIncludes(11, ManyLinks("")),
       HasSubstr("part.sdf:1: error: a world has at most 3000 models, and a model of loose links counts "
                 "as one for each: leave some out, or write a scenario with [SWARM]\n"));
 }
 
 TEST(IncludeTest, IncludesHaveALimitTogether) {
-  std::string part = "<sdf version=\"1.9\"><model name=\"p\">";
-  for (int i = 0; i < 300; ++i) part += "<link name=\"l" + std::to_string(i) + "\"><pose/></link>";
   EXPECT_THAT(
-      ReadIncludes(900, part + "</model></sdf>"),
+      ReadIncludes(900, ManyLinks("<pose/>")),
       HasSubstr("world.sdf:167: error: what this file includes has more than 100000 elements together: "
                 "include fewer models, or simpler ones\n"));
 }
