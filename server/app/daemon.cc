@@ -141,6 +141,7 @@ std::string Daemon::Start() {
     if (!error.empty()) return error;
   }
   if (name_server_ != nullptr) name_server_->Serve();
+  if (std::string error = OpenSeat(); !error.empty()) return error;
   physics_ = std::jthread([this](const std::stop_token& stop) {
     pthread_setname_np(pthread_self(), "physics");
     RunWorld(stop);
@@ -158,6 +159,7 @@ std::string Daemon::OpenNames() {
       NameHooks{
           [this](const std::string& name, const std::string& asker) { OpenYarpPort(name, asker); },
           [this](const Subscription& each, bool connects) { yarp_.Tell(each.from, each.to, connects); }});
+  if (!options_.seat.empty()) return {};
   const int port = options_.name_port.value_or(options_.port);
   std::string error = ListenOn(*name_server_, addresses(), port, options_.any_port);
   if (!error.empty()) return WithAdvice(error, "--port, or --name-port");
@@ -168,7 +170,7 @@ std::string Daemon::OpenNames() {
 
 std::string Daemon::OpenRobots() {
   RobotHostOptions host;
-  host.sockets = !options_.no_net;
+  host.sockets = listens();
   if (host.sockets) host.addresses = addresses();
   host.threads = options_.robot_threads.value_or(0);
   host.spin = Spin();
@@ -222,7 +224,7 @@ std::string Daemon::OpenGlobalModules() {
     published_.push_back(std::make_unique<NamedPort>(module->path(), *module, control_, net_, names_));
     NamedPort& port = *published_.back();
     std::string error =
-        options_.no_net ? port.Open({}, 0) : port.Open(addresses(), ports_.any_port() ? 0 : ports_.Take());
+        !listens() ? port.Open({}, 0) : port.Open(addresses(), ports_.any_port() ? 0 : ports_.Take());
     if (!error.empty()) return error;
   }
   control_.Call([this] { yars_desk_.Open(*simulation_); });
@@ -261,9 +263,27 @@ std::string Daemon::OpenPage() {
   web.costs = [this] { return Costs(); };
   web_ = std::make_unique<WebServer>(std::move(web), names_, frames_, options_.no_render ? nullptr : &images_,
                                      net_);
+  if (!options_.seat.empty()) return {};
   const int port = options_.http_port.value_or(options_.port == 0 ? 0 : options_.port + 1);
   const std::string error = ListenOn(*web_, addresses(), port, options_.any_port);
   return WithAdvice(error, "--port, or --http-port");
+}
+
+std::string Daemon::OpenSeat() {
+  if (options_.seat.empty()) return {};
+  seat_door_ = std::make_unique<PassedDoor>(control_.context(), [this](PassedSocket passed) {
+    switch (passed.kind) {
+      case PassedKind::kNames:
+        return name_server_->Adopt(std::move(passed.fd), std::move(passed.peer),
+                                   std::move(passed.already_read));
+      case PassedKind::kPage:
+        return web_->Adopt(std::move(passed.fd), std::move(passed.peer), std::move(passed.already_read));
+      case PassedKind::kTaken:
+      case PassedKind::kGiven:
+        return net_.SetTaken(passed.kind == PassedKind::kTaken);
+    }
+  });
+  return seat_door_->Listen(options_.seat);
 }
 
 CostSnapshot Daemon::Costs() const {
@@ -290,6 +310,7 @@ void Daemon::Stop() {
   recordings_.Close();
   // The robots' host belongs to the control thread, which may be bringing up a scenario just now.
   control_.Call([this] {
+    seat_door_.reset();
     name_server_.reset();  // first: nobody is to hear that a name is not there
     applied_.clear();
     opens_yarp_ports_ = false;
@@ -401,6 +422,7 @@ std::string Daemon::told_host() const {
 }
 
 std::string Daemon::http() const {
+  if (!options_.seat.empty()) return options_.seat_url;
   return web_ == nullptr ? "" : fmt::format("http://{}:{}/", Bracketed(told_host()), web_->port());
 }
 
@@ -417,14 +439,14 @@ std::vector<std::string> Daemon::ChannelLines() const {
 
 std::string Daemon::ReadyLine() const {
   const std::string names =
-      name_server_ == nullptr ? "off" : fmt::format("{}:{}", Bracketed(told_host()), name_server_->port());
-  return fmt::format("ready names={} http={} robots={}", names, web_ == nullptr ? "off" : http(),
-                     frames_.Latest()->scene->robots.size());
+      !listens() ? "off" : fmt::format("{}:{}", Bracketed(told_host()), name_server_->port());
+  return fmt::format("ready names={} http={} robots={}", names,
+                     web_ == nullptr || !listens() ? "off" : http(), frames_.Latest()->scene->robots.size());
 }
 
 std::string Daemon::HowToGoOn() const {
   std::ostringstream out;
-  if (name_server_ == nullptr) return {};
+  if (!listens()) return {};
   // With --host 0.0.0.0 the others need an address of this machine, not 127.0.0.1.
   std::string host = told_host();
   if (BeyondLoopback(options_) && IsLoopback(host)) {

@@ -31,6 +31,7 @@
 #include "server/naming/name_client.h"
 #include "server/naming/name_server.h"
 #include "server/naming/named_port.h"
+#include "server/net/passed_socket.h"
 #include "server/record/player.h"
 #include "server/render/render_thread.h"
 #include "server/replay/state_at.h"
@@ -121,9 +122,13 @@ class Daemon final : private ControlActions {
   /// /simulation and the others, once they are open.
   std::vector<Endpoint*> GlobalModules() const;
   std::string OpenPage();
+  /// The way by which `coopdyn host` passes connections.
+  std::string OpenSeat();
   /// What the run has cost so far. Any thread.
   CostSnapshot Costs() const;
   std::chrono::microseconds Spin() const;
+  /// Whether it has ports of its own.
+  bool listens() const { return !options_.no_net && options_.seat.empty(); }
   /// Where its ports listen.
   std::vector<std::string> addresses() const;
   /// The address that other programs should use.
@@ -173,6 +178,7 @@ class Daemon final : private ControlActions {
   std::unique_ptr<RecorderModule> recorder_;
   std::vector<std::unique_ptr<NamedPort>> published_;  // of the five above
   std::unique_ptr<NameServer> name_server_;
+  std::unique_ptr<PassedDoor> seat_door_;
   std::optional<boost::asio::steady_timer> clock_timer_, sweep_timer_;
   std::unique_ptr<NameClient> name_client_;
   std::map<std::string, int> told_names_;  // to the other name server: name, port

@@ -56,6 +56,9 @@ struct ServeOptions {
   bool weak_token = false;            // may be short
   std::string yarp_server;            // HOST:PORT; empty: our own name server
   std::string yarp_dialect = "auto";  // of readers: "3", "4", or each is asked
+  std::string
+      seat;  // path of the socket by which `coopdyn host` passes connections; empty: it listens itself
+  std::string seat_url;  // of its page, as the host shows it
   bool private_robots = false;
   bool read_only = false;
   bool no_render = false, no_http = false, no_net = false;

@@ -155,6 +155,10 @@ void AddNetwork(CLI::App* sub, ServeOptions& serve) {
   sub->add_option("--token", serve.token, "What changing commands from other machines must show")
       ->check(CLI::Validator(CheckToken, ""));
   sub->add_flag("--weak-token", serve.weak_token, "Let --token be shorter than 12 characters");
+  // Without a group they do not stand in --help: for `coopdyn host`.
+  sub->add_option("--seat", serve.seat, "Take connections from coopdyn host at this socket, and no others")
+      ->group("");
+  sub->add_option("--seat-url", serve.seat_url, "The address of the page, as the host shows it")->group("");
   sub->add_flag("--private", serve.private_robots, "Robots' modules need the token too");
   sub->add_flag("--read-only", serve.read_only,
                 "Clients and the page may read and watch, and change nothing");

@@ -112,14 +112,15 @@ struct NameServer::Impl : std::enable_shared_from_this<NameServer::Impl> {
         hooks(std::move(h)),
         listener(c, s, [this](UniqueFd fd, PeerInfo peer) { Open(std::move(fd), std::move(peer)); }) {}
 
-  void Open(UniqueFd fd, PeerInfo peer) {
+  void Open(UniqueFd fd, PeerInfo peer, std::string already_read = {}) {
     NameContext where{IpOf(LocalAddress(fd.get())),
                       IpOf(PeerAddress(fd.get())),
                       advertise,
                       0,
                       services.read_only(),
                       &hooks};
-    auto client = std::make_shared<Client>(Client{Socket(context), std::move(peer), std::move(where)});
+    auto client = std::make_shared<Client>(
+        Client{Socket(context), std::move(peer), std::move(where), std::move(already_read)});
     error_code error;
     client->socket.assign({AF_UNSPEC, 0}, fd.get(), error);  // Asio wants a protocol; nothing here uses it
     if (error) return services.logger()->error("names: cannot take a connection: {}", error.message());
@@ -143,10 +144,12 @@ struct NameServer::Impl : std::enable_shared_from_this<NameServer::Impl> {
     Socket& socket = client->socket;
     char block[1024];
     NameReply reply;
-    while (!reply.close) {
-      const auto [ended, count] = co_await socket.async_read_some(asio::buffer(block), kAwait);
-      if (ended || !socket.is_open()) co_return;
-      client->in.append(block, count);
+    for (bool read = client->in.empty(); !reply.close; read = true) {
+      if (read) {
+        const auto [ended, count] = co_await socket.async_read_some(asio::buffer(block), kAwait);
+        if (ended || !socket.is_open()) co_return;
+        client->in.append(block, count);
+      }
       do {
         reply = AnswerLines(*client, table, services.clock());
         const auto [failed, written] = co_await asio::async_write(socket, asio::buffer(reply.text), kAwait);
@@ -218,6 +221,11 @@ void NameServer::Serve() {
     impl->serves = true;
     for (const auto& client : impl->clients) impl->Serve(client);
   });
+}
+
+void NameServer::Adopt(UniqueFd fd, PeerInfo peer, std::string already_read) {
+  SetClientSocketOptions(fd.get());
+  impl_->Open(std::move(fd), std::move(peer), std::move(already_read));
 }
 
 int NameServer::port() const {

@@ -11,6 +11,7 @@
 #include "server/naming/name_protocol.h"
 #include "server/naming/name_table.h"
 #include "server/net/net_services.h"
+#include "server/net/unique_fd.h"
 
 namespace boost::asio {
 class io_context;
@@ -38,6 +39,9 @@ class NameServer {
   std::string Listen(const std::vector<std::string>& addresses, int port);
   /// Answers from now on, as all names are there. Any thread, once.
   void Serve();
+  /// Serves a connection that another process has accepted, and of which it has read the first bytes. The
+  /// thread of `context`.
+  void Adopt(UniqueFd fd, PeerInfo peer, std::string already_read);
   /// The name, in Linux's abstract namespace, of the unix socket of the name server on this port.
   static std::string LocalName(int port) { return "coopdyn-" + std::to_string(port); }
   /// 0 = none. Constant after Listen().

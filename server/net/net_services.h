@@ -12,12 +12,16 @@
 #include "server/base/ids.h"
 #include "server/base/log.h"
 #include "server/net/encoding.h"
+#include "server/net/peer.h"
 
 namespace coopdyn {
 
 /// What who wants to change something is told.
 inline constexpr const char* kReadOnlyText =
     "the daemon was started with --read-only: everything can be read and watched, nothing changed";
+/// What a student who wants to change something is told while the teacher drives.
+inline constexpr const char* kTakenText =
+    "the teacher drives this seat now: watch, and try again when it is yours";
 
 /// One per daemon; outlives every server. `clock` must outlive it.
 class NetServices {
@@ -31,6 +35,13 @@ class NetServices {
   const Clock& clock() const { return clock_; }
   const Encodings& encodings() const { return encodings_; }
   bool read_only() const { return read_only_; }
+  /// The teacher drives: students of this seat may change nothing.
+  bool taken() const { return taken_; }
+  void SetTaken(bool taken) { taken_ = taken; }
+  /// Why `peer` may change nothing; null: it may.
+  const char* WhyReadOnly(const PeerInfo& peer) const {
+    return read_only_ ? kReadOnlyText : peer.yields && taken_ ? kTakenText : nullptr;
+  }
   /// An id that no other connection of this daemon has or had.
   ClientId NextClient() { return ++last_client_; }
   /// Says in the log what cannot be done for want of something, such as open files: once, until that has been
@@ -45,6 +56,7 @@ class NetServices {
   const Clock& clock_;
   const Encodings encodings_;
   const bool read_only_;
+  std::atomic<bool> taken_{false};
   PeerLogLimiter limiter_;
   std::atomic<ClientId> last_client_{0};
   std::atomic<Nanoseconds> exhausted_{std::numeric_limits<Nanoseconds>::min()};  // last; min: never

@@ -17,6 +17,7 @@ namespace coopdyn {
 struct PeerInfo {
   std::string text;      // "127.0.0.1:53120", "[::1]:53120", "unix:4711" (a process of this machine), "page"
   bool trusted = false;  // from loopback or from inside the daemon: needs no token
+  bool yields = false;   // a student of a seat: may only watch while the teacher drives
 };
 
 /// What ends a connection, and with it what its client owns.

@@ -239,8 +239,8 @@ void Session::HandRequest(Message request, bool changes) {
   ReplyFunction reply = AwaitReply();
   const std::uint64_t serial = serial_;
   const std::int32_t command = request.command;
-  if (services_.read_only() && (changes || Changes(command)))
-    return OnReply(serial, ErrorReply(command, Error::kNotAllowed, kReadOnlyText));
+  if (const char* const why = services_.WhyReadOnly(peer_); why != nullptr && (changes || Changes(command)))
+    return OnReply(serial, ErrorReply(command, Error::kNotAllowed, why));
   const bool ok = CallEndpoint(
       [&](Endpoint& endpoint) { endpoint.OnRequest(*this, std::move(request), std::move(reply)); });
   if (!ok)

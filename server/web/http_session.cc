@@ -70,7 +70,9 @@ HttpSession::HttpSession(asio::ip::tcp::socket socket, WebContext& context, Peer
 
 HttpSession::~HttpSession() = default;
 
-void HttpSession::Start() {
+void HttpSession::Start(const std::string& already_read) {
+  asio::buffer_copy(buffer_.prepare(already_read.size()), asio::buffer(already_read));
+  buffer_.commit(already_read.size());
   ReadHeader();
 }
 
@@ -268,7 +270,8 @@ std::string HttpSession::WhyNoToken(std::string_view token_of_body) const {
 
 void HttpSession::AnswerFile(const std::string& body) {
   const bool upload = route_.kind == HttpRouteKind::kUpload;
-  if (upload && context_.services.read_only()) return Answer(ErrorAnswer(403, kReadOnlyText));
+  if (const char* const why = context_.services.WhyReadOnly(peer_); upload && why != nullptr)
+    return Answer(ErrorAnswer(403, why));
   PageFileRead read = ReadPageFile(body);
   if (!read.error.empty()) return Answer(ErrorAnswer(400, read.error));
   if (!HasToken(read.token)) return Answer(ErrorAnswer(403, WhyNoToken(read.token)));

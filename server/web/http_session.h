@@ -39,7 +39,8 @@ class HttpSession : public WebConnection, public std::enable_shared_from_this<Ht
   HttpSession(boost::asio::ip::tcp::socket socket, WebContext& context, PeerInfo peer);
   ~HttpSession() override;
 
-  void Start();
+  /// `already_read`: the first bytes, if somebody else has read them.
+  void Start(const std::string& already_read = {});
   /// Answers 503 and closes: too many connections.
   void Refuse();
   void Close() override;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/web/web_server.h"
 
+#include <memory>
 #include <utility>
 
 #include <boost/asio/ip/tcp.hpp>
@@ -28,7 +29,15 @@ void WebServer::Stop() {
   thread_.Stop();
 }
 
-void WebServer::Accept(UniqueFd fd, PeerInfo peer) {
+void WebServer::Adopt(UniqueFd fd, PeerInfo peer, std::string already_read) {
+  thread_.Post([this, held = std::make_shared<UniqueFd>(std::move(fd)), peer = std::move(peer),
+                read = std::move(already_read)] {
+    SetClientSocketOptions(held->get());
+    Accept(std::move(*held), peer, read);
+  });
+}
+
+void WebServer::Accept(UniqueFd fd, PeerInfo peer, std::string already_read) {
   using Verdict = WebConnections::Verdict;
   namespace ip = boost::asio::ip;
   const Verdict verdict = context_.connections.Admit(peer);
@@ -41,7 +50,7 @@ void WebServer::Accept(UniqueFd fd, PeerInfo peer) {
   fd.Release();
   const auto session = std::make_shared<HttpSession>(std::move(socket), context_, peer);
   context_.connections.Add(session, peer);
-  if (verdict == Verdict::kServe) return session->Start();
+  if (verdict == Verdict::kServe) return session->Start(already_read);
   services_.LogPeer(spdlog::level::warn, peer.text, "too many connections to the page: refused");
   session->Refuse();
 }

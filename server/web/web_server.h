@@ -31,12 +31,16 @@ class WebServer {
   /// The port it listens on; 0 = none. Constant after Listen().
   int port() const { return listener_.port(); }
 
+  /// Serves a connection that another process has accepted, and of which it has read the first bytes. Any
+  /// thread.
+  void Adopt(UniqueFd fd, PeerInfo peer, std::string already_read);
+
   /// Closes all connections and joins the thread. Pictures that are still being made are dropped when they
   /// come. Any thread but the UI thread; again does nothing.
   void Stop();
 
  private:
-  void Accept(UniqueFd fd, PeerInfo peer);
+  void Accept(UniqueFd fd, PeerInfo peer, std::string already_read = {});
 
   NetServices& services_;
   IoThread thread_;  // first: connections that are left end with its io_context
