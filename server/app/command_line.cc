@@ -213,6 +213,7 @@ int RunCommandLine(int argc, const char* const* argv) {
   AddServe(app, command_line, chosen);
   AddCheck(app, chosen);
   AddConvert(app, chosen);
+  AddHost(app, chosen);
   AddRemote(app, chosen);
   AddDoctor(app, chosen);
   AddControllerChild(app, chosen);

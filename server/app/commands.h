@@ -46,6 +46,8 @@ void AddDescribe(CLI::App& app, Chosen& chosen);
 void AddVerify(CLI::App& app, Chosen& chosen);
 /// A recorded run for other programs.
 void AddExport(CLI::App& app, Chosen& chosen);
+/// A class on one server: host, and seat, which changes its list.
+void AddHost(CLI::App& app, Chosen& chosen);
 /// What recordings hold.
 void AddInfo(CLI::App& app, Chosen& chosen);
 

@@ -10,6 +10,7 @@
 
 int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow any more is an error of writing
   // Small blocks that are freed join their neighbours at once: put off, as glibc does it, that takes a second
   // when 100,000 robots end. Steps do not notice.
   mallopt(M_MXFAST, 0);

@@ -14,7 +14,7 @@
 namespace coopdyn {
 
 int Spawn(const std::string& program, const std::vector<std::string>& arguments,
-          const std::array<int, 3>& streams, pid_t& process) {
+          const std::array<int, 3>& streams, pid_t& process, SpawnApart apart) {
   std::vector<std::string> words = arguments;
   words.insert(words.begin(), program);
   std::vector<char*> argv;
@@ -29,15 +29,16 @@ int Spawn(const std::string& program, const std::vector<std::string>& arguments,
   for (int i = 0; i < 3; ++i)
     posix_spawn_file_actions_adddup2(&files, streams[static_cast<std::size_t>(i)], i);
   posix_spawn_file_actions_addclosefrom_np(&files, 3);
-  sigset_t none, pipe;
+  sigset_t none, ours;  // those that we may ignore
   sigemptyset(&none);
-  sigemptyset(&pipe);
-  sigaddset(&pipe, SIGPIPE);
+  sigemptyset(&ours);
+  for (const int one : {SIGPIPE, SIGCHLD, SIGXFSZ}) sigaddset(&ours, one);
   posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setsigdefault(&attributes, &pipe);
+  posix_spawnattr_setsigdefault(&attributes, &ours);
   posix_spawnattr_setpgroup(&attributes, 0);
+  const int apart_flag = apart == SpawnApart::kSession ? POSIX_SPAWN_SETSID : POSIX_SPAWN_SETPGROUP;
   posix_spawnattr_setflags(&attributes,
-                           POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+                           static_cast<short>(POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | apart_flag));
   const int code = ::posix_spawnp(&process, program.c_str(), &files, &attributes, argv.data(), environ);
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&files);

@@ -11,11 +11,14 @@
 
 namespace coopdyn {
 
+/// kGroup: Ctrl-C in the terminal is for us, and we end the program. kSession: it also outlives us and the
+/// terminal, and the kernel gives it a fair share of the processors of its own (sched(7), autogroup).
+enum class SpawnApart { kGroup, kSession };
+
 /// Starts `program`, a path or a name that is looked up in PATH, with these files as its stdin, stdout and
-/// stderr and no others, with signals as a program expects them, and in a process group of its own: Ctrl-C in
-/// the terminal is for us, and we end it. Returns 0, or an errno code.
+/// stderr and no others, and with signals as a program expects them. Returns 0, or an errno code.
 int Spawn(const std::string& program, const std::vector<std::string>& arguments,
-          const std::array<int, 3>& streams, pid_t& process);
+          const std::array<int, 3>& streams, pid_t& process, SpawnApart apart = SpawnApart::kGroup);
 
 /// The program `name` of ours, in the folder of this program or, for tests, in the build's folder above:
 /// nobody else's. Empty if it is not there.

@@ -15,11 +15,11 @@ namespace coopdyn {
 
 /// A student, or a pair that shares a seat.
 struct RollEntry {
-  std::string seat;   // in addresses and folders: a-z, 0-9, '-' and '_', e.g. "ana"
-  std::string name;   // as the wall shows it, e.g. "Ana Müller"
-  std::string pin;    // 4 to 16 letters or digits
-  std::string group;  // empty: none
-  std::string link;   // the secret part of the personal link
+  std::string seat = {};   // in addresses and folders: a-z, 0-9, '-' and '_', e.g. "ana"
+  std::string name = {};   // as the wall shows it, e.g. "Ana Müller"
+  std::string pin = {};    // 4 to 16 letters or digits
+  std::string group = {};  // empty: none
+  std::string link = {};   // the secret part of the personal link
 };
 
 /// Random bytes of this length, in hexadecimal digits or in decimal ones.

@@ -13,17 +13,16 @@
 #include <tuple>
 #include <utility>
 
-#include <boost/asio/as_tuple.hpp>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 
 #include "server/naming/name_talk.h"
+#include "server/net/await.h"
 #include "server/net/listener.h"
 
 namespace coopdyn {
@@ -33,7 +32,6 @@ namespace asio = boost::asio;
 using boost::system::error_code;
 using Socket = asio::generic::stream_protocol::socket;
 
-constexpr auto kAwait = asio::as_tuple(asio::use_awaitable);  // gives errors instead of throwing them
 constexpr std::string_view kMagicFamily = "CDS";
 constexpr std::size_t kMaxLineBytes = 4096;
 constexpr std::size_t kMaxUnwritten = std::size_t{64} << 10;

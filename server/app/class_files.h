@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// The files of a class's folder: its list, the teacher's token. Any thread.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "server/base/diagnostics.h"
+#include "server/host/roll.h"
+
+namespace coopdyn {
+
+/// Random digits of the system.
+RandomDigits SystemRandom();
+
+/// FOLDER/class.csv.
+std::filesystem::path RollFile(const std::filesystem::path& folder);
+/// Nothing, and `diagnostics` say why: it cannot be read.
+std::optional<Roll> LoadRoll(const std::filesystem::path& file, Diagnostics& diagnostics);
+/// Writes the list so that nobody reads half of it, and only its owner reads it at all. An error text.
+std::string SaveRoll(const std::filesystem::path& file, const Roll& roll);
+
+/// The teacher's token of FOLDER, which is made with the first call. Empty: it cannot be kept.
+std::string TeacherToken(const std::filesystem::path& folder);
+
+}  // namespace coopdyn

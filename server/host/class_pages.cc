@@ -1,0 +1,448 @@
+// SPDX-License-Identifier: MIT
+#include "server/host/class_pages.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <functional>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/readable_pipe.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core/buffers_to_string.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <boost/beast/http/write.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+
+#include "protocol/json_text.h"
+#include "server/base/spawn.h"
+#include "server/host/class_routes.h"
+#include "server/host/sheet.h"
+#include "server/net/await.h"
+#include "server/web/access.h"
+#include "server/web/assets.h"
+#include "server/web/http_routes.h"
+
+namespace coopdyn {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+namespace json = boost::json;
+using boost::system::error_code;
+using Request = http::request<http::string_body>;
+
+constexpr std::chrono::milliseconds kEventsEvery{500};
+constexpr int kHeartbeat = 30;  // pauses without an event
+constexpr std::chrono::seconds kDrainTime{2}, kCollectTime{600};
+constexpr const char* kWallCookie = "coopdyn_wall";
+
+std::string SeatCookie(const std::string& seat) {
+  return "coopdyn_" + seat;
+}
+
+HttpAnswer WithCookie(HttpAnswer answer, const std::string& name, const std::string& value,
+                      const std::string& path) {
+  answer.headers.emplace_back("Set-Cookie",
+                              name + "=" + value + "; Path=" + path + "; HttpOnly; SameSite=Strict");
+  return answer;
+}
+
+HttpAnswer HtmlAnswer(std::string page) {
+  HttpAnswer answer;
+  answer.body = std::move(page);
+  answer.type = "text/html; charset=utf-8";
+  answer.headers.emplace_back("Cache-Control", "no-store");
+  return answer;
+}
+
+HttpAnswer GoTo(const std::string& where) {
+  return {.status = 303, .headers = {{"Location", where}, {"Cache-Control", "no-store"}}};
+}
+
+/// The object in a body of JSON; empty: there is none.
+json::object ObjectIn(const std::string& body) {
+  error_code failed;
+  json::value read = json::parse(body, failed);
+  return failed || !read.is_object() ? json::object() : std::move(read.as_object());
+}
+
+std::string TextIn(const json::object& object, std::string_view key) {
+  const json::value* const value = object.if_contains(key);
+  return value != nullptr && value->is_string() ? std::string(value->as_string()) : std::string();
+}
+
+}  // namespace
+
+struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
+  /// A connection that is ours.
+  struct Guest {
+    explicit Guest(asio::ip::tcp::socket socket) : stream(std::move(socket)) {}
+    beast::tcp_stream stream;
+    PeerInfo peer;
+    beast::flat_buffer buffer = {};
+    std::optional<http::request_parser<http::string_body>> parser = {};
+  };
+  using GuestPtr = std::shared_ptr<Guest>;
+
+  Impl(asio::io_context& c, ClassRoom& r, SeatGuard& g, std::string t, std::vector<std::string> n,
+       WrongTokens& w, const Clock& k, NetServices& s)
+      : context(c),
+        room(r),
+        guard(g),
+        teacher(std::move(t), true, &w),
+        host_names(std::move(n)),
+        clock(k),
+        listener(c, s, [this](UniqueFd fd, PeerInfo peer) { Open(std::move(fd), std::move(peer)); }) {}
+
+  void Open(UniqueFd fd, PeerInfo peer) {
+    if (guests.size() >= kMaxGuests) return;
+    asio::ip::tcp::socket socket(context);
+    error_code failed;
+    const bool v4 = PeerAddress(fd.get()).ip.find(':') == std::string::npos;
+    socket.assign(v4 ? asio::ip::tcp::v4() : asio::ip::tcp::v6(), fd.get(), failed);
+    if (failed) return;
+    fd.Release();
+    const auto guest = std::make_shared<Guest>(std::move(socket));
+    guest->peer = std::move(peer);
+    guests.insert(guest);
+    asio::co_spawn(context, Serve(guest), [weak = weak_from_this(), guest](const std::exception_ptr& thrown) {
+      if (const auto impl = weak.lock()) impl->guests.erase(guest);
+      guest->stream.close();
+      if (thrown) std::rethrow_exception(thrown);  // the thread logs it
+    });
+  }
+
+  /// One request; each answer ends its connection, as the next request may be for another seat.
+  asio::awaitable<void> Serve(GuestPtr guest) {
+    auto& parser = guest->parser.emplace();
+    parser.header_limit(kMaxHeaderBytes);
+    parser.body_limit(kMaxBodyBytes);
+    guest->stream.expires_after(kRequestTime);
+    const auto [failed, header] =
+        co_await http::async_read_header(guest->stream, guest->buffer, parser, kAwait);
+    if (failed) co_return;
+    if (const std::string why = Objection(parser.get()); !why.empty())
+      co_return co_await Answer(guest, ErrorAnswer(403, why));
+    const ClassRoute route = FindClassRoute(parser.get().target());
+    if (route.kind == ClassRouteKind::kSeat || route.kind == ClassRouteKind::kWallSeat) {
+      HttpAnswer refusal = PassOn(*guest, route);
+      if (refusal.status != 200) co_await Answer(guest, std::move(refusal));
+      co_return;
+    }
+    const auto [lost, body] = co_await http::async_read(guest->stream, guest->buffer, parser, kAwait);
+    if (lost == http::error::body_limit) co_return co_await Answer(guest, ErrorAnswer(413, "at most 1 MiB"));
+    if (lost) co_return;
+    co_await Handle(guest, route);
+  }
+
+  /// Guards against pages of others: of names that somebody else's DNS resolves to us, and of other origins.
+  std::string Objection(const Request& request) const {
+    const auto hosts = request.equal_range(http::field::host);
+    const bool one = hosts.first != hosts.second && std::next(hosts.first) == hosts.second;
+    const std::string_view host = one ? std::string_view(hosts.first->value()) : std::string_view();
+    if (!one || !HostAllowed(host, host_names))
+      return "this host is not known by that name: use its address, or start it with --host NAME";
+    const std::string_view origin = request[http::field::origin];
+    if (!origin.empty() && !OriginAllowed(origin, host)) return "requests from another page are refused";
+    if (request.method() != http::verb::post) return {};
+    const std::string_view type = request[http::field::content_type];
+    return type.starts_with("application/json") ? "" : "send JSON: Content-Type: application/json";
+  }
+
+  bool IsTeacher(const Request& request) const {
+    const std::string_view cookie = CookieIn(request[http::field::cookie], kWallCookie);
+    const std::string_view bearer = BearerToken(request[http::field::authorization]);
+    return teacher.Matches(cookie) || teacher.Matches(bearer);
+  }
+
+  /// Empty: the request may have the seat.
+  std::string WhyNotStudent(const Guest& guest, const std::string& seat) const {
+    const Request& request = guest.parser->get();
+    const RollEntry* const entry = room.roll().Find(seat);
+    if (entry != nullptr &&
+        TokenGuard(entry->link, true).Matches(CookieIn(request[http::field::cookie], SeatCookie(seat))))
+      return {};
+    const std::string_view bearer = BearerToken(request[http::field::authorization]);  // a program: ana:7305
+    const std::size_t colon = bearer.find(':');
+    if (colon == std::string_view::npos || bearer.substr(0, colon) != seat)
+      return "this seat is another student's, or you are not logged in: go to / and enter name and PIN";
+    return guard.Judge(seat, bearer.substr(colon + 1), guest.peer.text);
+  }
+
+  /// Passes the connection to the seat's daemon. Status 200: done.
+  HttpAnswer PassOn(Guest& guest, const ClassRoute& route) {
+    Request& request = guest.parser->get();
+    const bool teaches = route.kind == ClassRouteKind::kWallSeat;
+    const std::string prefix = std::string(teaches ? "/wall" : "") + "/s/" + route.seat;
+    Seat* const seat = room.FindSeat(route.seat);
+    if (teaches && !IsTeacher(request))
+      return ErrorAnswer(403, "this needs the teacher's token: go to /wall/");
+    if (!teaches) {
+      if (const std::string why = WhyNotStudent(guest, route.seat); !why.empty()) {
+        const bool page = route.rest.empty() || route.rest == "/";
+        return page && request.method() == http::verb::get ? GoTo("/") : ErrorAnswer(403, why);
+      }
+    }
+    if (seat == nullptr) return ErrorAnswer(404, "there is no seat " + route.seat);
+    if (seat->state() == SeatState::kFailed) return ErrorAnswer(503, seat->trouble());
+    if (route.rest.empty()) return GoTo(prefix + "/");
+    // Each request is judged here, so the daemon ends the connection with its answer.
+    request.target(route.rest);
+    if (!beast::websocket::is_upgrade(request)) request.set(http::field::connection, "close");
+    request.erase(http::field::cookie);
+    request.erase(http::field::authorization);
+    std::ostringstream head;
+    head << request.base();
+    if (!teaches && (request.method() == http::verb::post || beast::websocket::is_upgrade(request)))
+      room.NoteActive(route.seat);
+    PassedSocket passed{.kind = PassedKind::kPage, .peer = guest.peer};
+    passed.already_read = head.str() + beast::buffers_to_string(guest.buffer.data());
+    passed.peer.trusted = true;
+    passed.peer.yields = !teaches;
+    error_code failed;
+    passed.fd = UniqueFd(guest.stream.release_socket().release(failed));
+    if (!failed) seat->Pass(std::move(passed));
+    return {};
+  }
+
+  asio::awaitable<void> Handle(const GuestPtr& guest, const ClassRoute& route) {
+    const Request& request = guest->parser->get();
+    const bool post = request.method() == http::verb::post;
+    switch (route.kind) {
+      case ClassRouteKind::kAsset:
+        co_return co_await Answer(guest, AssetAnswer(route.rest, request));
+      case ClassRouteKind::kLink: {
+        const RollEntry* const entry = room.FindLink(route.rest);
+        if (entry == nullptr)
+          co_return co_await Answer(
+              guest, ErrorAnswer(404, "this link is not valid any more: ask your teacher for another"));
+        co_return co_await Answer(guest, WithCookie(GoTo("/s/" + entry->seat + "/"), SeatCookie(entry->seat),
+                                                    entry->link, "/s/" + entry->seat + "/"));
+      }
+      case ClassRouteKind::kLogin:
+        co_return co_await Answer(guest,
+                                  post ? Login(*guest) : ErrorAnswer(405, "this address takes POST only"));
+      case ClassRouteKind::kWallLogin:
+        co_return co_await Answer(
+            guest, post ? WallLogin(*guest) : ErrorAnswer(405, "this address takes POST only"));
+      case ClassRouteKind::kSeatAsks:
+        if (const std::string why = WhyNotStudent(*guest, route.seat); !why.empty())
+          co_return co_await Answer(guest, ErrorAnswer(403, why));
+        co_return co_await HandleStudent(guest, route);
+      case ClassRouteKind::kWallAsks:
+        if (!IsTeacher(request))
+          co_return co_await Answer(guest, ErrorAnswer(403, "this needs the teacher's token"));
+        co_return co_await HandleTeacher(guest, route.rest);
+      case ClassRouteKind::kUnknown:
+      case ClassRouteKind::kSeat:
+      case ClassRouteKind::kWallSeat:
+        co_return co_await Answer(guest, ErrorAnswer(404, "there is nothing at this address"));
+    }
+  }
+
+  HttpAnswer AssetAnswer(const std::string& path, const Request& request) const {
+    if (path == "/wall") return GoTo("/wall/");
+    const Asset* const asset = FindAsset(path);
+    if (asset == nullptr) return ErrorAnswer(404, "there is nothing at this address");
+    return AnswerAsset(*asset, std::string_view(request[http::field::if_none_match]),
+                       std::string_view(request[http::field::accept_encoding]));
+  }
+
+  HttpAnswer Login(const Guest& guest) const {
+    const json::object said = ObjectIn(guest.parser->get().body());
+    const std::string name = TextIn(said, "name");
+    // People write their name as the list has it, or the seat's.
+    const auto& entries = room.roll().entries();
+    const auto known = std::ranges::find_if(entries, [&name](const RollEntry& entry) {
+      return entry.seat == name || SeatNameFor(entry.name) == SeatNameFor(name);
+    });
+    const std::string seat = known == entries.end() ? name : known->seat;
+    if (std::string why = guard.Judge(seat, TextIn(said, "pin"), guest.peer.text); !why.empty())
+      return ErrorAnswer(403, why);
+    const std::string path = "/s/" + seat + "/";
+    return WithCookie(JsonAnswer(json::serialize(json::object{{"go", path}})), SeatCookie(seat), known->link,
+                      path);
+  }
+
+  HttpAnswer WallLogin(const Guest& guest) const {
+    const std::string token = TextIn(ObjectIn(guest.parser->get().body()), "token");
+    if (std::string wait = teacher.WaitText(guest.peer.text, clock.Now()); !wait.empty())
+      return ErrorAnswer(403, wait);
+    if (teacher.Judge(token, guest.peer.text, clock.Now()) != TokenVerdict::kRight)
+      return ErrorAnswer(403, "this is not the teacher's token: coopdyn host printed it when it started");
+    return WithCookie(JsonAnswer("{}"), kWallCookie, token, "/wall/");
+  }
+
+  asio::awaitable<void> HandleStudent(const GuestPtr& guest, const ClassRoute& route) {
+    const Request& request = guest->parser->get();
+    const std::string& seat = route.seat;
+    const bool post = request.method() == http::verb::post;
+    if (!post && route.rest == "events")
+      co_return co_await Stream(guest, [this, seat] { return json::serialize(room.StudentJson(seat)); });
+    if (!post && route.rest == "me")
+      co_return co_await Answer(guest, JsonAnswer(json::serialize(room.StudentJson(seat))));
+    if (post && route.rest == "hand") {
+      const json::object said = ObjectIn(request.body());
+      const json::value* const up = said.if_contains("up");
+      room.RaiseHand(seat, up != nullptr && up->is_bool() && up->as_bool());
+      co_return co_await Answer(guest, JsonAnswer("{}"));
+    }
+    if (post && route.rest == "hand-in") {
+      const std::string error = co_await HandIn(seat);
+      co_return co_await Answer(guest, error.empty() ? JsonAnswer("{}") : ErrorAnswer(500, error));
+    }
+    co_await Answer(guest, ErrorAnswer(404, "a seat's page may ask for me, events, hand and hand-in"));
+  }
+
+  asio::awaitable<void> HandleTeacher(const GuestPtr& guest, const std::string& what) {
+    const Request& request = guest->parser->get();
+    const bool post = request.method() == http::verb::post;
+    if (!post && what == "events")
+      co_return co_await Stream(guest, [this] { return json::serialize(room.WallJson()); });
+    if (!post && what == "seats")
+      co_return co_await Answer(guest, JsonAnswer(json::serialize(room.WallJson())));
+    if (!post && what == "sheet")
+      co_return co_await Answer(guest, HtmlAnswer(SheetPage(room.roll(), room.options().url)));
+    if (!post && what == "collect.tar") co_return co_await Collect(guest);
+    if (post && what == "do") {
+      const std::string error = room.Do(ObjectIn(request.body()));
+      co_return co_await Answer(guest, error.empty() ? JsonAnswer("{}") : ErrorAnswer(400, error));
+    }
+    co_await Answer(guest, ErrorAnswer(404, "the wall may ask for seats, events, sheet, do and collect.tar"));
+  }
+
+  asio::awaitable<std::string> HandIn(const std::string& seat) {
+    std::optional<std::string> result;
+    asio::steady_timer done(context, asio::steady_timer::time_point::max());
+    room.HandIn(seat, [&](std::string error) {
+      result = std::move(error);
+      done.cancel();
+    });
+    if (!result) co_await done.async_wait(kAwait);
+    co_return result.value_or("");
+  }
+
+  /// All that the class keeps, as an archive; its length is not known before.
+  asio::awaitable<void> Collect(const GuestPtr& guest) {
+    std::array<int, 2> ends{-1, -1};
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0)
+      co_return co_await Answer(guest, ErrorAnswer(503, "no more files can be open"));
+    asio::readable_pipe from(context, ends[0]);
+    UniqueFd into(ends[1]);
+    const UniqueFd nothing(::open("/dev/null", O_RDWR | O_CLOEXEC));
+    pid_t process = 0;
+    const int error = Spawn("tar",
+                            {"-C", room.options().folder.string(), "--exclude=door", "--exclude=*.new",
+                             "--warning=none", "-cf", "-", "seats"},
+                            {nothing.get(), into.get(), nothing.get()}, process);
+    into.Reset();
+    if (error != 0) co_return co_await Answer(guest, ErrorAnswer(500, "tar cannot be started"));
+    const std::string head = StreamHeader(
+        "Content-Type: application/x-tar\r\nContent-Disposition: attachment; filename=\"class.tar\"\r\n");
+    guest->stream.expires_after(kCollectTime);
+    bool good = !std::get<0>(co_await asio::async_write(guest->stream, asio::buffer(head), kAwait));
+    std::vector<char> block(std::size_t{64} << 10);
+    while (good) {
+      const auto [ended, count] = co_await from.async_read_some(asio::buffer(block), kAwait);
+      if (ended) break;
+      guest->stream.expires_after(kRequestTime);
+      good =
+          !std::get<0>(co_await asio::async_write(guest->stream, asio::buffer(block.data(), count), kAwait));
+    }
+    if (!good) ::kill(process, SIGKILL);
+    error_code ignored;
+    from.close(ignored);
+    WaitFor(process);  // it has closed its end, or was killed
+  }
+
+  /// Events for an EventSource: what `text` gives, whenever the class has changed.
+  asio::awaitable<void> Stream(const GuestPtr& guest, std::function<std::string()> text) {
+    const std::string head = StreamHeader("Content-Type: text/event-stream\r\nCache-Control: no-store\r\n");
+    std::string out = head;
+    std::uint64_t told = 0;
+    asio::steady_timer pause(context);
+    for (int quiet = 0;; ++quiet) {
+      if (told != room.version() || quiet >= kHeartbeat) {
+        out += told == room.version() ? ": still here\n\n" : "data: " + text() + "\n\n";
+        told = room.version();
+        quiet = 0;
+      }
+      guest->stream.expires_after(kRequestTime);
+      if (!out.empty() && std::get<0>(co_await asio::async_write(guest->stream, asio::buffer(out), kAwait)))
+        co_return;
+      guest->stream.expires_never();
+      out.clear();
+      pause.expires_after(kEventsEvery);
+      if (std::get<0>(co_await pause.async_wait(kAwait)) || !guests.contains(guest)) co_return;
+    }
+  }
+
+  asio::awaitable<void> Answer(const GuestPtr& guest, HttpAnswer answer) {
+    const Request& request = guest->parser->get();
+    http::response<http::string_body> response(static_cast<http::status>(answer.status), 11);
+    for (const auto& [name, value] : CommonHeaders()) response.set(name, value);
+    for (const auto& [name, value] : answer.headers) response.insert(name, value);
+    if (answer.status != 304) response.set(http::field::content_type, answer.type);
+    response.keep_alive(false);
+    response.body() = std::move(answer.body);
+    response.prepare_payload();
+    if (request.method() == http::verb::head) response.body().clear();
+    guest->stream.expires_after(kRequestTime);
+    co_await http::async_write(guest->stream, response, kAwait);
+    // The client reads the answer before the connection breaks, though it may still send.
+    error_code ignored;
+    guest->stream.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+    guest->stream.expires_after(kDrainTime);
+    std::vector<char> rest(std::size_t{16} << 10);
+    for (std::size_t drained = 0; drained < kMaxBodyBytes;) {
+      const auto [ended, count] = co_await guest->stream.async_read_some(asio::buffer(rest), kAwait);
+      if (ended) co_return;
+      drained += count;
+    }
+  }
+
+  asio::io_context& context;
+  ClassRoom& room;
+  SeatGuard& guard;
+  const TokenGuard teacher;
+  const std::vector<std::string> host_names;
+  const Clock& clock;
+  Listener listener;
+  std::set<GuestPtr> guests;
+};
+
+ClassPages::ClassPages(asio::io_context& context, ClassRoom& room, SeatGuard& guard, std::string token,
+                       std::vector<std::string> host_names, WrongTokens& wrong, const Clock& clock,
+                       NetServices& services)
+    : impl_(std::make_shared<Impl>(context, room, guard, std::move(token), std::move(host_names), wrong,
+                                   clock, services)) {}
+
+ClassPages::~ClassPages() {
+  for (const auto& guest : std::exchange(impl_->guests, {})) guest->stream.close();
+}
+
+std::string ClassPages::Listen(const std::vector<std::string>& addresses, int port) {
+  return impl_->listener.Listen(addresses, port);
+}
+
+int ClassPages::port() const {
+  return impl_->listener.port();
+}
+
+}  // namespace coopdyn

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+// A class: its list, a seat for each student, what students ask for and what the teacher does. Knows nothing
+// of HTTP. One thread, that of the io_context.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/json.hpp>
+
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/host/roll.h"
+#include "server/host/seat.h"
+#include "server/host/seat_call.h"
+
+namespace coopdyn {
+
+struct ClassOptions {
+  std::filesystem::path folder;      // of all that the class keeps
+  std::vector<std::string> lessons;  // scenarios, in the order of the lesson plan; at least one
+  std::string url;                   // of the host's page, e.g. "http://labserver:10001/"
+  SeatPlan plan = {};                // its lesson is set from `lessons`
+  Nanoseconds idle = 15 * 60 * kNanosecondsPerSecond;  // a seat where nothing happens is put aside; 0: never
+};
+
+/// What a student's page shows and the wall knows besides the daemon's status.
+struct Desk {
+  struct Note {
+    std::string time;  // "14:05"
+    std::string text;
+  };
+  Nanoseconds hand_since = 0;  // 0: the hand is down
+  bool frozen = false;
+  std::vector<Note> notes = {};     // from the teacher, oldest first
+  std::string language = {};        // of the student's program, as it said: "python"
+  Nanoseconds active = 0;           // when the student last did something
+  boost::json::object status = {};  // of the daemon, in brief; empty: none yet
+  std::string last_error = {};      // of the student's run
+  Nanoseconds error_at = 0;
+  std::vector<Nanoseconds> resets = {};  // of late
+  std::int64_t last_step = 0;
+};
+
+class ClassRoom {
+ public:
+  static constexpr std::size_t kMaxNotes = 50, kMaxNoteBytes = 2000;
+  /// A student who is connected and does nothing for this long may need help.
+  static constexpr Nanoseconds kStuck = 5 * 60 * kNanosecondsPerSecond;
+  /// As many resets within kResetWindow are a loop.
+  static constexpr std::size_t kResets = 5;
+  static constexpr Nanoseconds kResetWindow = 60 * kNanosecondsPerSecond;
+
+  ClassRoom(boost::asio::io_context& context, ClassOptions options, Roll roll, RandomDigits random,
+            const Clock& clock, Logger logger);
+  ~ClassRoom();
+  ClassRoom(const ClassRoom&) = delete;
+  ClassRoom& operator=(const ClassRoom&) = delete;
+
+  /// Takes back the daemons that run and begins to look after all of them.
+  void Open();
+  /// Puts all seats aside; `done` is called when their daemons have ended.
+  void PutAllAside(std::function<void()> done);
+
+  const Roll& roll() const { return roll_; }
+  const ClassOptions& options() const { return options_; }
+  /// Null: no such seat.
+  Seat* FindSeat(std::string_view name);
+  /// The seat whose personal link ends with `link`; null: none.
+  const RollEntry* FindLink(std::string_view link) const;
+  std::filesystem::path folder_of(const std::string& seat) const;
+
+  /// Uses another class list: seats that are not in it any more are put aside.
+  void SetRoll(Roll roll);
+
+  // What a student does.
+  void NoteActive(const std::string& seat, const std::string& language = {});
+  void RaiseHand(const std::string& seat, bool up);
+  /// Keeps program and recording of the seat in a folder of their own. `done`: an error text.
+  void HandIn(const std::string& seat, std::function<void(std::string error)> done);
+
+  // What the teacher does; an error text, empty if it is done.
+  std::string Do(const boost::json::object& order);
+
+  /// What a student's page shows of the seat.
+  boost::json::object StudentJson(const std::string& seat) const;
+  /// What the wall shows: all seats, those that need help first.
+  boost::json::object WallJson() const;
+  /// A number that changes when StudentJson() or WallJson() may have changed.
+  std::uint64_t version() const { return version_; }
+
+ private:
+  struct Place {
+    std::unique_ptr<Seat> seat;
+    Desk desk;
+    bool asking = false;  // for the status
+  };
+  struct Need {
+    int rank = 0;  // 0: none; higher first
+    std::string why;
+  };
+
+  void AddSeat(const RollEntry& entry);
+  void Tick();
+  void AskStatus(const std::string& name, Place& place);
+  void TakeStatus(Place& place, const std::string& body);
+  void PutIdleAside(Place& place);
+  Need NeedOf(const Place& place) const;
+  void Order(const std::string& name, Place& place, const boost::json::object& order);
+  /// A request to /simulation of the seat.
+  void Command(Place& place, const std::string& command, const std::string& text = {});
+  void Push(Place& place, const std::string& lesson);
+  void Changed() { ++version_; }
+  void SaveDesk(const std::string& name, const Desk& desk) const;
+  void LoadDesk(const std::string& name, Desk& desk) const;
+
+  boost::asio::io_context& context_;
+  const ClassOptions options_;
+  Roll roll_;
+  const RandomDigits random_;
+  const Clock& clock_;
+  const Logger logger_;
+  std::map<std::string, Place, std::less<>> places_;
+  std::map<std::string, std::unique_ptr<Seat>> leaving_;  // of students who are not in the list any more
+  std::size_t lesson_ = 0;                                // of options_.lessons
+  boost::asio::steady_timer timer_;
+  std::uint64_t version_ = 1;
+  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
+};
+
+}  // namespace coopdyn
