@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// The tab Arena: scenarios, worlds and robots with their pictures. A click loads a scenario or a world, a robot is dragged onto the floor.
+// The tab Arena: scenarios, worlds and robots with their pictures. A click loads a scenario or a world; robots are dragged onto the floor.
 import {make, say, setText} from './dom.js';
 import {tab} from './layout.js';
 import {DRAGGED} from './world.js';
 
 const KINDS = [['scenarios', 'scenario', 'Scenarios'], ['worlds', 'world', 'Worlds'], ['robots', 'robot', 'Robots']];
 
-const AT_ONCE = 3;  // of the six connections that a browser opens: the others are for what somebody clicks on
+const AT_ONCE = 3;  // of the browser's six connections; the rest stay free for clicks
 
-/** Loads the pictures that come into view, few at a time. */
+/** Loads the pictures that scroll into view, a few at a time. */
 class PictureLoader {
   #waiting = [];
   #loading = 0;
@@ -64,7 +64,7 @@ export class Gallery {
     this.#panel.addEventListener('shown', () => { if (!this.#asked) this.refresh(); });
   }
 
-  /** Robots can be inserted from now on. */
+  /** Enables inserting robots. */
   setWorld(world) { this.#world = world; }
 
   update(status) {
@@ -72,7 +72,7 @@ export class Gallery {
     for (const button of this.#groups.querySelectorAll('.thumb')) this.#mark(button);
   }
 
-  /** Which scenario runs, and whether another can be loaded. */
+  /** Marks the running scenario; disables loading during a playback. */
   #mark(button) {
     const runs = button.dataset.kind === 'scenario' && button.dataset.name === this.#status?.scenario;
     button.setAttribute('aria-pressed', String(runs));
@@ -84,7 +84,7 @@ export class Gallery {
     try {
       this.#listed = await (await fetch('api/gallery')).json();
     } catch {
-      this.#asked = false;  // the banner says that the daemon is gone
+      this.#asked = false;  // the banner shows that the daemon is gone
       return;
     }
     this.#show();
@@ -104,7 +104,7 @@ export class Gallery {
     const picture = make('img', {alt: '', width: 160, height: 100, draggable: false});
     picture.addEventListener('error', () => { picture.hidden = true; });
     if (thumb) this.#pictures.add(picture, thumb.replace(/^\//, ''));
-    else picture.hidden = true;  // a daemon without pictures
+    else picture.hidden = true;  // the daemon runs without pictures
     const does = kind === 'robot' ? 'drag it onto the floor, or click' : 'click to load';
     const button = make('button', {type: 'button', class: 'thumb', title: `${title || name}\n${summary}\n(${does})`},
       picture, make('strong', {}, name), make('span', {class: 'quiet'}, title || summary));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The words of a scenario and what they mean, for completion. A test compares them with what the daemon's reader knows.
+// The words of a scenario and their meaning, for completion. A test compares them with the daemon's reader.
 
 const COLORS = ['red', 'green', 'blue', 'yellow', 'magenta', 'cyan', 'orange', 'purple', 'brown', 'pink'];
 const YES_NO = ['yes', 'no'];
@@ -23,7 +23,7 @@ const texture = {
   texture_size: ['width [height] of one picture, m', 'texture_size 1'],
 };
 
-/** By kind of section: words, each [help, example, choices]. */
+/** By kind of section: words, each with [help, example, choices]. */
 export const GRAMMAR = {
   WORLD: {file: ['a .world file', 'file arena.world']},
   SIMULATION: {
@@ -90,7 +90,7 @@ export const GRAMMAR = {
   },
 };
 
-/** Sections to begin with: what stands in brackets, and its first lines. */
+/** Section templates: the name in brackets, and the first lines. */
 export const TEMPLATES = [
   ['WORLD', 'file arena.world'], ['SIMULATION', 'mode realtime'], ['FLOOR', 'size 10 8'], ['TARGET', 'red 2 0'],
   ['ROBOT_1', 'type coopbot\nposition 0 0'], ['SWARM_1', 'type minibot\ncount 20'], ['LIGHT_1', 'position 0 0 2.5'],

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Handles in the view that move and turn what is selected: arrows along the floor, a ring about the vertical. What would overlap is
-// shown in red when the daemon refuses it.
+// Handles in the view that move and turn the selected thing: arrows along the floor, a ring about the vertical. A move that the
+// daemon refuses, because things would overlap, is shown in red.
 import * as THREE from 'three';
 import {TransformControls} from 'three/addons/controls/TransformControls.js';
 

@@ -3,20 +3,20 @@
 // Moving a slider makes this page the robot's driver, until `Let go`.
 import {make, say, setText, showNumber} from './dom.js';
 
-const DRIVE = 'joints';  // the channel that commands go through
+const DRIVE = 'joints';  // the channel for commands
 const MODES = ['idle', 'position', 'direct', 'velocity', 'effort'];
-const FREE_RANGE = Math.PI;  // to both sides of where a joint without limits is
+const FREE_RANGE = Math.PI;  // to both sides of the position of a joint without limits
 
 export class JointPanel {
   #connection;
   #module;
-  #rows = [];  // of each joint: name, slider, value
+  #rows = [];  // by joint: name, slider, value
   #table = make('tbody');
   #asked = false;
-  #next = null;  // the command to send when the last has been answered
+  #next = null;  // the command to send after the reply to the last
   #busy = false;
   #buttons;
-  #off = '';  // why nothing can be moved
+  #off = '';  // why joints cannot be moved; empty if they can
   element;
 
   constructor(connection, module) {
@@ -37,7 +37,7 @@ export class JointPanel {
     this.element.dataset.group = group;
   }
 
-  /** Nothing can be moved for this reason; empty: it can. */
+  /** Disables moving joints for this reason; empty enables it. */
   setOff(reason) {
     this.#off = reason;
     for (const element of [...this.#buttons, ...this.#rows.map(({slider}) => slider)]) element.disabled = reason !== '';
@@ -68,7 +68,7 @@ export class JointPanel {
     }
   }
 
-  /** Names and limits of the joints. */
+  /** Asks for the names and limits of the joints. */
   async #learn() {
     this.#asked = true;
     const reply = await this.#connection.call({module: this.#module, channel: 'readings', command: 'get_limits'});
@@ -91,7 +91,7 @@ export class JointPanel {
         make('td', {class: 'limit'}, upper), value)));
   }
 
-  /** The newest command is sent when the one before has been answered. */
+  /** Sends the newest command after the reply to the previous one. */
   async #send(request) {
     this.#next = request;
     if (this.#busy) return;
