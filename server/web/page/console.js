@@ -194,7 +194,7 @@ export class Console {
     } catch {  // without HTTPS, only pages of localhost may use the clipboard
       const entry = this.#write(text, 'copied');
       getSelection().selectAllChildren(entry);
-      say('this browser lets no page copy here: press Ctrl+C');
+      say('the browser does not let this page copy: press Ctrl+C');
     }
   }
 

@@ -9,13 +9,13 @@ const LEAST_MS = 0.0005;  // shorter parts are not listed
 /** The daemon's names for the parts of a step, in plain words: [name, explanation]. */
 const PARTS = {
   physics: ['physics', 'motion, contacts and joints'],
-  frames: ['state', 'making the state that everybody reads'],
+  frames: ['state', 'publishing the new state to its readers'],
   sensors: ['sensors', 'readings for loaded controllers'],
   control: ['control', 'loaded controllers, the wait for their process included'],
   recorder: ['recorder', 'handing the step to the recorder, the wait for it included'],
-  answers: ['answers', 'telling clients and subscribers of the step'],
+  answers: ['answers', 'notifying clients and subscribers of the step'],
   rest: ['rest', 'everything else in a step'],
-  pace: ['spare', 'nobody is waited for: the run keeps its pace'],
+  pace: ['spare', 'idle time: the run keeps its pace'],
   clients: ['clients', 'the world waits for commands'],
 };
 
@@ -35,7 +35,7 @@ export function rowsOf(costs, period) {
     const alone = client[`alone_${period}_ms`];
     const who = client.client ? `${client.client}: ` : '';
     return {kind: 'client', name: clientName(client), ms: of(client), alone,
-      about: `${who}the world waited ${showNumber(of(client), 2)} ms per step for it, ${showNumber(alone, 2)} ms of them for it alone`};
+      about: `${who}the world waited ${showNumber(of(client), 2)} ms per step for it, ${showNumber(alone, 2)} ms of that for it alone`};
   });
   const parts = costs.parts.filter(({part}) => part !== 'clients' || clients.length === 0).map((entry) => {
     const [name, about] = PARTS[entry.part] ?? [entry.part, ''];
@@ -95,7 +95,7 @@ export class Costs {
       make('table', {id: 'cost-table', class: 'costs'},
         make('thead', {}, make('tr', {}, head('name', 'part'), head('ms', 'ms per step'), make('th', {scope: 'col'}, 'share'))), this.#rows),
       this.#note, make('h2', {}, 'Beside the steps'),
-      make('p', {class: 'quiet'}, 'Threads of the daemon that the world does not wait for. They slow it only where they take its core.'),
+      make('p', {class: 'quiet'}, 'Threads of the daemon that the world does not wait for. They slow it only if they use its core.'),
       make('table', {id: 'cost-threads', class: 'costs'}, make('thead', {}, make('tr', {}, make('th', {scope: 'col'}, 'thread'),
         make('th', {scope: 'col'}, 'ms per step'), make('th', {scope: 'col'}, '% of a core'))), this.#threads));
     this.#panel.addEventListener('shown', () => this.#poll());

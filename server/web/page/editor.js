@@ -35,7 +35,7 @@ export class Editor {
       button('editor-load', 'Load', 'Run this text (Ctrl+Enter)', () => this.load(), 'primary'),
       button('editor-save', 'Save as file', 'Keep it on this computer (Ctrl+S)', () => this.#save()),
       button('editor-running', 'What runs', 'The text that was loaded', () => this.#take('api/text', `${this.#status?.scenario ?? 'my'}.scenario`)),
-      button('editor-world', 'World of now', 'The present world as a text', () => this.#takeWorld()),
+      button('editor-world', 'Current world', 'The current world as text', () => this.#takeWorld()),
       button('editor-new', 'New', 'A small scenario to begin with; Ctrl+Z brings back what was here', () => this.#replace(EMPTY, 'my.scenario'))),
     this.#host, this.#state);
     this.#panel.addEventListener('shown', () => this.#start());

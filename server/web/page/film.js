@@ -77,7 +77,7 @@ export class Film {
       return say(`${NO_FILM} (${error.message})`, true);
     }
     this.#recorder.addEventListener('dataavailable', ({data}) => { if (data.size > 0) pieces.push(data); });
-    this.#recorder.addEventListener('error', ({error}) => say(`the film ends: ${error?.message ?? 'the browser cannot go on'}`, true));
+    this.#recorder.addEventListener('error', ({error}) => say(`the film has stopped: ${error?.message ?? 'the browser cannot go on'}`, true));
     this.#recorder.addEventListener('stop', () => {
       clearInterval(this.#timer);
       for (const track of stream.getTracks()) track.stop();
@@ -106,7 +106,7 @@ export class Film {
     this.#film.setAttribute('aria-pressed', String(runs));
     this.#film.classList.toggle('filming', runs);
     setText(this.#film, runs ? `● ${clock((performance.now() - this.#began) / 1000)} of ${clock(this.limit_s)}` : 'film');
-    const title = runs ? 'End the film and save it' : this.#title;
+    const title = runs ? 'Stop filming and save the film' : this.#title;
     if (this.#film.title !== title) this.#film.title = title;
   }
 }

@@ -97,7 +97,7 @@ export class Gallery {
       return found.length === 0 ? [] : [make('h2', {}, `${title} `, make('span', {class: 'quiet'}, String(found.length))),
         make('div', {class: 'cards'}, ...found.map((entry) => this.#card(kind, entry)))];
     }));
-    if (this.#asked && this.#groups.childElementCount === 0) this.#groups.append(make('p', {class: 'quiet'}, 'nothing of that name'));
+    if (this.#asked && this.#groups.childElementCount === 0) this.#groups.append(make('p', {class: 'quiet'}, 'no match'));
   }
 
   #card(kind, {name, title, summary, thumb}) {
@@ -120,7 +120,7 @@ export class Gallery {
       });
       return button;
     }
-    const edit = make('button', {type: 'button', class: 'small', title: `Look at the text of ${name}`}, 'Text');
+    const edit = make('button', {type: 'button', class: 'small', title: `Show the text of ${name}`}, 'Text');
     edit.addEventListener('click', () => this.#edit(kind, name));
     return make('div', {class: 'thumb-box'}, button, edit);
   }
@@ -128,7 +128,7 @@ export class Gallery {
   #take(kind, name) {
     if (kind === 'scenario') return this.#controls.load({command: 'load_scenario', text: name});
     if (kind === 'world') return this.#controls.load({command: 'load_scenario', text: `[WORLD]\nfile ${name}.world\n`}, name);
-    if (!this.#world) return say('the view that is drawn by the daemon takes no robots: insert them by /world', true);
+    if (!this.#world) return say('robots cannot be dropped on the view drawn by the daemon: insert them with /world', true);
     return this.#world.insertNear('robot', name);
   }
 }

@@ -39,7 +39,7 @@ export class Handles {
     view.addEventListener('select', ({detail}) => this.#attach(detail));
     view.addEventListener('drawn', () => this.#follow());
     const buttons = ['translate', 'rotate'].map((mode) => button(mode === 'translate' ? 'move' : 'turn',
-      mode === 'translate' ? 'Handles that move what is selected (M)' : 'A ring that turns what is selected (R)', () => this.#mode(mode)));
+      mode === 'translate' ? 'Handles that move the selected thing (M)' : 'A ring that turns the selected thing (R)', () => this.#mode(mode)));
     view.canvas.addEventListener('keydown', ({key}) => {
       if (key === 'm') this.#mode('translate');
       if (key === 'r') this.#mode('rotate');

@@ -137,7 +137,7 @@ export class Joystick {
   #knob = make('span', {class: 'knob'});
   #pad = make('div', {id: 'joystick-pad', tabIndex: 0, role: 'application',
     'aria-label': 'Pad: drag, or arrow keys or W A S D; let go to stop'}, this.#knob);
-  #share = make('input', {id: 'joystick-speed', type: 'range', min: 5, max: 100, value: 40, 'aria-label': 'Speed in percent of the most'});
+  #share = make('input', {id: 'joystick-speed', type: 'range', min: 5, max: 100, value: 40, 'aria-label': 'Speed in percent of the maximum'});
   #speed = make('span', {class: 'number'});
   #owner = make('p', {id: 'joystick-owner', class: 'quiet'});
   #said = make('p', {id: 'joystick-said', role: 'alert'});

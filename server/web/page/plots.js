@@ -33,7 +33,7 @@ export class Plots {
   #rates = [];         // {time, rtf}
   #panel = tab('plots', 'Plots');
   #robots = make('select', {id: 'plot-robot', 'aria-label': 'Robot, or the run'});
-  #span = make('select', {id: 'plot-span', 'aria-label': 'How much is shown'}, make('option', {value: 10}, 'last 10 s'),
+  #span = make('select', {id: 'plot-span', 'aria-label': 'Time range shown'}, make('option', {value: 10}, 'last 10 s'),
     make('option', {value: 60}, 'last 60 s'), make('option', {value: 0, selected: true}, 'all'));
   #values = make('div', {id: 'plot-values', role: 'group', 'aria-label': 'Values'});
   #charts = make('div', {id: 'plot-charts'});
@@ -52,7 +52,7 @@ export class Plots {
     this.#panel.append(this.#strip, this.#hash, make('div', {class: 'row'}, this.#robots, this.#span,
       button('plot-csv', 'CSV', 'Save the chosen curves as a table', () => this.#saveCsv()),
       button('plot-png', 'PNG', 'Save the plots as a picture', () => this.#savePng()),
-      button('plot-clear', 'Clear', 'Take all curves away', () => { this.#marked.clear(); this.#showValues(); this.#build(); })),
+      button('plot-clear', 'Clear', 'Remove all curves', () => { this.#marked.clear(); this.#showValues(); this.#build(); })),
     this.#values, this.#note, this.#charts);
     this.#robots.addEventListener('change', () => { this.#robot = this.#robots.value; this.#open(); });
     this.#span.addEventListener('change', () => this.#draw());
@@ -153,7 +153,7 @@ export class Plots {
     const none = this.values.every(({key}) => !this.#marked.has(key));
     const playing = this.#kind === 'run' ? ' A click on a plot goes to that time.' : '';
     if (this.#robot === RUN && this.values.length === 0) {
-      return setText(this.#note, 'The scores of a scenario, and numbers that clients log, can be plotted: there are none.');
+      return setText(this.#note, 'This run has no scores, and clients have logged no numbers: there is nothing to plot.');
     }
     setText(this.#note, none ? 'Choose values: those of one unit share a plot.' : `Drag to zoom, double click for all.${playing}`);
   }

@@ -19,7 +19,7 @@ export class Record {
     setText(byId('recording'), this.#recording ? `● rec ${status.recording}` : '');
     byId('recording').title = status.recording ?? '';
     setText(byId('record'), this.#recording ? 'Stop recording' : 'Record');
-    setOff('record', status.playback ? 'A recording is being played, there is no run to record' : '', 'Record the run to a file of the daemon');
+    setOff('record', status.playback ? 'A recording is being played: there is no run to record' : '', 'Record the run to a file of the daemon');
   }
 
   async #toggle() {
@@ -34,7 +34,7 @@ export class Record {
 const link = (name) => make('a', {href: `runs/${encodeURIComponent(name)}`, download: ''}, name.slice(name.lastIndexOf('.')));
 
 const whyNot = (recording, seconds) => (recording ? 'being recorded'
-  : seconds !== null ? 'its name cannot stand in a link' : 'cannot be read');
+  : seconds !== null ? 'its name does not fit in a link' : 'cannot be read');
 
 /** The list of recordings: to play, to download, and to show as a ghost over the played one. */
 export class Runs {
@@ -143,7 +143,7 @@ export class Runs {
     };
     const does = url === null ? [make('span', {class: 'quiet'}, whyNot(recording, seconds))]
       : [button('Play', `Play ${name}; the live run is put aside`, name === this.#played, () => this.#play(name)), ' ',
-        ...(this.#ghost ? [button('Ghost', `Draw ${name} pale over what is shown`, name === this.#ghost.name, () => this.#lay(name)), ' '] : []),
+        ...(this.#ghost ? [button('Ghost', `Draw ${name} pale over the shown run`, name === this.#ghost.name, () => this.#lay(name)), ' '] : []),
         link(name), ' ', link(name.replace(/\.run$/, '.mat'))];
     return make('li', {}, make('span', {class: 'run-name'}, name), make('span', {class: 'number'}, length),
       make('span', {class: 'run-does'}, ...does));

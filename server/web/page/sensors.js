@@ -82,7 +82,7 @@ export class CameraTile {
   constructor(robot, name) {
     this.#url = `/camera.mjpg?robot=${encodeURIComponent(robot)}&camera=${encodeURIComponent(name)}`;
     this.#image = make('img', {alt: `what ${name} sees`});
-    const choice = make('select', {title: 'What of it is shown'},
+    const choice = make('select', {title: 'View of the camera'},
                         ...VIEWS.map(([text, value]) => make('option', {value}, text)));
     choice.addEventListener('change', () => this.#show(choice.value));
     this.element = make('figure', {class: 'sensor'}, this.#image, make('figcaption', {}, `${name} `, choice));

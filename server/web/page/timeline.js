@@ -18,8 +18,8 @@ export class Timeline {
   #time = make('span', {id: 'timeline-time', class: 'number'});
   #speed = make('select', {id: 'timeline-speed', 'aria-label': 'Speed of the playback', title: 'Below 0 it goes backwards'});
   #play = make('button', {type: 'button', id: 'timeline-play'});
-  #loop = make('button', {type: 'button', id: 'timeline-loop', title: 'Begin again at the end', 'aria-pressed': 'false'}, '⟳ loop');
-  #back = make('button', {type: 'button', id: 'timeline-close', title: 'End the playback; the live run goes on where it was put aside'}, 'Back to the live run');
+  #loop = make('button', {type: 'button', id: 'timeline-loop', title: 'Restart at the end', 'aria-pressed': 'false'}, '⟳ loop');
+  #back = make('button', {type: 'button', id: 'timeline-close', title: 'End the playback; the live run continues where it was left'}, 'Back to the live run');
 
   constructor(connection) {
     this.#connection = connection;
@@ -37,10 +37,10 @@ export class Timeline {
     this.#track.addEventListener('input', () => this.seek(Number(this.#track.value)));
     this.#element.append(
       make('div', {class: 'timeline-row'},
-        button('timeline-first', '|◂', 'To the begin', () => this.seek(this.#status.begin_s)),
+        button('timeline-first', '|◂', 'To the beginning', () => this.seek(this.#status.begin_s)),
         button('timeline-step-back', '◂', 'One recorded step back', () => order('step -1')),
         this.#play,
-        button('timeline-step', '▸', 'One recorded step on', () => order('step 1')),
+        button('timeline-step', '▸', 'One recorded step forward', () => order('step 1')),
         button('timeline-last', '▸|', 'To the end', () => this.seek(this.#status.end_s)),
         this.#loop, this.#speed, this.#time,
         button('timeline-branch', 'Go live from here', 'End the playback: the simulation goes on from what is shown', () => this.#branch()),

@@ -404,7 +404,7 @@ export class View3d extends EventTarget {
     });
     byId('whole').addEventListener('click', () => this.fit());
     this.addTool('top', 'Look from above (T)', () => this.fit('top'));
-    this.#followButton = this.addTool('follow', 'The camera goes along with the selected robot (F, or a double click on it)',
+    this.#followButton = this.addTool('follow', 'The camera follows the selected robot (F, or a double click on it)',
       () => this.follow(this.#follows ? null : this.#selected));
     const box = make('input', {type: 'checkbox', checked: true, id: 'show-shadows'});
     box.addEventListener('change', () => {

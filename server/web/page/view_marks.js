@@ -226,8 +226,8 @@ export class ViewMarks {
       contacts: new Asked(view, connection, {type: 'contact', command: 'get_contacts', color: 0xd0342c, linesOf: contactLines}),
     };
     const titles = {names: ['names', 'Names of robots and things'], trails: ['trails', 'Where robots have been'],
-      axes: ['joint axes', 'The axes of all joints'], bearings: ['target bearings', 'From robots to the targets that they see: of the selected robot, or the first ones'],
-      contacts: ['contacts', 'What touches contact sensors, and how hard: of the selected robot, or the first ones']};
+      axes: ['joint axes', 'The axes of all joints'], bearings: ['target bearings', 'Lines to the targets that robots see: of the selected robot, or the first ones'],
+      contacts: ['contacts', 'Contacts at contact sensors and their forces: of the selected robot, or the first ones']};
     for (const [key, [text, title]] of Object.entries(titles)) {
       const box = make('input', {type: 'checkbox', id: `show-${key}`});
       box.addEventListener('change', () => {

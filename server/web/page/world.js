@@ -42,8 +42,8 @@ export class World {
   #element = make('div', {id: 'world'});
   #list = make('ul', {id: 'things', 'aria-label': 'What stands in the world'});
   #form = make('form', {id: 'thing', hidden: true});
-  #undo = make('button', {type: 'button', title: 'Take the last edit back (Ctrl+Z)'}, 'Undo');
-  #redo = make('button', {type: 'button', title: 'Make it again (Ctrl+Y)'}, 'Redo');
+  #undo = make('button', {type: 'button', title: 'Undo the last edit (Ctrl+Z)'}, 'Undo');
+  #redo = make('button', {type: 'button', title: 'Redo the undone edit (Ctrl+Y)'}, 'Redo');
   #count = make('span', {class: 'quiet'});
   #robotType = make('select', {'aria-label': 'Type of robot'});
   #targetColor = make('select', {'aria-label': 'Colour of the target'}, ...COLORS.map((name) => make('option', {}, name)));
@@ -52,7 +52,7 @@ export class World {
   constructor(connection, view) {
     this.#connection = connection;
     this.#view = view;
-    const save = make('button', {type: 'button', title: 'Save the present world as a scenario file'}, 'Save as file');
+    const save = make('button', {type: 'button', title: 'Save the current world as a scenario file'}, 'Save as file');
     save.addEventListener('click', () => this.#save());
     this.#undo.addEventListener('click', () => this.#edit('undo'));
     this.#redo.addEventListener('click', () => this.#edit('redo'));
@@ -279,8 +279,8 @@ export class World {
       return made;
     };
     this.#form.replaceChildren(make('strong', {}, name), make('div', {class: 'fields'}, ...fields), make('div', {class: 'row'},
-      button('Duplicate', 'Another one beside it (Ctrl+D)', () => this.#duplicate(thing)),
-      button('Remove', 'Take it out of the world (Delete)', () => this.#edit(`remove ${name}`))));
+      button('Duplicate', 'Add a copy beside it (Ctrl+D)', () => this.#duplicate(thing)),
+      button('Remove', 'Remove it from the world (Delete)', () => this.#edit(`remove ${name}`))));
   }
 
   // --- mouse and keys
