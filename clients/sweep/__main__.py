@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""coopdyn sweep: many runs of a scenario, with other values, controllers and seeds. The program starts this."""
+"""coopdyn sweep: many runs of a scenario with different values, controllers and seeds. Started by the program coopdyn."""
 import argparse
 import concurrent.futures
 import contextlib
@@ -79,7 +79,7 @@ def read_options(words):
 
 
 def show_plan(jobs, done):
-    """The table of what will run."""
+    """Prints the table of missing runs. Returns their jobs."""
     missing = [job for job in jobs if job["key"] not in done]
     print(f"{len(jobs)} runs, {len(missing)} to do")
     for job in missing[:kShownRuns]:
@@ -92,7 +92,7 @@ def show_plan(jobs, done):
 
 
 class Bar:
-    """How far a sweep is, on a terminal; each tenth of it elsewhere."""
+    """Shows the progress of a sweep: continuously on a terminal, else after each tenth of the runs."""
 
     def __init__(self, count):
         self._count, self._done, self._failed, self._began, self._told = count, 0, 0, time.monotonic(), 0
@@ -112,7 +112,7 @@ class Bar:
 
 
 def check_one(words):
-    """Does a `coopdyn check --digests`: the digests, and the lines of its warnings. A mistake is told before anything runs."""
+    """Runs a `coopdyn check --digests`. Returns the digests and the lines of its warnings. Raises Wrong on an error."""
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     if done.returncode == 0:
         return json.loads(done.stdout), done.stderr.splitlines()
@@ -120,7 +120,7 @@ def check_one(words):
 
 
 def look(commands, processes=1):
-    """The digests of each; shows the warnings, each once."""
+    """Returns the digests of each command; prints each warning once."""
     with concurrent.futures.ThreadPoolExecutor(processes) as pool:
         found = list(pool.map(check_one, commands))
     for line in dict.fromkeys(line for _, lines in found for line in lines):
@@ -147,7 +147,7 @@ def jobs_of(given, program, folders):
 
 
 def sweep(given, jobs):
-    """Does `jobs`. Returns the exit code."""
+    """Runs `jobs`. Returns the exit code."""
     if given.dry_run and not os.path.exists(given.out):
         show_plan(jobs, {})
         return 0
@@ -177,12 +177,12 @@ def sweep(given, jobs):
         engine.close()
         results.close()
         with contextlib.suppress(OSError):
-            os.rmdir(os.path.join(given.out, "recordings"))  # only if there are none
+            os.rmdir(os.path.join(given.out, "recordings"))  # only if empty
     return summarize(given, jobs, results)
 
 
 def summarize(given, jobs, results):
-    """Says how the runs of this sweep have ended. Returns the exit code."""
+    """Prints how the runs of this sweep have ended. Returns the exit code."""
     failed = [job for job in jobs if results.done.get(job["key"], {}).get("error")]
     for job in failed[:3]:
         print(f"{job['key']}: {results.done[job['key']]['error']}", file=sys.stderr)
@@ -212,7 +212,7 @@ def make_report(words):
 
 
 def results_of(words, program, folders):
-    """Does a sweep without many words. Returns the results of its runs, in order."""
+    """Runs a sweep without output. Returns the results of its runs, in order."""
     given = read_options(words)
     said = io.StringIO()
     with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
@@ -244,7 +244,7 @@ def main():
 
 
 def stop(*_):
-    """Of a signal: ends all in order, and by force if that takes too long. Daemons end with this process."""
+    """Signal handler: ends the sweep in order, or by force if that takes too long. Daemons end with this process."""
     force = threading.Timer(kGrace_s, os._exit, [130])
     force.daemon = True
     force.start()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""coopdyn sweep rerun: repeats the run of one line of OUT/results.jsonl as the line says it, and compares."""
+"""coopdyn sweep rerun: repeats the run of one line of OUT/results.jsonl, and compares."""
 import os
 import shlex
 
@@ -26,12 +26,12 @@ def line_of(folder, key):
 
 
 def changes(before, now):
-    """What differs between two dictionaries, in words."""
+    """The differences between two dictionaries, in words."""
     return [f"{name} is {now.get(name)}, was {before.get(name)}" for name in sorted({**before, **now}) if before.get(name) != now.get(name)]
 
 
 def rerun(words, parser, program, look):
-    """`look(commands)`: the digests that each of some `coopdyn check` tells. Returns the exit code."""
+    """`look(commands)` returns the digests of each of some `coopdyn check` commands. Returns the exit code."""
     options = parser(prog="coopdyn sweep rerun", allow_abbrev=False, description="Repeat the run of one line of a sweep, and compare.",
                      epilog="Start it in the folder of the sweep. Example: coopdyn sweep rerun results --key 1f0c")
     options.add_argument("out", nargs="?", default="results", help="the sweep's folder (default: results)")
