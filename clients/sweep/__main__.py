@@ -46,22 +46,22 @@ def read_options(words):
                "coopdyn sweep evolve looks for values that make a score large: coopdyn sweep evolve --help; coopdyn sweep rerun --key KEY repeats one run")
     add = options.add_argument
     add("scenario", help="a file or a name, as for coopdyn serve")
-    add("--set", action="append", default=[], metavar="SECTION.key=a,b", help="values of a key of the scenario; may stand several times")
+    add("--set", action="append", default=[], metavar="SECTION.key=a,b", help="values of a key of the scenario; may be repeated")
     add("--controller", action="append", default=[], help='a loaded controller for all robots, with values of its parameters: "diffuse speed=0.1,0.2"')
     add("--client", help='a program that drives, started for each run: "python3 mine.py {server}"; also {seed}, and COOPDYN_SERVER is set')
     add("--input", action="append", default=[], metavar="FILE",
-        help="a file that runs read though no command names it, as a program that a script starts: if it changes, they run again; may stand several times")
+        help="a file that runs read though no command names it, such as a program started by a script: if it changes, they run again; may be repeated")
     add("--table", metavar="FILE.csv", help="rows of values: the first line names SECTION.key, seed or controller")
     add("--seeds", default="1", help="1..30, or 1,5,9 (default: 1)")
     add("--duration", type=positive, help="simulated time of a run, s; needed unless a score or the scenario ends it")
     add("--out", default="results", help="folder of the results (default: results)")
     add("--jobs", type=int, default=os.cpu_count(), help="runs at the same time on this machine (default: as many as cores)")
     add("--record", choices=("none", "failed", "all"), default="none", help="keep recordings in OUT/recordings (default: none)")
-    add("--time-limit", type=positive, metavar="S", help="longest time of a run by the clock, s")
-    add("--memory-limit", type=int, metavar="MIB", help="address space of a run, MiB; a small one takes about 200")
+    add("--time-limit", type=positive, metavar="S", help="limit of a run's wall time, s")
+    add("--memory-limit", type=int, metavar="MIB", help="address space of a run, MiB; a small run needs about 200")
     add("--again-failed", action="store_true", help="run again what ended with an error")
     add("--dry-run", action="store_true", help="only show what would run")
-    add("--dask", metavar="ADDRESS", help="run on Dask: tcp://HOST:PORT of a scheduler, or local for a cluster of its own")
+    add("--dask", metavar="ADDRESS", help="run on Dask: tcp://HOST:PORT of a scheduler, or local for a cluster on this machine")
     add("--slurm", nargs="?", const="", metavar="OPTIONS", help='run as a Slurm array; options for sbatch: --slurm="--partition=short"')
     add("--no-wait", action="store_true", help="with --slurm: submit and return; the same command later collects")
     given = options.parse_args(words)
@@ -131,7 +131,7 @@ def look(commands, processes=1):
 def show_conflicts(results):
     for key in results.conflicts:
         print(f"{key}: two results of this run have different hashes, though files, build and libraries are the same: a client or a controller "
-              "computes another thing, or reads a file that no --input names", file=sys.stderr)
+              "computes something else, or reads a file that no --input names", file=sys.stderr)
 
 
 def show_older(results):

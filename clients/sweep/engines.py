@@ -132,7 +132,7 @@ def slurm(jobs, options, folder, wait=True):
         yield from _collect(answers, missing)
         os.remove(os.path.join(place, "array"))
     for job in missing.values():
-        yield lost_too_often(job, "look into " + place)
+        yield lost_too_often(job, "see " + place)
 
 
 def _submit(jobs, options, place, answers):

@@ -34,10 +34,10 @@ def read_options(words, parser):
     add = options.add_argument
     add("scenario", help="a file or a name, as for coopdyn serve")
     add("--vary", action="append", required=True, metavar="NAME=LEAST..MOST",
-        help="a parameter of the controller, or SECTION.key of the scenario; may stand several times")
-    add("--controller", help='the loaded controller of all robots, with what stays: "gait frequency=2"')
+        help="a parameter of the controller, or SECTION.key of the scenario; may be repeated")
+    add("--controller", help='the loaded controller of all robots, with its fixed parameters: "gait frequency=2"')
     add("--set", action="append", default=[], metavar="SECTION.key=value", help="a key of the scenario for all runs")
-    add("--score", required=True, help="the score that is to be large")
+    add("--score", required=True, help="the score to maximise")
     add("--needs", action="append", default=[], metavar="SCORE", help="a score that must be above 0, or the run is worth 0")
     add("--generations", type=int, default=10, help="(default: 10)")
     add("--children", type=int, default=12, help="of each generation (default: 12)")

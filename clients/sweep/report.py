@@ -184,7 +184,7 @@ def write(folder, results, older):
             f"cells, {sum(bool(one['error']) for one in results)} failed. Tables: runs.csv, cells.csv.</p>"]
     if older:
         keys = ", ".join(one["key"] for one in older[:20]) + (f" and {len(older) - 20} more" if len(older) > 20 else "")
-        page.append(f"<p>Not in these figures, as an older coopdyn wrote them without all that their runs were made of: {html.escape(keys)}.</p>")
+        page.append(f"<p>Not in these figures, because an older coopdyn wrote them without all inputs of their runs: {html.escape(keys)}.</p>")
     for score in sorted({row["score"] for row in rows}):
         own = [row for row in rows if row["score"] == score]
         page.append(f"<h2>{html.escape(with_unit(max(own, key=lambda row: row['unit'])))}</h2>")

@@ -84,7 +84,7 @@ class Results:
                 if before["hash"] != result["hash"]:
                     self.conflicts.append(result["key"])
             except (ValueError, KeyError, TypeError):
-                raise Wrong(f"{self.folder}/results.jsonl:{number}: error: this line is no result: take it away and start again") from None
+                raise Wrong(f"{self.folder}/results.jsonl:{number}: error: this line is not a result: remove it and start again") from None
         return end
 
     def add(self, result):
