@@ -16,7 +16,7 @@ namespace coopdyn {
 
 /// Measurements up to `now`.
 struct CostSnapshot {
-  /// A thread of the daemon other than the stepping one.
+  /// A thread of the daemon and its CPU time.
   struct Thread {
     std::string name;
     std::int64_t id = 0;

@@ -23,7 +23,8 @@ class LiveView {
   /// How often a still world is checked for a change.
   static constexpr std::chrono::milliseconds kIdlePeriod{50};
 
-  /// Calls `on_picture` with every picture and every error. `pictures` outlives the view.
+  /// Calls `on_picture` with every picture, and with errors of unpaced requests; retries paced ones.
+  /// `pictures` outlives the view.
   LiveView(boost::asio::io_context& context, Pictures& pictures,
            std::function<void(const ImageResult&)> on_picture);
   LiveView(const LiveView&) = delete;

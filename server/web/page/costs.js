@@ -19,7 +19,7 @@ const PARTS = {
   clients: ['clients', 'the world waits for commands'],
 };
 
-/** Threads that run beside the stepping thread. */
+/** The daemon's threads, in plain words. */
 const THREADS = {
   render: 'pictures (render)', web: 'viewers (page)', recorder: 'writing the recording', control: '/simulation, /swarm, names',
   physics: 'stepping', log: 'log',
