@@ -149,7 +149,7 @@ def _submit(jobs, options, place, answers):
 
 
 def _running_array(place):
-    """An earlier array that still runs, of a sweep that was killed; None if there is none."""
+    """An earlier array that still runs, of a sweep that was killed; None if none."""
     try:
         with open(os.path.join(place, "array"), encoding="utf-8") as stream:
             array = stream.read().strip()

@@ -77,7 +77,7 @@ export class Film {
       return say(`${NO_FILM} (${error.message})`, true);
     }
     this.#recorder.addEventListener('dataavailable', ({data}) => { if (data.size > 0) pieces.push(data); });
-    this.#recorder.addEventListener('error', ({error}) => say(`the film has stopped: ${error?.message ?? 'the browser cannot go on'}`, true));
+    this.#recorder.addEventListener('error', ({error}) => say(`the film has stopped: ${error?.message ?? 'the browser cannot continue'}`, true));
     this.#recorder.addEventListener('stop', () => {
       clearInterval(this.#timer);
       for (const track of stream.getTracks()) track.stop();

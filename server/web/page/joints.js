@@ -30,7 +30,7 @@ export class JointPanel {
     this.#buttons = [
       button('Hold', 'Holds all joints where they are', () => this.#send({command: 'hold'})),
       button('Idle', 'Switches the motors of all joints off', () => this.#send({command: 'set_modes', data: this.#rows.map(() => 0)})),
-      button('Let go', 'This page does not drive the joints any more', () => this.stop()),
+      button('Let go', 'Releases the robot: this page stops driving its joints', () => this.stop()),
     ];
     const group = module.slice(module.lastIndexOf('/') + 1);
     this.element = make('div', {class: 'joints'}, make('strong', {}, group), ' ', ...this.#buttons, make('table', {}, this.#table));

@@ -133,7 +133,7 @@ export class Robots {
       this.#cards.get(robot.name).update(robot, this.#namePort, status.playback ? 'A recording is played: nothing drives it' : '');
     }
     const off = status.playback ? 'A recording has nobody to wait for' : '';
-    setOff('only-connected', off, 'Only robots that somebody drives now take part');
+    setOff('only-connected', off, 'Only robots that a client drives now take part');
     setOff('all-participants', off, 'As the scenario says');
   }
 

@@ -12,7 +12,7 @@ const CROWD = 100;  // robots
 const color = (rgb) => new THREE.Color().setRGB(rgb[0], rgb[1], rgb[2], THREE.SRGBColorSpace);
 const vector = (xyz) => new THREE.Vector3(xyz[0], xyz[1], xyz[2]);
 const turn = (xyzw) => new THREE.Quaternion(xyzw[0], xyzw[1], xyzw[2], xyzw[3]);
-const UP = new THREE.Matrix4().makeRotationX(Math.PI / 2);  // three's cylinders stand along y, ours along z
+const UP = new THREE.Matrix4().makeRotationX(Math.PI / 2);  // three.js's cylinders are along y, ours along z
 
 function geometryOf(shape, round) {
   const [a, b] = shape.size ?? [];

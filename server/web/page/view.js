@@ -31,7 +31,7 @@ export class View {
   }
 
   #ask() {
-    if (document.hidden) {  // nobody looks
+    if (document.hidden) {  // the page is not visible
       this.#asked = '';
       return this.#connection.send({type: 'view'});
     }
