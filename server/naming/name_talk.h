@@ -1,6 +1,6 @@
+// SPDX-License-Identifier: MIT
 // The name server as a YARP port, with YARP's text carriers: `d`, then a request on its own line. YARP's
 // programs subscribe this way. No sockets; one connection's thread.
-// YARP's programs subscribe. No sockets; one connection's thread.
 //
 //   CONNACK admin                                   Welcome admin
 //   d

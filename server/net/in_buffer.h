@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Received bytes that a session has not yet used: one reused block that grows only for a message that needs
 // it. One thread.
 #pragma once
