@@ -32,7 +32,7 @@ struct RobotServices {
   NameTable& names;
   NetServices& net;
   ConnectionRoster& roster;
-  const TokenGuard& guard;  // required with `--private`
+  const TokenGuard& guard;  // requires the token with `--private`
   const Clock& clock;
   std::string version;
   YarsPorts* yars = nullptr;  // null: no UDP ports for clients of YARS
