@@ -26,7 +26,7 @@ struct GlobalServices {
   const FrameBoard& frames;
   EditQueue& edits;
   ConnectionRoster& roster;
-  const TokenGuard& guard;  // always requires the token
+  const TokenGuard& guard;  // requires the token; /swarm uses the robots' guard
   const Clock& clock;
   std::string version;
   /// Brings up the robots' modules of a scene, then calls `done` on the control thread. Null: there are none.
