@@ -169,7 +169,7 @@ void RecordingDesk::Start(const std::string& name, Done done) {
   std::shared_ptr<Recorder> recorder;
   std::string error =
       fs::exists(path, ignored)
-          ? file_name + " is there already: take another name, e.g. start " + path.stem().string() + "b"
+          ? file_name + " exists already: choose another name, e.g. start " + path.stem().string() + "b"
           : MakeRecorder(path, false, recorder);
   if (!error.empty()) {
     Set(State::kIdle);
@@ -196,7 +196,7 @@ void RecordingDesk::Stop(std::string page, Done done) {
     std::string text = kNothing;
     {
       const MutexLock lock(mutex_);
-      if (!failure_.empty()) text = "nothing is being recorded any more: " + failure_;
+      if (!failure_.empty()) text = "nothing is being recorded: " + failure_;
     }
     return done({Error::kNotPossible, std::move(text)});
   }

@@ -123,7 +123,7 @@ std::optional<TeamCommands::Refusal> TeamCommands::Add(const Word& word, const S
         return Refusal{
             Error::kWrongParams,
             fmt::format(
-                "step_all: {} are a second command for the wheels of {}: tell them one, nan nan in the other",
+                "step_all: {} are a second command for the wheels of {}: give one, and nan nan for the other",
                 word.name, robot.entry.name)};
       limited |= SetWheels(*drive, word.wheels, {row[0], row[1]}, own.data());
       continue;
@@ -135,9 +135,9 @@ std::optional<TeamCommands::Refusal> TeamCommands::Add(const Word& word, const S
         return Refusal{
             error, fmt::format("step_all: {} of {}, {} {}", joint.name, robot.entry.name, word.name, why)};
       };
-      if (std::isinf(row[0])) return refuse(Error::kOutOfRange, "is not finite; nan: it goes on as it does");
+      if (std::isinf(row[0])) return refuse(Error::kOutOfRange, "is not finite; nan keeps its set-point");
       if (own[i].mode != ControlMode::kKeep)
-        return refuse(Error::kWrongParams, "is its second command: tell each joint one, nan for the others");
+        return refuse(Error::kWrongParams, "is its second command: give one, and nan for the other");
       own[i] = Limit(joint, {row[0], word.mode});
       limited |= own[i].reference != row[0];
     }

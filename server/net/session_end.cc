@@ -119,7 +119,7 @@ void Session::Abort(const std::string& reason) {
 
 void Session::CheckPeerLives() {
   if (closed_ || peer_.trusted || !PeerLooksDead(socket_.native_handle())) return;
-  Log(spdlog::level::info, "its machine does not answer any more");
+  Log(spdlog::level::info, "its machine no longer answers");
   write_dead_ = true;
   ::shutdown(socket_.native_handle(), SHUT_RDWR);  // also ends the pending read
 }

@@ -36,7 +36,7 @@ std::vector<std::unique_ptr<Robot>> TakeSome(std::deque<std::unique_ptr<Robot>>&
 }
 
 std::string CureOf(const std::string& error) {
-  return error == kTooManyFiles ? ": raise `ulimit -n`, or let fewer robots have `sockets`" : "";
+  return error == kTooManyFiles ? ": raise `ulimit -n`, or give fewer robots `sockets`" : "";
 }
 
 }  // namespace

@@ -171,7 +171,7 @@ BoardRequest OfInterface(const Bottle& request, bool tells) {
     return Refuse("encoders are those of the robot's model: they cannot be set");
   if (!tells && std::ranges::find(kAccelerations, which) != std::end(kAccelerations))
     return Refuse("stateExt:o has the accelerations: they are differences between two samples");
-  return Refuse("there is no " + std::string(which) + ": help tells what there is");
+  return Refuse("there is no " + std::string(which) + ": help lists the words");
 }
 
 Bottle Help() {
@@ -246,7 +246,7 @@ BoardRequest ReadBoardWords(const Bottle& request) {
   if (verb == "help") return Fixed(Help());
   if (request.size() < 2) return {};
   const bool tells = verb == "set";
-  if (!tells && verb != "get") return Refuse("begin with get or set: help tells what there is");
+  if (!tells && verb != "get") return Refuse("begin with get or set: help lists the words");
   const std::string_view word = request[1].word();
   if (word == "prot" && !tells)
     return Fixed(

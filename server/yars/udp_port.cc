@@ -28,8 +28,7 @@ using std::chrono::steady_clock;
 constexpr std::chrono::seconds kWatch{2};
 
 constexpr const char* kGone =
-    "there is no robot on this port any more: the experiment is another one now; a reset reads its file "
-    "again";
+    "there is no robot on this port any more: the experiment has changed; a reset reads its file again";
 
 /// Replaces a robot that has been removed.
 class NoRobot final : public Endpoint {
@@ -265,7 +264,7 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
         if (!self->client_) return;
         const bool is_silent = steady_clock::now() - self->client_->heard > ConnectionEnd::kDatagramSilence;
         if (is_silent && !self->client_->talk.waits()) {
-          self->Say(spdlog::level::info, "silent for 10 s: it is taken for gone");
+          self->Say(spdlog::level::info, "silent for 10 s: the client counts as gone");
           return self->Leave();
         }
         self->Watch();
