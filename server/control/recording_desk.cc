@@ -206,7 +206,7 @@ void RecordingDesk::Stop(std::string page, Done done) {
 void RecordingDesk::PutAway(std::shared_ptr<Recorder> recorder, std::string page, Done done) {
   edits_.Push({edit::SetJournal{nullptr}, [this, recorder = std::move(recorder), page = std::move(page),
                                            done = std::move(done)](const EditResult& result) {
-                 // The journal is no longer used: it was removed, or nothing steps any more.
+                 // The journal is no longer used: it was removed, or stepping has ended.
                  if (result.error != Error::kOk) {
                    if (done) done(result);
                    return;  // Close() follows

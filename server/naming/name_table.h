@@ -108,7 +108,7 @@ class NameTable {
   /// All subscriptions, or those of one name; sorted.
   std::vector<Subscription> Subscriptions(std::string_view name = "") const;
   static constexpr std::size_t kMaxSubscriptions = 1024;
-  /// Notes that somebody has asked for `name`, so it is not forgotten.
+  /// Notes a query for `name`, so it is not forgotten.
   void Touch(std::string_view name, Nanoseconds now);
   /// Removes the external names that have expired at `now`. Cheap if there are none.
   void Forget(Nanoseconds now);

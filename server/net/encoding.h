@@ -24,9 +24,9 @@ struct Incoming {
   std::size_t consumed = 0;                       // bytes used up, whatever the status
   Message message = {};                           // the request, or the error reply to it
   std::string answer = {};                        // bytes to send unchanged, e.g. of a handshake
-  /// Set if somebody other than the endpoint serves the request. Receives this connection and a function that
-  /// it must call once with the answer, on any thread, now or later; the session then calls Reply(). `status`
-  /// is kNothing, or kLeave: nobody waits for the answer.
+  /// Set if an object other than the endpoint serves the request. Receives this connection and a function
+  /// that it must call once with the answer, on any thread, now or later; the session then calls Reply().
+  /// `status` is kNothing, or kLeave: no one waits for the answer.
   std::function<void(const Connection& asker, ReplyFunction)> ask = {};
   bool changes = false;  // the request changes state, even if `message` only reads
 };

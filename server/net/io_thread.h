@@ -53,7 +53,7 @@ class IoThread {
 
   const std::string name_;
   const Logger logger_;
-  const std::shared_ptr<boost::asio::io_context> context_;  // shared only while somebody posts
+  const std::shared_ptr<boost::asio::io_context> context_;  // shared only while a caller posts
   std::atomic<std::int64_t> spin_ns_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> ended_{false};          // the loop runs no more handlers

@@ -101,7 +101,7 @@ std::string BindError(const Place& place, int port, int error) {
   return text + " is in use" + (holder.empty() ? "" : " by " + holder);
 }
 
-// --- who has a port
+// --- the owner of a port
 
 constexpr const char* kListening = "0A";  // TCP_LISTEN in /proc/net/tcp
 

@@ -38,7 +38,7 @@ class OutQueue {
 
   /// Encodes waiting messages, up to about kEncodeAhead. Returns false if nothing is left to send.
   bool Fill();
-  /// Drops pushes that wait for an acknowledgement, because none can arrive any more.
+  /// Drops pushes that wait for an acknowledgement, because none can arrive.
   void GiveUpPushes();
   std::string_view unsent() const { return std::string_view(bytes_).substr(sent_); }
   void Sent(std::size_t count);

@@ -33,7 +33,8 @@ std::optional<ConnectionEnd> EndOf(int fd);
 class Encoding;
 
 /// Adopts a connection and takes ownership of `fd`. `already_read`: bytes that the client sent after the part
-/// meant for somebody else. `encoding`: already agreed with the client; null: these bytes choose. Any thread.
+/// meant for another reader. `encoding`: already agreed with the client; null: these bytes choose. Any
+/// thread.
 using AdoptFunction =
     std::function<void(int fd, std::string already_read, PeerInfo peer, std::unique_ptr<Encoding> encoding)>;
 

@@ -185,7 +185,7 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   bool blocked_ = false;      // the send buffer is full; OnWritable() follows
   bool acknowledged_ = true;  // the bytes read last
   bool write_dead_ = false;   // writing has failed: the rest is dropped
-  bool input_ended_ = false;  // the endpoint has been told
+  bool input_ended_ = false;  // the endpoint has been notified
   bool eof_ = false;          // nothing more can be read
   bool closing_ = false;      // no more requests are handled
   bool fin_sent_ = false;

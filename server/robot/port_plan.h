@@ -13,12 +13,12 @@ class PortPlan {
   static constexpr int kLast = 65535;
 
   /// `first`: the lowest port for modules (P + 2); 0: every module gets any free port. `is_foreign` reports
-  /// that a port belongs to somebody else, e.g. a registered name or, with any_port(), any program; may be
+  /// that a port belongs to another program, e.g. a registered name or, with any_port(), any program; may be
   /// null.
   explicit PortPlan(int first, std::function<bool(int)> is_foreign = nullptr);
 
   bool any_port() const { return first_ == 0; }
-  /// True if the port belongs to somebody else: Take() skips it.
+  /// True if the port belongs to another program: Take() skips it.
   bool IsForeign(int port) const { return is_foreign_ && is_foreign_(port); }
   /// Reserves and returns the next port for a module; 0: any free one, or, unless any_port(), none is left.
   int Take();

@@ -24,7 +24,7 @@ struct KeptSensor {
   const SensorKind* kind = nullptr;  // its model
   std::uint32_t number = 0;          // of its kind, from 0
   /// Distance sensor: offset of its values among those of its robot. Other kinds have their own lists, of
-  /// length `count` once somebody has read them.
+  /// length `count` once read.
   std::uint32_t first = 0;
   std::uint32_t count = 0;
   std::vector<SensorFan> fans;

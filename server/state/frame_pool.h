@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reuses the buffers of frames that nobody holds any more: a swarm's frame has hundreds of kilobytes, which
+// Reuses the buffers of frames without holders: a swarm's frame has hundreds of kilobytes, which
 // the system's allocator would map and clear in every step.
 #pragma once
 

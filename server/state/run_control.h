@@ -203,7 +203,7 @@ class RunControl {
     end_ = why;
     end_text_ = std::move(text);
   }
-  /// Why nobody is served any more.
+  /// Why the daemon refuses all requests.
   std::string stopping_text() const EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);
     return end_text_.empty() ? "the daemon is stopping" : RunEndedText(end_text_);

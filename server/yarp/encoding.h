@@ -8,7 +8,7 @@
 namespace coopdyn {
 
 /// All encodings of a daemon: YARP's, then StandardEncodings(). `network` opens the connections that ports
-/// are told to open; it outlives the encodings.
+/// are asked to open; it outlives the encodings.
 Encodings EncodingsWithYarp(YarpNetwork& network);
 
 }  // namespace coopdyn

@@ -125,7 +125,7 @@ std::optional<Message> YarpOutput::Next(const Message& reply, std::string& out) 
     return request;
   }
   if (!pulls()) return {};
-  constexpr int kMaxErrors = 4;  // a reset or a load; after more, nothing can come any more
+  constexpr int kMaxErrors = 4;  // a reset or a load; after more, the stream is dead
   errors_ = reply.error == 0 ? 0 : errors_ + 1;
   if (errors_ > kMaxErrors) {
     if (events_.fails) events_.fails(reply.text);

@@ -27,7 +27,7 @@ class YarpUdpRelay final : public std::enable_shared_from_this<YarpUdpRelay> {
   static std::shared_ptr<YarpUdpRelay> Make(boost::asio::io_context& context,
                                             boost::asio::ip::udp::socket datagrams, Direction direction,
                                             UniqueFd& session);
-  /// Runs until the session closes its end or nobody receives any more; then calls `on_end`.
+  /// Runs until the session closes its end or the receiver is gone; then calls `on_end`.
   void Start(std::function<void()> on_end);
   void Close();
   /// Time since the last datagram, or since the start.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// YARP ports that are open because somebody has asked for their names. Unused ports close.
+// YARP ports that are open because a program has asked for their names. Unused ports close.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,7 @@ class YarpPorts {
       : addresses_(std::move(addresses)), net_(net), names_(names) {}
 
   /// Opens `name` if it is a port of `module`; its connections are served on `io`. `asker`: the address of
-  /// whoever asks; if empty, the port stays open as long as its module.
+  /// the program that asks; if empty, the port stays open as long as its module.
   void Open(const std::string& name, Endpoint& module, IoThread& io, const std::string& asker);
   /// True if the port stays open as long as its module.
   bool IsKept(const std::string& name) const;
@@ -43,7 +43,7 @@ class YarpPorts {
     std::string asker;  // empty: stays open
   };
   bool IsUnused(const Held& held) const { return !held.asker.empty() && held.port->session_count() == 0; }
-  /// When somebody last asked for the name.
+  /// When a program last asked for the name.
   Nanoseconds AskedAt(const std::string& name) const;
   /// Closes a port without connection if the number for `asker`, or in total, is at its limit.
   void MakeRoom(const std::string& asker);

@@ -275,7 +275,7 @@ YarsUdpTalk::Action YarsUdpTalk::MoveOn() {
 }
 
 YarsUdpTalk::Action YarsUdpTalk::Answer(const Message& reply) {
-  // Another module replaces this one soon, or the port learns that there is none: MoveOn().
+  // Another module replaces this one soon, or the port learns that it has none: MoveOn().
   if (reply.error != 0 && reply.text.ends_with(kGoneText)) return {};
   const Waiting waited = std::exchange(waiting_, Waiting::kNot);
   if (waited == Waiting::kChannel) {
