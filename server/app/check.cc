@@ -34,8 +34,9 @@ std::string ScenariosOption(const std::string& folder) {
   return " --scenarios " + ShellWord(folder);
 }
 
-/// Says which folders below `below` have what `file` names and `path` does not find, and puts them on it. A
-/// model that is found may name more. As options of `serve`.
+/// Searches the folders below `below` for files that `file` names and `path` does not find; prints these
+/// folders and adds them to `path`. Repeats, because a found model may name more files. Returns the folders
+/// as options of `serve`.
 std::string Search(const std::string& file, const std::string& below, SearchPath& path) {
   std::string options;
   std::vector<std::string> missing = MissingUris(file, path);
@@ -57,7 +58,7 @@ std::string Search(const std::string& file, const std::string& below, SearchPath
   return options;
 }
 
-/// What of `options` a file that was read with them is to be served with.
+/// The part of `options` that `serve` needs for a file read with them.
 std::string ServeOptionsOf(const CheckOptions& options) {
   std::string words;
   for (const std::string& folder : options.scenario_folders) words += ScenariosOption(folder);
@@ -76,7 +77,7 @@ void Say(const CheckOptions& options, const CheckReport& report) {
   }
 }
 
-/// Empty, or why there is no picture.
+/// Draws the picture. Returns an error text, empty on success.
 std::string DrawPicture(const Frame& frame, bool is_model, bool has_page, const std::string& file) {
   std::string unusable;
   const RendererKind renderer = RendererFromEnvironment(RendererKind::kAuto, unusable);

@@ -31,7 +31,7 @@ struct Given {
   PictureOptions pictures;
 };
 
-/// `a,b,c`; `none` is no name.
+/// Parses `a,b,c`; `none` means no names.
 std::vector<std::string> ReadNames(const std::string& option, const std::string& text) {
   std::vector<std::string> names;
   if (text == "none") return names;
@@ -54,7 +54,7 @@ void ReadSize(const std::string& text, ImageRequest& image) {
     throw CLI::ValidationError("--size: " + error);
 }
 
-/// `robot1` or `robot1/left_camera`.
+/// Parses `robot1` or `robot1/left_camera`.
 void ReadCamera(const CLI::App& sub, const std::string& text, ImageRequest& image) {
   for (const char* option : {"--size", "--eye", "--look", "--rays"}) {
     if (sub.count(option) > 0)
@@ -69,7 +69,7 @@ void ReadCamera(const CLI::App& sub, const std::string& text, ImageRequest& imag
     throw CLI::ValidationError("--camera: write ROBOT or ROBOT/MODULE, e.g. robot1/camera");
 }
 
-/// csv for `a.csv`; empty if the name does not tell.
+/// "csv" for `a.csv`; empty for an unknown extension.
 std::string FormatOf(const std::string& out) {
   const std::string extension = std::filesystem::path(out).extension().string();
   const auto* const found = std::find_if(kFormats.begin(), kFormats.end(),
@@ -77,7 +77,7 @@ std::string FormatOf(const std::string& out) {
   return found == kFormats.end() ? "" : *found;
 }
 
-/// What was given must mean something for this format.
+/// Fills in defaults; throws if an option does not apply to the format.
 void Complete(const CLI::App& sub, Given& given) {
   if (given.to.empty()) given.to = FormatOf(given.out);
   if (std::find(kFormats.begin(), kFormats.end(), given.to) == kFormats.end())
@@ -132,7 +132,7 @@ std::string Write(RunReader& reader, const Given& given, const ExportProgress& p
 }
 
 int Export(Given given) {
-  Shutdown shutdown;  // Ctrl-C ends it with nothing left behind
+  Shutdown shutdown;  // Ctrl-C stops the export and leaves no file behind
   SetRendererDefaults();
   std::string error;
   given.pictures.renderer = RendererFromEnvironment(RendererKind::kAuto, error);

@@ -86,10 +86,9 @@ std::string LogText(const RunInfo& info) {
   return info.log + " is not part of the file yet" + why + ": copy both";
 }
 
-constexpr std::size_t kMaxEventBytes = 4000;  // the file has the whole text
+constexpr std::size_t kMaxEventBytes = 4000;  // longer texts are cut
 
-/// A line of an event: further lines of its text stand below the first, and nothing in it drives the
-/// terminal.
+/// Adds an event; indents further lines of its text, and makes it printable.
 void AddEvent(std::string& text, const Event& event) {
   text += fmt::format("    {:>10.3f} s  {:<8}", event.time_s, event.level);
   const std::string below(26, ' ');

@@ -11,7 +11,7 @@ namespace coopdyn {
 
 namespace {
 
-/// The module that stands for a plug-in; empty if the robot has none.
+/// Finds the module that replaces a plug-in; empty if the robot has none.
 using FindModule = std::string (*)(const RobotModel& robot);
 
 template <typename Kind>
@@ -38,10 +38,10 @@ std::string ThrustersOf(const RobotModel& robot) {
 
 /// A kind of plug-in.
 struct PluginRow {
-  std::vector<std::string_view> words;  // one of these begins a word of its name
-  FindModule module;                    // null: nothing stands for it
-  std::string_view without;             // why it matters that nothing does; empty: it does not matter
-  std::string_view harmless = {};       // why it does not
+  std::vector<std::string_view> words;  // matches if one is the start of a word in its name
+  FindModule module;                    // null: no module replaces it
+  std::string_view without;             // why it matters without that module; empty: it does not matter
+  std::string_view harmless = {};       // why it does not matter
 };
 
 const std::vector<PluginRow>& PluginRows() {
@@ -116,7 +116,7 @@ const std::vector<PluginRow>& PluginRows() {
 
 constexpr const char* kTunes = "it tunes another solver: contacts and stops are stiff here";
 
-/// What an element does not change, or does.
+/// The consequence of leaving out an element.
 struct ElementRow {
   std::vector<std::string_view> names;
   std::string_view why;
@@ -282,7 +282,7 @@ std::string WordsOf(std::string_view name) {
   return words + " ";
 }
 
-/// What stands between the first `open` and the next `close`.
+/// The text between the first `open` and the next `close`.
 std::string Between(const std::string& text, char open, char close) {
   const std::size_t first = text.find(open);
   if (first == std::string::npos) return {};
@@ -304,7 +304,7 @@ Consequence OfPlugin(const std::string& file, const RobotModel* robot) {
   return {true, "coopdyn runs no plug-ins of others, so what it does is missing"};
 }
 
-/// URDF's own <sensor>: the same mostly stands in <gazebo>, too.
+/// URDF's own <sensor>, which <gazebo> usually repeats.
 Consequence OfUrdfSensor(const RobotModel* robot) {
   const bool has_sensor = robot != nullptr && std::ranges::any_of(robot->sensors, [](const SensorModel& one) {
                             return one.type() != PoseModel::kType;

@@ -22,7 +22,7 @@ bool IsControllerName(const std::string& name) {
          name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
 }
 
-/// `name` with what is not allowed in it replaced; empty if nothing is left.
+/// `name` with invalid characters replaced or removed; empty if nothing remains.
 std::string NearestName(const std::string& name) {
   std::string near;
   for (const char c : name) {

@@ -43,7 +43,7 @@ std::string CheckSeed(const std::string& text) {
   return digits ? "" : "--seed must be a whole number from 0, not " + text;
 }
 
-/// `yarp.conf` becomes the server in it.
+/// Replaces `yarp.conf` by the server that the file names.
 std::string TakeYarpServer(std::string& text) {
   if (text != "yarp.conf") return {};
   const std::string name = YarpConfFile([](const char* variable) {
@@ -69,7 +69,7 @@ std::string CheckPlaySpeed(const std::string& text) {
   return CLI::detail::lexical_cast(text, value) && IsPlaySpeed(value) ? "" : "--speed " + text + kNoPlaySpeed;
 }
 
-/// Makes the folder if there is none.
+/// Makes the folder if it is missing.
 void MakeRecordingsFolder(const std::string& folder) {
   if (folder.empty()) throw CLI::ValidationError("--recordings takes a folder, e.g. --recordings runs");
   std::error_code failed, ignored;
@@ -81,7 +81,7 @@ void MakeRecordingsFolder(const std::string& folder) {
                              ": write a folder that you may write to, e.g. --recordings runs");
 }
 
-/// Asks the system, so that a file that is there stays as it is, and none is made yet.
+/// Throws if `file` cannot be written. Changes or makes no file.
 void CheckWritable(const std::string& option, const std::string& file, const std::string& example) {
   if (file.empty()) return;
   std::error_code ignored;
@@ -96,7 +96,7 @@ void CheckWritable(const std::string& option, const std::string& file, const std
         "another file, e.g. " +
         option + " " + example);
   }
-  // The summary is written beside it and put in its place.
+  // The summary is written beside the file and renamed.
   const std::filesystem::path folder = std::filesystem::weakly_canonical(file, ignored).parent_path();
   const std::string written = std::filesystem::is_other(file, ignored) ? file : folder.string() + "/";
   if (::access(written.c_str(), W_OK) == 0) return;
@@ -119,8 +119,8 @@ RecordWhat ReadRecordWhat(const std::string& given) {
                              "': write some of poses,channels,distances,targets,controllers,images, or all");
 }
 
-/// Each option but those in `only_flags` may also be given by a variable: --robot-threads by
-/// COOPDYN_ROBOT_THREADS.
+/// Lets environment variables set all options except those in `only_flags`: COOPDYN_ROBOT_THREADS sets
+/// --robot-threads.
 void TakeVariables(CLI::App* sub, const std::set<std::string>& only_flags) {
   for (CLI::Option* option : sub->get_options()) {
     if (option->get_lnames().empty() || only_flags.contains(option->get_lnames().front())) continue;
@@ -136,7 +136,7 @@ void AddStopOrContinue(CLI::App* sub, const std::string& name, bool& stop, const
       ->check(OneOf({"continue", "stop"}));
 }
 
-/// How the daemon is reached, and what it shows.
+/// Options of the network, the page and pictures.
 void AddNetwork(CLI::App* sub, ServeOptions& serve) {
   sub->add_option("--port", serve.port, "Names on P, page on P+1, modules from P+2; 0: any free ports")
       ->check(WholeIn(0, 65000))
@@ -215,7 +215,7 @@ void AddRecording(CLI::App* sub, ServeOptions& serve) {
       ->capture_default_str();
 }
 
-/// Others shall not find the token by trying.
+/// Throws if the token is short enough to be guessed by other machines.
 void CheckStrength(const ServeOptions& serve) {
   constexpr std::size_t kStrongToken = 12;
   const std::size_t characters = CharacterCount(serve.token);
@@ -228,7 +228,7 @@ void CheckStrength(const ServeOptions& serve) {
   }
 }
 
-/// A channel would take a port from under a module, or from the page.
+/// Throws if --channel-port would take a port of a module or of the page.
 void CheckChannelPort(const ServeOptions& serve) {
   if (!serve.channel_port || serve.no_net || !IsOwnPort(serve, *serve.channel_port)) return;
   throw CLI::ValidationError(fmt::format(
@@ -238,7 +238,7 @@ void CheckChannelPort(const ServeOptions& serve) {
       serve.port > kOwnPorts ? serve.port - 100 : serve.port + kOwnPorts));
 }
 
-/// What does not go together.
+/// Throws if options contradict each other or files cannot be written.
 void CheckServe(const CLI::App& sub, const ServeOptions& serve) {
   if (sub.count("--record") > 0 && serve.record.file.empty()) {
     throw CLI::ValidationError("--record takes the name of a file, e.g. --record lesson1.run");
@@ -263,8 +263,8 @@ void CheckServe(const CLI::App& sub, const ServeOptions& serve) {
   CheckStrength(serve);
   CheckChannelPort(serve);
   if (sub.count("--recordings") > 0)
-    MakeRecordingsFolder(serve.record.folder);  // last: nothing else is wrong
-  // These may lie in that folder.
+    MakeRecordingsFolder(serve.record.folder);  // only after all other checks
+  // These files may be in that folder.
   CheckWritable("--summary", serve.summary_file, "run.json");
   CheckWritable("--log-file", serve.log_file, "night.log");
 }

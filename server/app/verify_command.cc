@@ -19,7 +19,7 @@ struct GivenRuns {
   std::vector<std::string> scenario_folders;
 };
 
-/// Null, and said, if it cannot be opened.
+/// Opens a recording; prints the error and returns null on failure.
 std::unique_ptr<RunReader> Open(const std::string& file) {
   std::string error;
   auto reader = RunReader::Open(file, error);
@@ -78,7 +78,7 @@ void AddVerify(CLI::App& app, Chosen& chosen) {
       ->capture_default_str()
       ->check(WholeIn(1, 64));
   sub->add_option("--scenarios", given->scenario_folders, "A folder with controllers that the run names")
-      ->allow_extra_args(false);  // what follows is a run
+      ->allow_extra_args(false);  // the next word is a run
   sub->callback([&chosen, given] { chosen = [given] { return RunVerify(*given); }; });
 }
 
