@@ -126,7 +126,7 @@ void AddModel(const RobotModel& model, PageText& page) {
   const Vector3 size = SizeOf(model);
   const auto rounded = [](double value) { return FormatNumber(std::round(value * 1e3) / 1e3); };
   const std::string sizes = rounded(size.x()) + " x " + rounded(size.y()) + " x " + rounded(size.z()) + " m";
-  page.Line("  ", (size.isZero() ? "nothing of it collides or is drawn" : "size " + sizes) + "; " +
+  page.Line("  ", (size.isZero() ? "no part of it collides or is drawn" : "size " + sizes) + "; " +
                       (model.drive() != nullptr ? std::string("a drive; ") : "") + MotorText(model) +
                       thrusters);
   const std::vector<ModuleModel> modules = model.modules();
@@ -164,7 +164,7 @@ std::string PageOf(const CheckReport& report, bool verbose) {
   page.List(report.missing.size(), 3, search, [&](std::size_t i) {
     const MissingPart& part = report.missing[i];
     return part.what + (part.count > 1 ? ", " + CountOf(static_cast<std::size_t>(part.count), "file") : "") +
-           (part.collides ? "" : " (for looks alone)") + ": " + part.bring;
+           (part.collides ? "" : " (only drawn)") + ": " + part.bring;
   });
   if (report.drive) {
     page.Program("Serve it:", report.drive->serve);

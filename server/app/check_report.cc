@@ -249,7 +249,7 @@ CheckReport MakeReport(const std::string& file, const Checked& checked, const Di
     loses = true;
     report.left_out.push_back(
         {{file, 0},
-         std::to_string(said - diagnostics.all().size()) + " warnings more, which are not kept",
+         std::to_string(said - diagnostics.all().size()) + " more warnings, which are not kept",
          "",
          1});
   }

@@ -287,7 +287,7 @@ std::string Explained(const CLI::App& app, const CLI::ParseError& error,
       for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
         commands.push_back(sub->get_name());
       }
-      what = "there is nothing called " + word + ": write one of " + JoinNames(commands);
+      what = "there is no command " + word + ": write one of " + JoinNames(commands);
     }
     if (word.starts_with("--")) {
       std::vector<std::string> flags;

@@ -58,7 +58,7 @@ int ConvertMjcf(const std::string& file, const SearchPath& path, const std::stri
   PrintErrorLines(diagnostics.ToString());
   if (!text) return kExitErrors;
   if (!Write(target, *text)) return Refuse(target.string() + " cannot be written");
-  Print("wrote {0}; go on with\n  coopdyn serve {0}\n", target.string());
+  Print("wrote {0}; continue with\n  coopdyn serve {0}\n", target.string());
   return kExitOk;
 }
 
@@ -122,7 +122,7 @@ int Convert(const ConvertOptions& options) {
     fs::create_directories(target.parent_path(), error);
     if (!fs::copy_file(source, target, error)) return Refuse(target.string() + " cannot be written");
   }
-  Print("wrote {0}; go on with\n  coopdyn serve {0}\n", scenario.string());
+  Print("wrote {0}; continue with\n  coopdyn serve {0}\n", scenario.string());
   return kExitOk;
 }
 

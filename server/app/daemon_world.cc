@@ -84,11 +84,11 @@ std::string Daemon::StartFromRecording() {
   if (state == nullptr) return error;
   if (!stepper_.StartFrom(state, diagnostics)) return diagnostics.ToString();
   if (options_.run.duration_s && *options_.run.duration_s <= state->frame->time_s()) {
-    return fmt::format("--duration {} is over at t = {} s, where the run goes on: write a later time",
+    return fmt::format("--duration {} is over at t = {} s, where the run continues: write a later time",
                        *options_.run.duration_s, state->frame->time_s());
   }
   if (options_.run.steps && *options_.run.steps <= state->frame->step) {
-    return fmt::format("--steps {} is over at step {}, where the run goes on: write a higher number",
+    return fmt::format("--steps {} is over at step {}, where the run continues: write a higher number",
                        *options_.run.steps, state->frame->step);
   }
   return {};

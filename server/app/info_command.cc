@@ -260,10 +260,10 @@ int Info(const InfoOptions& options, std::ostream& out, std::ostream& errors) {
 
 void AddInfo(CLI::App& app, Chosen& chosen) {
   auto given = std::make_shared<InfoOptions>();
-  CLI::App* sub = app.add_subcommand("info", "Tell what recordings hold; mends one that a crash has left");
+  CLI::App* sub = app.add_subcommand("info", "Print the contents of recordings; mends one left by a crash");
   sub->footer("Example: coopdyn info lesson1.run --events");
   sub->add_option("run", given->files, "Recordings")->required();
-  sub->add_flag("--events", given->events, "List all events, not the notes alone");
+  sub->add_flag("--events", given->events, "List all events, not only notes");
   sub->add_flag("--json", given->json, "One JSON array, an object per recording, with all events");
   sub->add_flag(
       "--count-commands", given->count_commands,

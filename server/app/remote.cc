@@ -42,17 +42,17 @@ struct Verb {
 
 constexpr Verb kVerbs[] = {
     {"list", 0, "List the names of all modules", "coopdyn list", 0, 0},
-    {"status", command::kGetStatus, "How the run stands", "coopdyn status", 0, 0},
-    {"run", command::kRun, "Let the run go on", "coopdyn run", 0, 0},
+    {"status", command::kGetStatus, "Show the state of the run", "coopdyn status", 0, 0},
+    {"run", command::kRun, "Continue the run", "coopdyn run", 0, 0},
     {"pause", command::kPause, "Pause the run", "coopdyn pause", 0, 0},
     {"step", command::kStep, "Run N steps while paused", "coopdyn step 10", 0, 1},
-    {"reset", command::kReset, "Back to the start, with another seed if given", "coopdyn reset 7", 0, 1},
+    {"reset", command::kReset, "Reset to the start, with another seed if given", "coopdyn reset 7", 0, 1},
     {"reload", command::kReload, "Read the scenario's file again", "coopdyn reload", 0, 0},
     {"load", command::kLoadScenario,
      "Load another scenario: a bare name, a file of this machine, or - (standard input)",
      "coopdyn load corridor", 1, 1},
     {"world", 0,
-     "Look at what stands in the world, or edit it: list, insert, remove, move, set, rename, undo, redo, "
+     "Show or edit the world: list, insert, remove, move, set, rename, undo, redo, "
      "save",
      "coopdyn world insert \"[BOX_*] | type box | size 0.5 0.5 0.5 | position 2 1\"    coopdyn world move "
      "BOX_1 2 "
@@ -215,7 +215,7 @@ Message WorldMessageOf(const std::vector<std::string>& words) {
     throw RemoteError(
         kExitWrongUse,
         verb +
-            " is nothing that coopdyn world does: write list, insert, remove, move, set, rename, "
+            " is not a command of coopdyn world: write list, insert, remove, move, set, rename, "
             "undo, redo or save");
   }
   Message request;

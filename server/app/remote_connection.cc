@@ -90,8 +90,8 @@ RemoteError RemoteConnection::NoAnswer() const {
   if (stream_.error() != boost::asio::error::timed_out)
     return {kExitErrors, "the daemon closed the connection"};
   return {kExitNoDaemon,
-          "something takes connections there and does not answer: a daemon that starts answers when it is "
-          "ready; anything else is no coopdyn"};
+          "a program accepts connections there but does not answer: a starting daemon answers when it is "
+          "ready; any other program is not coopdyn"};
 }
 
 RemoteError RemoteConnection::Unreadable() {

@@ -64,7 +64,7 @@ class ServedRun {
   bool WriteSummaryOf(const RunReport& run) const {
     if (summary_file_.empty()) return true;
     const std::string error = WriteSummary(summary_file_, SummaryJson(run));
-    if (!error.empty()) PrintError("coopdyn: the summary is lost: {}\n", error);
+    if (!error.empty()) PrintError("coopdyn: the summary cannot be written: {}\n", error);
     return error.empty();
   }
 

@@ -92,7 +92,7 @@ void CheckWritable(const std::string& option, const std::string& file, const std
   if (!CheckFree(file, true).empty()) {
     throw CLI::ValidationError(
         option + " " + file +
-        " is a scenario, a world, a model or a recording, which it never replaces: write "
+        " is a scenario, a world, a model or a recording, which is never replaced: write "
         "another file, e.g. " +
         option + " " + example);
   }
@@ -151,13 +151,13 @@ void AddNetwork(CLI::App* sub, ServeOptions& serve) {
       ->check(WholeIn(0, 65535));
   sub->add_option("--host", serve.hosts,
                   "Address to listen at (default: this machine only); 0.0.0.0: everybody");
-  sub->add_option("--advertise", serve.advertise, "Address that the name server tells");
-  sub->add_option("--token", serve.token, "What changing commands from other machines must show")
+  sub->add_option("--advertise", serve.advertise, "Address that the name server reports");
+  sub->add_option("--token", serve.token,
+                  "Token that commands from other machines must present to change the world")
       ->check(CLI::Validator(CheckToken, ""));
   sub->add_flag("--weak-token", serve.weak_token, "Let --token be shorter than 12 characters");
   sub->add_flag("--private", serve.private_robots, "Robots' modules need the token too");
-  sub->add_flag("--read-only", serve.read_only,
-                "Clients and the page may read and watch, and change nothing");
+  sub->add_flag("--read-only", serve.read_only, "Clients and the page may only read and watch");
   sub->add_option("--yarp-server", serve.yarp_server,
                   "Register the names at this name server, HOST:PORT, or at that of yarp.conf")
       ->transform(CLI::Validator(TakeYarpServer, ""));
@@ -253,10 +253,10 @@ void CheckServe(const CLI::App& sub, const ServeOptions& serve) {
       throw CLI::ValidationError("--from uses the seed of the recording: leave --seed out");
     }
     if (!serve.settings.empty()) {
-      throw CLI::ValidationError("--from goes on with the scenario of the recording: leave --set out");
+      throw CLI::ValidationError("--from continues with the scenario of the recording: leave --set out");
     }
     if (sub.count("scenario") > 0) {
-      throw CLI::ValidationError("--from takes the scenario out of the recording: leave " + serve.scenario +
+      throw CLI::ValidationError("--from uses the scenario of the recording: leave " + serve.scenario +
                                  " out");
     }
   }
@@ -276,14 +276,14 @@ void AddPlay(CLI::App& app, const std::string& command_line, Chosen& chosen) {
   CLI::App* sub = app.add_subcommand("play", "Play a recording: its robots, pictures and page as in the run");
   sub->footer("Example: coopdyn play lesson1.run --speed 2 --at 12.5");
   sub->add_option("run", serve.play.file, "A recording, e.g. lesson1.run")->required();
-  sub->add_option("--speed", serve.play.speed, "Times the wall clock, -4 to 64; below 0: backwards")
+  sub->add_option("--speed", serve.play.speed, "Multiple of real time, -4 to 64; negative: backwards")
       ->check(CLI::Validator(CheckPlaySpeed, ""));
   sub->add_option_function<double>(
          "--at", [&serve](double given_s) { serve.play.start = std::llround(given_s * 1e9); },
-         "Begin at this simulated time, s (default: its begin)")
+         "Begin at this simulated time, s (default: the start)")
       ->check(NumberIn(-kMaxDuration_s, kMaxDuration_s));
   sub->add_flag("--loop", serve.play.loop, "Start again at the end");
-  sub->add_flag("--paused", serve.play.paused, "Stand at the first frame");
+  sub->add_flag("--paused", serve.play.paused, "Start paused at the first frame");
   AddNetwork(sub, serve);
   TakeVariables(sub, {"help", "scenarios", "speed", "at", "loop", "paused"});
   sub->callback([given, &chosen] {
@@ -317,9 +317,9 @@ void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
       "Example: coopdyn serve classroom --mode lockstep --port 10000\n"
       "Exit codes: 0 ok; 1 errors; 2 wrong use; 4 a controller failed, a body was frozen or the recording\n"
       "failed; 5 a signal or quit came before --duration.\n"
-      "A run that ends by its scenario stands until it is reset; with --duration, --steps, --summary or\n"
+      "A run that its scenario ends stands until it is reset; with --duration, --steps, --summary or\n"
       "--no-net the program ends with it. SIGTERM, SIGINT and SIGHUP end the run in order;\n"
-      "SIGUSR1 logs how it stands, writes --summary and goes on.");
+      "SIGUSR1 logs the current state, writes --summary and continues.");
   sub->add_option("scenario", serve.scenario,
                   "A .scenario, .world, .sdf, .urdf or .xml file, a bare name on the search path, or - "
                   "(standard input)")
@@ -332,25 +332,24 @@ void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
          "--step", [&serve](double step_s) { serve.run.step = std::llround(step_s * 1e6) * 1000; },
          "Step in seconds, 0.0005 to 0.1")
       ->check(CLI::Validator(CheckStep, ""));
-  sub->add_option("--speed", serve.run.speed, "Times the wall clock; 0 or less: no limit")
+  sub->add_option("--speed", serve.run.speed, "Multiple of real time; 0 or less: no limit")
       ->check(NumberIn(-kMaxSpeed, kMaxSpeed));
   sub->add_option("--seed", serve.run.seed, "Of noise and solver")->check(CLI::Validator(CheckSeed, ""));
   CLI::Option* duration =
       sub->add_option("--duration", serve.run.duration_s, "End the run at this simulated time, s")
           ->check(NumberIn(0, kMaxDuration_s, true));
-  sub->add_option("--steps", serve.run.steps, "End the run with this step, instead of --duration")
+  sub->add_option("--steps", serve.run.steps, "End the run after this step, instead of --duration")
       ->check(WholeIn(1, 1'000'000'000))
       ->excludes(duration);
   AddSettings(sub, serve.settings);
   sub->add_option("--with-process", serve.with_process,
-                  "End when the process of this number ends, however it ends")
+                  "End when the process with this number ends, however it ends")
       ->check(WholeIn(1, std::numeric_limits<int>::max()));
   sub->add_flag("--paused", serve.run.paused, "Start paused");
   sub->add_flag("--no-net", serve.no_net, "No sockets at all");
-  sub->add_option(
-         "--threads", serve.threads,
-         "Threads that share out sensing, controllers and physics, at most one a core; worth it from some "
-         "hundred robots on; the results stay the same")
+  sub->add_option("--threads", serve.threads,
+                  "Threads for sensing, controllers and physics, at most one per core; useful from some "
+                  "hundred robots on; the results stay the same")
       ->check(WholeIn(1, 256))
       ->capture_default_str();
   sub->add_option_function<std::string>(
@@ -365,12 +364,13 @@ void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
       ->check(WholeIn(0, 1 << 30));
   AddStopOrContinue(
       sub, "--on-controller-failure", serve.run.stop_on_controller_failure,
-      "When a loaded controller fails: continue (its robot stands, the rest goes on) or stop (the "
+      "When a loaded controller fails: continue (its robot stands, the run continues) or stop (the "
       "run ends); the exit code is 4 either way (default: continue)");
-  sub->add_option("--summary", serve.summary_file,
-                  "Write a summary of the run to this file (JSON) at its end, and on SIGUSR1 how it stands");
+  sub->add_option(
+      "--summary", serve.summary_file,
+      "Write a summary of the run to this file (JSON) at its end, and its current state on SIGUSR1");
   sub->add_option("--from", serve.from,
-                  "Go on from a moment of a recording instead of a scenario: RUN@SECONDS, RUN@#STEP, "
+                  "Continue from a moment of a recording instead of a scenario: RUN@SECONDS, RUN@#STEP, "
                   "RUN@start or RUN@end");
   sub->add_flag("--strict", serve.strict, kStrictHelp);
   AddRecording(sub, serve);

@@ -57,7 +57,7 @@ std::string Uploads::Objection(const std::string& name, const std::string& text)
                     std::all_of(name.begin(), name.end(), IsNameCharacter);
   if (!bare) {
     return fmt::format(
-        "a file that is sent has a name of letters, digits, _, - and ., without folders, at most {} "
+        "an uploaded file needs a name of letters, digits, _, - and ., without folders, at most {} "
         "characters: not '{}'",
         kMaxName, Printable(name));
   }

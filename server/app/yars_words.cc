@@ -77,7 +77,7 @@ constexpr std::array kFlags = {
              "options"},
     YarsFlag{
         "--writeConfig", Takes::kMayTake, {}, "coopdyn serve --config reads a file of coopdyn's own options"},
-    YarsFlag{"--printTime", Takes::kNothing, {}, "coopdyn status tells the time"},
+    YarsFlag{"--printTime", Takes::kNothing, {}, "coopdyn status shows the time"},
     YarsFlag{"--printConfig", Takes::kNothing, {}, "coopdyn describe scenario FILE prints what it is"},
     YarsFlag{
         "--printRobotConfiguration", Takes::kNothing, {}, "coopdyn describe robot FILE prints what it is"},
@@ -168,7 +168,8 @@ class YarsLine {
     const double step_us = std::round(kMicro / *frequency_hz);
     if (std::abs(step_us * *frequency_hz / kMicro - 1) > 1e-9)
       out_.notes.push_back("--simfreq " + FormatNumber(*frequency_hz) +
-                           ": a step has whole microseconds: it is " + FormatNumber(step_us) + " µs");
+                           ": a step is a whole number of microseconds: it is " + FormatNumber(step_us) +
+                           " µs");
     step_s_ = step_us / kMicro;
   }
 
@@ -195,7 +196,7 @@ class YarsLine {
       return;
     }
     if (!flag->instead.empty()) {
-      out_.error = name + " of YARS is not read: " + std::string(flag->instead);
+      out_.error = name + " of YARS is not supported: " + std::string(flag->instead);
       return;
     }
     std::string value;
@@ -203,7 +204,7 @@ class YarsLine {
     const bool has_next = at_ + 1 < words_.size() && !words_[at_ + 1].starts_with("-");
     if (flag->takes == Takes::kMayTake && !given_ && has_next && !file_.empty()) ++at_;
     if (flag->serve.empty()) {
-      out_.notes.push_back(name + " changes nothing here: " + std::string(flag->note));
+      out_.notes.push_back(name + " has no effect here: " + std::string(flag->note));
       return;
     }
     for (std::string& word : SplitWords(flag->serve))
@@ -267,14 +268,14 @@ std::string YarsHelp() {
       "  --realtime [FACTOR]        As fast as the wall clock, or FACTOR times; without it as fast as it "
       "goes\n"
       "  --simfreq HZ               Steps a second, instead of the file's\n"
-      "  --debug [LEVEL]            What the log tells: debug, info or silent\n";
+      "  --debug [LEVEL]            Level of the log: debug, info or silent\n";
   for (const YarsFlag& flag : kFlags) {
     if (flag.serve.empty()) continue;
     const std::string name = std::string(flag.name) + (flag.takes == Takes::kValue ? " VALUE" : "");
     text += fmt::format("  {:<26} As coopdyn serve {}\n", name, flag.serve);
   }
   return text +
-         "\nOptions of YARS for its window and its films are read and change nothing.\n"
+         "\nOptions of YARS for its window and its films are accepted without effect.\n"
          "--noctrl and --config are errors that say what to write instead.\n";
 }
 

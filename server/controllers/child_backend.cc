@@ -76,7 +76,7 @@ std::vector<Casualty> ChildBackend::Run(Operation operation, std::span<const std
     const std::optional<Loss> loss = runs ? Send(operation_, open_, trial_ ? 1 : options_.threads) : Start();
     if (runs && !loss) break;
     if (loss && IsInterrupted()) {
-      StopAll("was ended with the daemon");
+      StopAll("was stopped with the daemon");
     } else if (loss) {
       Judge(*loss);
     }
@@ -270,7 +270,7 @@ void ChildBackend::Judge(const Loss& loss) {
                     "one of them start its own threads?",
                     loss.why, std::exchange(losses_, 0)));
   }
-  logger_->warn("the controllers' process {}: a new one goes on from where it was", loss.why);
+  logger_->warn("the controllers' process {}: a new one continues from its state", loss.why);
   // Several items were running, or another program killed the process: running one at a time shows the
   // culprit.
   trial_ = true;

@@ -39,7 +39,7 @@ void ControllerHost::Step(const FramePtr& frame, std::span<Setpoint> setpoints,
     const Nanoseconds begun = clock_.Now();
     const std::string missing = readings_.Write(frame, wanted_, *set_);
     if (!missing.empty() && missing != missing_pictures_) {
-      logger_->warn("the pictures of controllers are black: {}", missing);
+      logger_->warn("camera pictures of controllers are black: {}", missing);
       missing_pictures_ = missing;
     }
     const Nanoseconds sensed = clock_.Now();

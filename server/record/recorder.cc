@@ -325,7 +325,7 @@ class Recorder::Impl {
     if (begin_) BeginFile();
     if (!writes()) return;
     queue_.GoOn();
-    const std::string text = "there is room again: " + writer_->file() + " is recorded on";
+    const std::string text = "there is room again: recording to " + writer_->file() + " resumes";
     logger_->info("{}", text);
     {
       const MutexLock lock(mutex_);

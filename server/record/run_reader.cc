@@ -402,7 +402,8 @@ SavedStatePtr RunReader::Keyframe(std::uint64_t step) {
         " WHERE keyframe.step <= ?1 ORDER BY keyframe.step DESC LIMIT 1");
     row.Bind(1, step);
     if (!row.Step()) {
-      throw Failure{file_ + ": " + wanted + " is missing: go on from a later time, or copy the file again"};
+      throw Failure{file_ + ": " + wanted +
+                    " is missing: continue from a later time, or copy the file again"};
     }
     const std::int64_t number = row.integer(0), scene = row.integer(2);
     const std::string name = "the keyframe of step " + std::to_string(number);

@@ -94,7 +94,7 @@ SavedStatePtr StateAt(RunReader& reader, std::uint64_t step, const ReplayService
     return nullptr;
   }
   if (run.controllers_given_up()) {
-    error = fmt::format("{}: no run can go on from step {}: {}", reader.file(), step, run.warning());
+    error = fmt::format("{}: no run can continue from step {}: {}", reader.file(), step, run.warning());
     return nullptr;
   }
   if (from < step) {

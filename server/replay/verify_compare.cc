@@ -167,7 +167,7 @@ FramePtr ExactFrame(RunReader& reader, std::uint64_t step, const ReplayServices&
   if (!why.empty()) return nullptr;
   std::string said = run.warning();
   if (parted != 0) {
-    said = fmt::format("{} does not come out as recorded from step {} on: coopdyn verify {}", reader.file(),
+    said = fmt::format("{} differs from its recording from step {} on: coopdyn verify {}", reader.file(),
                        parted, reader.file()) +
            (said.empty() ? "" : "\n" + said);
   }
@@ -277,7 +277,7 @@ VerifyReport CompareSteps(RunReader& one, RunReader& other, const ReplayServices
     return report;
   }
   if (!SameTexts(one.header(), other.header())) {
-    AddLine("their scenarios differ, though nothing that moves does", report.warning);
+    AddLine("their scenarios differ, but all motion is equal", report.warning);
   }
   report.not_verified = last - first - std::min(last - first, report.steps);
   if (a.last != b.last || a.first != b.first) {
