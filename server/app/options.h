@@ -23,7 +23,7 @@ struct RecordOptions {
   std::string folder = ".";        // folder of recordings started later
   std::optional<RecordWhat> what;  // nullopt: depends on the number of robots
   bool durable = false;            // each step is on the disk before it is answered
-  Nanoseconds every = 0;           // of poses and readings; 0: each step
+  Nanoseconds every = 0;           // interval of poses and readings; 0: each step
   bool force = false;
   bool stop_on_failure = false;
 };

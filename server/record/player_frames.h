@@ -26,7 +26,7 @@ class PlayInputs {
   bool GoTo(std::uint64_t step);
 
   // All below describe the step of the last GoTo().
-  /// A channel's set-point in force, and whether a client's set-point came in force with this step.
+  /// A channel's set-point in force, and whether a client's set-point came into force with this step.
   struct Driven {
     Setpoint setpoint;
     bool commanded = false;

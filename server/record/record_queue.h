@@ -31,7 +31,7 @@ struct QueuedStep {
 
 struct QueuedBegin {
   SavedStatePtr state;
-  int number = 1;              // of the file
+  int number = 1;              // file number
   int order = 1;               // among all begun files
   bool drops_present = false;  // remove the previous file because it is empty
 };
@@ -91,7 +91,7 @@ class RecordQueue {
     return items_.empty() || bytes_ + bytes <= max_bytes_;
   }
   void Push(QueuedItem item) REQUIRES(mutex_);
-  /// Input or event; false if there is no room.
+  /// Pushes an input or event; false if there is no room.
   bool PushSmall(QueuedItem item) REQUIRES(mutex_);
   void WaitForRoom(std::size_t bytes) REQUIRES(mutex_);
   bool CostsTooMuch(Nanoseconds now) const REQUIRES(mutex_);
@@ -111,7 +111,7 @@ class RecordQueue {
   bool closed_ GUARDED_BY(mutex_) = false, failed_ GUARDED_BY(mutex_) = false;
   bool stalled_ GUARDED_BY(mutex_) = false;
   bool sleeping_ GUARDED_BY(mutex_) = false;        // the recorder, until notified
-  bool needs_keyframe_ GUARDED_BY(mutex_) = false;  // something was left out
+  bool needs_keyframe_ GUARDED_BY(mutex_) = false;  // steps or inputs were left out
   std::uint64_t lost_ GUARDED_BY(mutex_) = 0, lost_since_ GUARDED_BY(mutex_) = 0;
   std::optional<std::uint64_t> keyframe_ GUARDED_BY(mutex_);  // step of the last; empty before the first file
 };

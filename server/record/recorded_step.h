@@ -20,7 +20,7 @@ inline constexpr std::size_t kChannelBytes = 5 + 4;
 
 /// The optional parts of a recorded step. Time, hash, poses and the clients' commands are always recorded.
 struct RecordWhat {
-  bool channels = false;     // their positions and velocities
+  bool channels = false;     // positions and velocities
   bool distances = false;    // readings
   bool targets = false;      // readings
   bool controllers = false;  // set-points of loaded controllers
@@ -35,7 +35,7 @@ std::optional<RecordWhat> ParseRecordWhat(const std::string& words, std::string&
 /// All but images for up to 50 robots; poses and controllers for more.
 RecordWhat DefaultRecordWhat(std::size_t robots);
 
-/// A set-point that comes in force with a step.
+/// A set-point that comes into force with a step.
 struct CommandRecord {
   std::uint32_t channel = 0;  // index into scene->channels
   bool by_client = false;  // sent by a client for this step; else by a loaded controller, a policy, stop_all

@@ -227,7 +227,7 @@ class Recorder::Impl {
     }
     const Nanoseconds now = clock_.Now();
     if (!std::exchange(is_dirty_, true)) dirty_since_ = now;
-    // A full disk undoes the present transaction, so commit often enough.
+    // A full disk rolls back the current transaction, so commit often.
     const bool many = writer_->steps() >= committed_steps_ + kStepsAtOnce;
     const bool due = options_.durable ? !queue_.HasMore() : now - dirty_since_ >= options_.commit_every;
     if (!due && !many) return;
@@ -389,7 +389,7 @@ class Recorder::Impl {
   std::unique_ptr<RunWriter> writer_;
   std::uint64_t committed_steps_ = 0;
   int made_order_ = 0;   // of the file made last
-  bool failed_ = false;  // nothing is written any more
+  bool failed_ = false;  // no more is written
   bool is_dirty_ = false;
   Nanoseconds dirty_since_ = 0;  // wall clock
   Moment last_, committed_;

@@ -33,7 +33,7 @@ class RowChain {
 
   /// Ends the row and returns its chain.
   std::int32_t Link();
-  /// Of the last row.
+  /// The chain of the last row.
   std::int32_t value() const { return value_; }
 
  private:

@@ -16,7 +16,7 @@ namespace coopdyn {
 inline constexpr int kRunFormat = 2;                           // schema version
 inline constexpr std::int64_t kRunApplicationId = 0x434F4F50;  // "COOP": SQLite's application_id
 
-/// A loaded controller of the run.
+/// A loaded controller or library of the run.
 struct PluginHash {
   std::string name;  // as in the scenario; for a library its file name
   std::string hash;  // FileHash() when the recording began

@@ -235,7 +235,7 @@ bool MarkClosed(Database& database) try {
 /// Fills `run` step by step. Throws CannotOpen and DatabaseError.
 void Open(const std::string& file, OpenedRun& run) {
   CheckIsFile(file);
-  // Read-only at first: a stranger's database must not be touched.
+  // Read-only at first: another program's database must not be modified.
   run.database = OpenToRead(file);
   if (NeedsRollBack(*run.database) && RollBack(file)) {
     run.mended = true;

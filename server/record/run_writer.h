@@ -74,7 +74,7 @@ class RunWriter {
   std::uint64_t lost() const { return now_.lost; }
   Nanoseconds begin() const { return begin_; }
   Nanoseconds end() const { return now_.end; }
-  /// Something was added since the last Commit().
+  /// Rows were added since the last Commit().
   bool dirty() const { return dirty_; }
   /// Size of the file and its log, from the file system.
   std::uint64_t bytes() const;

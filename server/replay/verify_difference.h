@@ -39,8 +39,8 @@ void AddLine(const std::string& line, std::string& text);
 /// Why the run of `reader` cannot be repeated.
 std::string CannotLoadText(const RunReader& reader, const Diagnostics& diagnostics);
 
-/// "with this step came in force: robot1 (0.5, 0.5 rad/s) …"; empty without commands or if they do not fit
-/// `scene`.
+/// "set-points that came in force with step N: robot1 (0.5, 0.5 rad/s) …"; empty without commands or if they
+/// do not fit `scene`.
 std::string CommandsOf(const RecordedStep& step, const Scene& scene);
 
 }  // namespace coopdyn

@@ -52,7 +52,7 @@ class Attractor {
   void Reset(uint64_t /*seed*/) { state = {}; }
 
   void Step(const coopdyn_readings& readings, coopdyn_command& command) {
-    const coopdyn_target* target = nullptr;  // the nearest of the colour
+    const coopdyn_target* target = nullptr;  // nearest target of the colour
     for (size_t i = 0; i < readings.target_count; ++i) {
       const coopdyn_target& seen = readings.targets[i];
       const double off = std::max({std::abs(seen.red - color_[0]), std::abs(seen.green - color_[1]),
