@@ -1,4 +1,4 @@
-# What every target shares, and one short function a kind of target.
+# Options of all targets, and a short function for each kind of target.
 option(COOPDYN_TESTS "Build the tests and benchmarks" ${PROJECT_IS_TOP_LEVEL})
 set(COOPDYN_SANITIZE "" CACHE STRING "Sanitizers for every target, e.g. address,undefined or thread")
 set(COOPDYN_UNIT_TESTS ON CACHE STRING "Unit tests to build: ON, or release, asan or tsan for those of ./check all")
@@ -17,7 +17,7 @@ if(COOPDYN_CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${COOPDYN_CCACHE})
 endif()
 
-# Warnings are for the targets of this source tree alone, not for a project that adds it and links a library of it.
+# Enable warnings only for the targets of this source tree, not for a project that adds it and links its libraries.
 define_property(TARGET PROPERTY COOPDYN_WARNINGS INITIALIZE_FROM_VARIABLE COOPDYN_WARNINGS)
 set(COOPDYN_WARNINGS ON)
 set(ours $<BOOL:$<TARGET_PROPERTY:COOPDYN_WARNINGS>>)
@@ -27,7 +27,7 @@ target_compile_options(coopdyn_options INTERFACE
   $<${ours}:-Wall> $<${ours}:-Wextra> $<${ours}:-Wpedantic> $<${ours}:-Werror> -fno-fast-math
   -ffp-contract=off)  # a * b + c is rounded twice on every machine
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
-  target_compile_options(coopdyn_options INTERFACE -U__ARM_FEATURE_FMA)  # Eigen calls the fused instruction itself
+  target_compile_options(coopdyn_options INTERFACE -U__ARM_FEATURE_FMA)  # otherwise Eigen calls the fused instruction explicitly
 endif()
 target_include_directories(coopdyn_options INTERFACE ${PROJECT_SOURCE_DIR})
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
@@ -40,14 +40,14 @@ if(COOPDYN_SANITIZE)
   target_sources(coopdyn_options INTERFACE
     $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:${PROJECT_SOURCE_DIR}/cmake/sanitizer_options.cc>)
   if(COOPDYN_SANITIZE MATCHES "undefined")
-    # To look at a vptr it needs a descriptor, and takes it for invalid when a test has used them up. The check
-    # for null makes GCC 12 compile some uses of Eigen for minutes, and a null that is used crashes all the same. That
-    # for alignment takes a fifth of the build, and our codecs copy bytes instead of pointing at them.
+    # The vptr check needs a file descriptor, and reports a valid vptr as invalid when a test has used them up. The
+    # null check makes GCC 12 compile some uses of Eigen for minutes, and a null that is used crashes anyway. The
+    # alignment check takes a fifth of the build time, and our codecs copy bytes instead of pointing at them.
     target_compile_options(coopdyn_options INTERFACE -fno-sanitize=vptr,null,alignment)
     target_link_options(coopdyn_options INTERFACE -fno-sanitize=vptr,null,alignment)
   endif()
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    # When it is instrumented, GCC 12 warns of libstdc++'s own std::function in <regex>.
+    # With instrumentation, GCC 12 warns about libstdc++'s own std::function in <regex>.
     target_compile_options(coopdyn_options INTERFACE -Wno-maybe-uninitialized)
   endif()
 endif()
@@ -55,7 +55,7 @@ if(COOPDYN_FUZZ)
   target_compile_options(coopdyn_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  # It takes what is local to one of the joined sources for part of a header.
+  # GCC mistakes types local to one of the joined sources for parts of a header.
   target_compile_options(coopdyn_options INTERFACE -Wno-subobject-linkage)
 endif()
 if(COOPDYN_COVERAGE)
@@ -63,8 +63,8 @@ if(COOPDYN_COVERAGE)
   target_link_options(coopdyn_options INTERFACE --coverage)
 endif()
 
-# Adds the library of this folder: all its *.cc. LINK names our libraries and external ones alike. Sanitized builds optimise
-# only those that compute, the OPTIMIZED: to compile the others takes a quarter of the time so.
+# Adds a library of all *.cc in this folder. LINK names our libraries and external ones alike. Sanitized builds optimise
+# only OPTIMIZED libraries, which compute: the other ones compile in a quarter of the time that way.
 function(coopdyn_library name)
   cmake_parse_arguments(ARG "OPTIMIZED" "" "LINK" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc)
@@ -81,8 +81,8 @@ function(coopdyn_library name)
   endif()
 endfunction()
 
-# Adds to the library a source that is made by a command. It is a library of its own, as a command waits until all
-# libraries are built that its library links, and the library's other sources would wait with it.
+# Adds a generated source to the library, as its own library: a command waits until all libraries that its library
+# links are built, and the library's other sources would wait with it.
 function(coopdyn_generated_source library source)
   cmake_path(GET source STEM name)
   add_library(coopdyn_${name} STATIC ${source})
@@ -91,11 +91,11 @@ function(coopdyn_generated_source library source)
   target_link_libraries(${library} PRIVATE coopdyn_${name})
 endfunction()
 
-# Adds one test program from all *.cc of this folder. It is one CTest test, as it takes longer to start than most of its
-# tests to run; --gtest_filter=… runs some of them. Tests are most of what is compiled, and few compute so much that it
-# pays to optimise them: those are OPTIMIZED. Long ones run in several PARTS. IN says which builds run it in `./check all`:
-# release what computes, as optimisation may change that; asan bytes and lifetimes; tsan what has threads, of which THREADED
-# may name some by a filter. The thread sanitizer never runs the others.
+# Adds one test program from all *.cc of this folder. It is one CTest test, because it takes longer to start than most of its
+# tests take to run; --gtest_filter=… runs some of them. Tests are most of the compiled code, and only those that compute
+# much are worth optimising: OPTIMIZED. Long programs run in several PARTS. IN names the builds that run it in `./check all`:
+# release for computations, which optimisation may change; asan for bytes and lifetimes; tsan for threads, where the filter
+# THREADED may select some tests. The thread sanitizer never runs other programs.
 function(coopdyn_test name)
   cmake_parse_arguments(ARG "OPTIMIZED" "PARTS;THREADED" "IN;LINK" ${ARGN})
   if(NOT ARG_IN)

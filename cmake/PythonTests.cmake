@@ -1,5 +1,5 @@
-# Registers each *_test.py of this folder as a CTest test PREFIX.module, with the daemon's binary in COOPDYN_BINARY. Each is
-# one, as to start Python for each of its methods takes as long as most of them run.
+# Registers each *_test.py of this folder as one CTest test PREFIX.module, with the daemon's binary in COOPDYN_BINARY. One test
+# per method would spend as long in starting Python as in most methods.
 function(coopdyn_python_tests prefix)
   cmake_parse_arguments(ARG "" "" "LABELS" ${ARGN})
   if(NOT TARGET coopdyn)

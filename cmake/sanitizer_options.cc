@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What sanitizers need not report: Mesa's own threads and what it keeps until the process ends; it is not
-// instrumented.
+// Default options of the sanitizers. Suppresses reports about Mesa, which is not instrumented: its own
+// threads, and memory that it keeps until the process ends.
 
 extern "C" const char* __tsan_default_suppressions();
 extern "C" const char* __tsan_default_suppressions() {
@@ -21,16 +21,16 @@ extern "C" const char* __lsan_default_suppressions() {
          "leak:libLLVM\n";
 }
 
-// Which suppressions were used is of no interest, and tests compare what a program says.
+// Do not print the used suppressions: tests compare the output of programs.
 extern "C" const char* __lsan_default_options();
 extern "C" const char* __lsan_default_options() {
   return "print_suppressions=0";
 }
 
-// The runtime takes a thread's block of a loaded library's thread-local variables for one of glibc
-// before 2.25 when malloc put it 16 bytes into a page, and then the search for leaks reads what lies before
-// it as an address: "Tracer caught signal 11" at the end of a program that was all right (mended in GCC 14
-// and LLVM 17, google/sanitizers#1322).
+// If malloc puts a thread's block of a loaded library's thread-local variables 16 bytes into a page, the
+// runtime mistakes it for a block of glibc before 2.25, and the leak search reads the bytes before it as an
+// address: "Tracer caught signal 11" at the end of a correct program (fixed in GCC 14 and LLVM 17,
+// google/sanitizers#1322).
 extern "C" const char* __asan_default_options();
 extern "C" const char* __asan_default_options() {
   return "intercept_tls_get_addr=0";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// For controllers written in C++: makes the functions of controller.h from a class. The class has
+// Makes the functions of controller.h from a C++ class. The class has
 //
 //   struct State { ... };                       plain values: all that Step() changes
 //   State state;
@@ -65,8 +65,7 @@ inline Direction DirectionOf(double angle_rad) {
   return direction;
 }
 
-/// A number from 0 up to but not 1 that depends on its arguments alone: the same in every run, on every
-/// thread.
+/// A number in [0, 1) that depends only on its arguments: the same in every run and on every thread.
 inline double Random(std::uint64_t seed, std::uint32_t robot, std::uint64_t step, std::uint32_t use = 0) {
   std::uint64_t x = seed;
   for (const std::uint64_t part : {std::uint64_t{robot}, step, std::uint64_t{use}}) {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""coopdyn sweep: many runs of a scenario, with other values, controllers and seeds. The program starts this."""
+"""coopdyn sweep: many runs of a scenario with different values, controllers and seeds. Started by the program coopdyn."""
 import argparse
 import concurrent.futures
 import contextlib
@@ -46,22 +46,22 @@ def read_options(words):
                "coopdyn sweep evolve looks for values that make a score large: coopdyn sweep evolve --help; coopdyn sweep rerun --key KEY repeats one run")
     add = options.add_argument
     add("scenario", help="a file or a name, as for coopdyn serve")
-    add("--set", action="append", default=[], metavar="SECTION.key=a,b", help="values of a key of the scenario; may stand several times")
+    add("--set", action="append", default=[], metavar="SECTION.key=a,b", help="values of a key of the scenario; may be repeated")
     add("--controller", action="append", default=[], help='a loaded controller for all robots, with values of its parameters: "diffuse speed=0.1,0.2"')
     add("--client", help='a program that drives, started for each run: "python3 mine.py {server}"; also {seed}, and COOPDYN_SERVER is set')
     add("--input", action="append", default=[], metavar="FILE",
-        help="a file that runs read though no command names it, as a program that a script starts: if it changes, they run again; may stand several times")
+        help="a file that runs read though no command names it, such as a program started by a script: if it changes, they run again; may be repeated")
     add("--table", metavar="FILE.csv", help="rows of values: the first line names SECTION.key, seed or controller")
     add("--seeds", default="1", help="1..30, or 1,5,9 (default: 1)")
     add("--duration", type=positive, help="simulated time of a run, s; needed unless a score or the scenario ends it")
     add("--out", default="results", help="folder of the results (default: results)")
     add("--jobs", type=int, default=os.cpu_count(), help="runs at the same time on this machine (default: as many as cores)")
     add("--record", choices=("none", "failed", "all"), default="none", help="keep recordings in OUT/recordings (default: none)")
-    add("--time-limit", type=positive, metavar="S", help="longest time of a run by the clock, s")
-    add("--memory-limit", type=int, metavar="MIB", help="address space of a run, MiB; a small one takes about 200")
+    add("--time-limit", type=positive, metavar="S", help="limit of a run's wall time, s")
+    add("--memory-limit", type=int, metavar="MIB", help="address space of a run, MiB; a small run needs about 200")
     add("--again-failed", action="store_true", help="run again what ended with an error")
     add("--dry-run", action="store_true", help="only show what would run")
-    add("--dask", metavar="ADDRESS", help="run on Dask: tcp://HOST:PORT of a scheduler, or local for a cluster of its own")
+    add("--dask", metavar="ADDRESS", help="run on Dask: tcp://HOST:PORT of a scheduler, or local for a cluster on this machine")
     add("--slurm", nargs="?", const="", metavar="OPTIONS", help='run as a Slurm array; options for sbatch: --slurm="--partition=short"')
     add("--no-wait", action="store_true", help="with --slurm: submit and return; the same command later collects")
     given = options.parse_args(words)
@@ -79,7 +79,7 @@ def read_options(words):
 
 
 def show_plan(jobs, done):
-    """The table of what will run."""
+    """Prints the table of missing runs. Returns their jobs."""
     missing = [job for job in jobs if job["key"] not in done]
     print(f"{len(jobs)} runs, {len(missing)} to do")
     for job in missing[:kShownRuns]:
@@ -92,7 +92,7 @@ def show_plan(jobs, done):
 
 
 class Bar:
-    """How far a sweep is, on a terminal; each tenth of it elsewhere."""
+    """Shows the progress of a sweep: continuously on a terminal, else after each tenth of the runs."""
 
     def __init__(self, count):
         self._count, self._done, self._failed, self._began, self._told = count, 0, 0, time.monotonic(), 0
@@ -112,7 +112,7 @@ class Bar:
 
 
 def check_one(words):
-    """Does a `coopdyn check --digests`: the digests, and the lines of its warnings. A mistake is told before anything runs."""
+    """Runs a `coopdyn check --digests`. Returns the digests and the lines of its warnings. Raises Wrong on an error."""
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     if done.returncode == 0:
         return json.loads(done.stdout), done.stderr.splitlines()
@@ -120,7 +120,7 @@ def check_one(words):
 
 
 def look(commands, processes=1):
-    """The digests of each; shows the warnings, each once."""
+    """Returns the digests of each command; prints each warning once."""
     with concurrent.futures.ThreadPoolExecutor(processes) as pool:
         found = list(pool.map(check_one, commands))
     for line in dict.fromkeys(line for _, lines in found for line in lines):
@@ -131,7 +131,7 @@ def look(commands, processes=1):
 def show_conflicts(results):
     for key in results.conflicts:
         print(f"{key}: two results of this run have different hashes, though files, build and libraries are the same: a client or a controller "
-              "computes another thing, or reads a file that no --input names", file=sys.stderr)
+              "computes something else, or reads a file that no --input names", file=sys.stderr)
 
 
 def show_older(results):
@@ -147,7 +147,7 @@ def jobs_of(given, program, folders):
 
 
 def sweep(given, jobs):
-    """Does `jobs`. Returns the exit code."""
+    """Runs `jobs`. Returns the exit code."""
     if given.dry_run and not os.path.exists(given.out):
         show_plan(jobs, {})
         return 0
@@ -177,12 +177,12 @@ def sweep(given, jobs):
         engine.close()
         results.close()
         with contextlib.suppress(OSError):
-            os.rmdir(os.path.join(given.out, "recordings"))  # only if there are none
+            os.rmdir(os.path.join(given.out, "recordings"))  # only if empty
     return summarize(given, jobs, results)
 
 
 def summarize(given, jobs, results):
-    """Says how the runs of this sweep have ended. Returns the exit code."""
+    """Prints how the runs of this sweep have ended. Returns the exit code."""
     failed = [job for job in jobs if results.done.get(job["key"], {}).get("error")]
     for job in failed[:3]:
         print(f"{job['key']}: {results.done[job['key']]['error']}", file=sys.stderr)
@@ -212,7 +212,7 @@ def make_report(words):
 
 
 def results_of(words, program, folders):
-    """Does a sweep without many words. Returns the results of its runs, in order."""
+    """Runs a sweep without output. Returns the results of its runs, in order."""
     given = read_options(words)
     said = io.StringIO()
     with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
@@ -244,7 +244,7 @@ def main():
 
 
 def stop(*_):
-    """Of a signal: ends all in order, and by force if that takes too long. Daemons end with this process."""
+    """Signal handler: ends the sweep in order, or by force if that takes too long. Daemons end with this process."""
     force = threading.Timer(kGrace_s, os._exit, [130])
     force.daemon = True
     force.start()

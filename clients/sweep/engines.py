@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Who carries out the runs of a sweep: processes here, Dask, or Slurm. Each engine is a generator of results: it yields
-the result of a job as soon as there is one. Lost runs are tried again, a job at most kTries times."""
+"""Engines that execute the runs of a sweep: local processes, Dask, or Slurm. Each engine is a generator that yields the
+result of a job as soon as it is there. Lost runs are retried; a job runs at most kTries times."""
 import concurrent.futures
 import json
 import os
@@ -27,7 +27,7 @@ def lost_too_often(job, why):
 def local(jobs, processes):
     """Processes on this machine, `processes` at a time."""
     started = run.Started()
-    # An exception out of a signal's handler may leave a lock of the pool taken; ended runs end the wait below.
+    # An exception from a signal handler could leave a lock of the pool locked. Killed runs end the wait below instead.
     handlers = {number: signal.signal(number, lambda *_: started.kill()) for number in (signal.SIGINT, signal.SIGTERM)}
     with concurrent.futures.ThreadPoolExecutor(processes) as pool:
         waiting = list(reversed(jobs))
@@ -38,7 +38,7 @@ def local(jobs, processes):
                 while waiting and len(running) < processes and not started.killed:
                     job = waiting.pop()
                     running[pool.submit(run.run_one, job, started)] = job
-                # Not for ever: a signal that comes just before it waits does not wake it.
+                # With a timeout: a signal just before the wait does not end it.
                 done, _ = concurrent.futures.wait(running, kPoll_s, concurrent.futures.FIRST_COMPLETED)
                 for future in done:
                     job = running.pop(future)
@@ -60,7 +60,7 @@ def local(jobs, processes):
 
 
 def dask(jobs, address, processes):
-    """The workers of a Dask scheduler; `address` "local": a cluster of its own on this machine."""
+    """The workers of a Dask scheduler; `address` "local" starts a cluster on this machine."""
     try:
         import distributed
     except ImportError:
@@ -77,7 +77,7 @@ def dask(jobs, address, processes):
     try:
         client.upload_file(run.__file__)
         tries = {}
-        # A killed worker's runs go to others by themselves; one that kills workers ends as KilledWorker.
+        # Dask reassigns the runs of a killed worker; a run that kills its workers ends as KilledWorker.
         by_key = {job["key"]: job for job in jobs}
         submit = lambda job: client.submit(run.run_one, job, key=f"{job['key']}-{tries.get(job['key'], 0)}", pure=False)
         futures = distributed.as_completed([submit(job) for job in jobs])
@@ -132,7 +132,7 @@ def slurm(jobs, options, folder, wait=True):
         yield from _collect(answers, missing)
         os.remove(os.path.join(place, "array"))
     for job in missing.values():
-        yield lost_too_often(job, "look into " + place)
+        yield lost_too_often(job, "see " + place)
 
 
 def _submit(jobs, options, place, answers):
@@ -149,7 +149,7 @@ def _submit(jobs, options, place, answers):
 
 
 def _running_array(place):
-    """An array of before that still runs: a sweep that was killed waits for it."""
+    """An earlier array that still runs, of a sweep that was killed; None if none."""
     try:
         with open(os.path.join(place, "array"), encoding="utf-8") as stream:
             array = stream.read().strip()

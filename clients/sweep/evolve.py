@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""coopdyn sweep evolve: looks for values that make a score large. Each generation is a sweep, so a run that has a result in
-OUT is not run again, and the same command goes on after Ctrl-C. The same command gives the same values, too."""
+"""coopdyn sweep evolve: searches for values that maximise a score. Each generation is a sweep, so a run that has a result in
+OUT is not run again, and the same command resumes after Ctrl-C. The same command always gives the same values."""
 import argparse
 import math
 import os
@@ -34,10 +34,10 @@ def read_options(words, parser):
     add = options.add_argument
     add("scenario", help="a file or a name, as for coopdyn serve")
     add("--vary", action="append", required=True, metavar="NAME=LEAST..MOST",
-        help="a parameter of the controller, or SECTION.key of the scenario; may stand several times")
-    add("--controller", help='the loaded controller of all robots, with what stays: "gait frequency=2"')
+        help="a parameter of the controller, or SECTION.key of the scenario; may be repeated")
+    add("--controller", help='the loaded controller of all robots, with its fixed parameters: "gait frequency=2"')
     add("--set", action="append", default=[], metavar="SECTION.key=value", help="a key of the scenario for all runs")
-    add("--score", required=True, help="the score that is to be large")
+    add("--score", required=True, help="the score to maximise")
     add("--needs", action="append", default=[], metavar="SCORE", help="a score that must be above 0, or the run is worth 0")
     add("--generations", type=int, default=10, help="(default: 10)")
     add("--children", type=int, default=12, help="of each generation (default: 12)")
@@ -69,7 +69,7 @@ def starts_of(words, ranges):
 
 
 def refuse_doubles(ranges, given):
-    """What is varied has no other value."""
+    """Raises Wrong if a varied name also has a fixed value."""
     fixed = {"--controller": (given.controller or "").split()[1:], "--set": given.set}
     varied = [name.lower() for name, _, _ in ranges]
     for name, _, _ in ranges:
@@ -81,7 +81,7 @@ def refuse_doubles(ranges, given):
 
 
 class Child:
-    """Values between 0 and 1, and how far its own children are from it."""
+    """Values between 0 and 1, and the spread of its children around them."""
 
     def __init__(self, values, spread):
         self.values, self.spread, self.worth = values, spread, None
@@ -94,7 +94,7 @@ class Evolution:
         self._best = []
 
     def values_of(self, child):
-        """{name: text}, to four digits."""
+        """{name: text} of a child's values in their ranges, to four digits."""
         return {name: f"{least + value * (most - least):.4g}" for (name, least, most), value in zip(self._ranges, child.values)}
 
     def children(self):
@@ -108,7 +108,7 @@ class Evolution:
         return [self._child() for _ in range(count)]
 
     def _child(self):
-        """Each value is of one of two parents, and changed."""
+        """Takes each value from one of two parents, and changes it a little."""
         one, other = (self._random.choice(self._best) for _ in range(2))
         mixed = [self._random.choice(pair) for pair in zip(one.values, other.values)]
         spread = min(0.4, math.sqrt(one.spread * other.spread) * math.exp(0.4 * self._random.gauss(0, 1)))
@@ -118,13 +118,13 @@ class Evolution:
         return Child([min(1.0, max(0.0, value + spread * self._random.gauss(0, 1))) for value in values], spread)
 
     def choose(self, children):
-        """The best of all so far are the next parents. Returns the best one."""
+        """Makes the best children so far the next parents. Returns the best one."""
         self._best = sorted(self._best + children, key=lambda child: -child.worth)[:self._given.parents]
         return self._best[0]
 
 
 def worth_of(result, given):
-    """Of a run; one that ended with an error is worth 0."""
+    """The worth of a run; 0 if the run ended with an error."""
     for name in (given.score, *given.needs):
         if not result["error"] and name not in result["scores"]:
             raise Wrong(f"{given.scenario} has no score {name}: it has {', '.join(result['scores']) or 'none'}")
@@ -145,7 +145,7 @@ def write_rows(path, rows):
 
 
 def evolve(words, parser, run_sweep):
-    """`run_sweep(words)` does a sweep quietly and returns its results in order, those of a row's seeds together."""
+    """`run_sweep(words)` runs a sweep quietly and returns its results in order, the seeds of a row together."""
     given = read_options(words, parser)
     ranges = [range_of(word) for word in given.vary]
     refuse_doubles(ranges, given)

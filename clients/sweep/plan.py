@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a sweep runs: scenario x settings x controllers x seeds, each with a key. Reads files, starts nothing."""
+"""Plans a sweep: scenario x settings x controllers x seeds, each run with a key. Reads files, starts nothing."""
 import ast
 import csv
 import hashlib
@@ -11,11 +11,11 @@ import shlex
 import shutil
 
 
-INPUT = "input "  # begins the names of digests of --input
+INPUT = "input "  # prefix of the names of digests of --input
 
 
 class Wrong(Exception):
-    """What the user wrote cannot be done; says what to write instead."""
+    """An error of the user; says what to write instead."""
 
 
 def values_of(text):
@@ -55,7 +55,7 @@ def settings_of(words):
 
 
 def controllers_of(texts):
-    """Each controller with each combination of its parameters: "diffuse speed=0.1,0.2" are two."""
+    """Each controller with each combination of its parameters: "diffuse speed=0.1,0.2" gives two."""
     every = []
     for text in texts:
         words = text.split()
@@ -72,7 +72,7 @@ def controllers_of(texts):
 
 
 def table_of(file):
-    """The rows of a table of parameters: CSV, its head names settings, SECTION.key (and `seed`, `controller`)."""
+    """The rows of a table of parameters: CSV whose first line names settings, SECTION.key (and `seed`, `controller`)."""
     try:
         with open(file, newline="", encoding="utf-8") as stream:
             rows = list(csv.DictReader(stream))
@@ -90,7 +90,7 @@ def table_of(file):
 
 
 def find_scenario(name, folders):
-    """The file of a scenario, as `coopdyn serve` would take it."""
+    """The file of a scenario, found as by `coopdyn serve`."""
     if os.path.isfile(name):
         return os.path.abspath(name)
     for folder in [os.getcwd(), *os.environ.get("COOPDYN_PATH", "").split(":"), *folders]:
@@ -112,7 +112,7 @@ def digest(content):
 
 
 def modules_of(content):
-    """The modules that a Python program imports, as paths without their endings."""
+    """The modules that a Python program imports, as paths without extensions."""
     try:
         nodes = list(ast.walk(ast.parse(content)))
     except (SyntaxError, ValueError):
@@ -125,7 +125,7 @@ def modules_of(content):
 
 
 def files_of_module(module, folders):
-    """Of the first folder that has it; with its packages."""
+    """The files of a module in the first folder that has it, with those of its packages."""
     for folder in folders:
         files = [os.path.join(folder, module + end) for end in (".py", os.sep + "__init__.py", os.sep + "__main__.py")]
         if any(map(os.path.isfile, files)):
@@ -136,19 +136,19 @@ def files_of_module(module, folders):
 
 
 def words_inside(text):
-    """Of the commands inside a word, as of sh -c "cd x; python3 mine.py"."""
+    """The words of commands inside a word, as in sh -c "cd x; python3 mine.py"."""
     reader = shlex.shlex(text, posix=True, punctuation_chars=True)
     reader.whitespace_split = True
     try:
         words = list(reader)
-    except ValueError:  # it is something else
+    except ValueError:  # not a command
         return []
     return [inner for word in words if word != text for inner in (word, *words_inside(word))]
 
 
 def files_of(client):
-    """{name: path} of the files of a client's command: its program, the files and modules that it names, and what Python programs
-    among them import from their own folder, a folder that it names, or PYTHONPATH."""
+    """{name: path} of the files of a client's command: its program, the files and modules that it names, and the modules that
+    Python programs among them import from their own folder, a folder that it names, or PYTHONPATH."""
     try:
         words = shlex.split(client or "")
     except ValueError as error:
@@ -175,7 +175,7 @@ def files_of(client):
 
 
 def is_experiment(content):
-    """An experiment of YARS, in XML."""
+    """Whether a file is an experiment of YARS, in XML."""
     return content.lstrip().startswith(b"<")
 
 
@@ -202,7 +202,7 @@ def ends_of(content):
 
 
 def refuse_endless(given, ends, chosen):
-    """Each run must end: by the scenario (`ends`), a setting or an option."""
+    """Raises Wrong unless each run ends: by the scenario (`ends`), a setting or an option."""
     if given.duration or given.client:
         return
     ends = set(ends)
@@ -217,15 +217,15 @@ def refuse_endless(given, ends, chosen):
 
 
 def refuse_unknown_words(client):
-    """A word in braces that is none of ours would go to the client as it is."""
+    """Raises Wrong for an unknown word in braces, which would be passed to the client unchanged."""
     for word in re.findall(r"(?<!\$)\{(\w+)\}", client or ""):
         if word not in ("server", "seed"):
             raise Wrong(f"--client has {{{word}}}: a sweep fills in {{server}} and {{seed}}")
 
 
 def lay_out(given, version, program, folders, look):
-    """All jobs of a sweep, in order: dictionaries that run.py carries out. `given`: the options. `look(commands)`: the digests
-    that each of some `coopdyn check` tells."""
+    """All jobs of a sweep, in order: dictionaries that run.py executes. `given`: the options. `look(commands)` returns the
+    digests of each of some `coopdyn check` commands."""
     scenario = find_scenario(given.scenario, folders)
     settings = settings_of(given.set)
     controllers = controllers_of(given.controller) or [None]
@@ -268,7 +268,7 @@ def whole_seed(text, file):
 
 
 def own_files(client, inputs):
-    """{name: path} of what no daemon looks at: the files of the client, and those of --input."""
+    """{name: path} of the files that no daemon reads: those of the client, and of --input."""
     for name in inputs:
         if not os.path.isfile(name):
             raise Wrong(f"--input {name}: there is no such file here")
@@ -280,7 +280,7 @@ def own_digests(client, inputs):
 
 
 def inputs_among(digests):
-    """The names that --input gave."""
+    """The names given by --input."""
     return [name.removeprefix(INPUT) for name in digests if name.startswith(INPUT)]
 
 
@@ -292,7 +292,7 @@ def settings_words(inputs):
 
 
 def check_of(program, scenario, inputs):
-    """The command that says what is wrong with the settings of a run, or the digests of what it is made of."""
+    """The command that reports errors in the settings of a run, or the digests of its inputs."""
     return [program, "check", "--digests", scenario, *settings_words(inputs)]
 
 
@@ -310,7 +310,7 @@ def key_of(inputs):
 
 
 def job_of(inputs, words, record, out):
-    """`inputs` are all that the run's key is made of, and what its result has of them."""
+    """`inputs`: everything that determines the run's key; copied to its result."""
     return {
         "key": key_of(inputs), "inputs": inputs, "words": words, "record": record, "recordings": os.path.abspath(os.path.join(out, "recordings")),
         "own_files": {name: path for name, path in own_files(inputs["client"], inputs_among(inputs["digests"])).items()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The report of a sweep: a table of all runs, medians and quartiles per cell, plots, and one page that shows them."""
+"""The report of a sweep: a table of all runs, medians and quartiles per cell, plots, and a page with all of these."""
 import html
 import io
 import os
@@ -8,13 +8,13 @@ import textwrap
 
 from results import put, table
 
-kDigest = "digest "  # begins the names of inputs that are digests
+kDigest = "digest "  # prefix of the names of inputs that are digests
 kHead = ("<!doctype html><meta charset='utf-8'><title>Sweep</title><style>body{font:15px sans-serif;margin:2em;max-width:60em}"
          "td,th{padding:.2em .8em;text-align:right}th{border-bottom:1px solid}td:first-child,th:first-child{text-align:left}</style>")
 
 
 def cell_of(result):
-    """What makes a cell: all inputs but the seed, by name, as far as there are any."""
+    """The identity of a run's cell: all given inputs but the seed, by name."""
     inputs = {name: result[name] for name in ("scenario", "controller", "client", "duration_s", "time_limit_s", "memory_limit_mib", "version")}
     inputs.update(result["set"])
     inputs.update((kDigest + name, value) for name, value in result["digests"].items())
@@ -22,7 +22,7 @@ def cell_of(result):
 
 
 def labels_of(cells):
-    """What tells each cell from the others: the inputs that differ; digests only where all other inputs are equal."""
+    """A label for each cell: the inputs that differ between cells; digests only where all other inputs are equal."""
     def differing(some):
         names = sorted({name for cell in some for name, _ in cell})
         return [name for name in names if len({dict(cell).get(name) for cell in some}) > 1]
@@ -46,7 +46,7 @@ def quartiles(values):
 
 
 def order(text):
-    """Numbers by value, before words."""
+    """A sort key: numbers by value, before words."""
     try:
         return (0, float(text), "")
     except ValueError:
@@ -54,7 +54,7 @@ def order(text):
 
 
 def numbers_of(result):
-    """Scores, and what was logged, by name; a logged number with the name of a score is called "logged NAME"."""
+    """Scores and logged numbers by name; a logged number with the name of a score becomes "logged NAME"."""
     scores = dict(result["scores"])
     for name, value in result.get("logged", {}).items():
         scores[f"logged {name}" if name in scores else name] = value
@@ -62,13 +62,13 @@ def numbers_of(result):
 
 
 def ended_at_limit(result):
-    """Its time is not how long something took: the run might have gone on."""
-    return result["ended"] in ("duration", "limit", "score") and not any(result["met"].values())  # older versions said score of a limit
+    """Whether the run might have continued, so that its time does not measure anything."""
+    return result["ended"] in ("duration", "limit", "score") and not any(result["met"].values())  # older versions wrote score for a limit
 
 
 def measures_of(result):
-    """{name: (unit, value)} of a run: its scores, when those with an `until` were met, what was logged, and its time. None: it
-    has no such value."""
+    """{name: (unit, value)} of a run: its scores, the times when those with an `until` were met, logged numbers, and its time;
+    a missing value is None."""
     measures = {}
     for name, value in numbers_of(result).items():
         unit = result["units"].get(name, "")
@@ -80,7 +80,7 @@ def measures_of(result):
 
 
 def summarise(results):
-    """A row for each cell and measure; sorted. `runs` are all of the cell, `failed` those with errors, `n` those with a value."""
+    """A row for each cell and measure; sorted. `runs` counts all runs of the cell, `failed` those with errors, `n` those with a value."""
     cells = {}
     for result in results:
         cells.setdefault(cell_of(result), []).append(result)
@@ -106,7 +106,7 @@ kColumns = ("score", "unit", "runs", "failed", "n", "met", "success_rate", "lowe
 
 
 def input_names(cells):
-    """Digests last."""
+    """The names of all inputs; digests last."""
     return sorted({name for cell in cells for name, _ in cell}, key=lambda name: (name.startswith(kDigest), name != "scenario", name))
 
 
@@ -138,7 +138,7 @@ def count_text(row):
 
 
 def plot(rows, score):
-    """Each run, median and quartiles of a score in each cell, as SVG."""
+    """An SVG of a score in each cell: each run, median and quartiles."""
     import matplotlib
     matplotlib.use("svg")
     from matplotlib import pyplot
@@ -170,7 +170,7 @@ def number(value):
 
 
 def write(folder, results, older):
-    """Returns the words about it. `older`: lines that do not say all inputs of their runs: only named, not counted."""
+    """Writes the report and returns a message about it. `older`: lines without all inputs of their runs; named, not counted."""
     rows = summarise(results)
     write_csv(folder, results, rows)
     try:
@@ -184,7 +184,7 @@ def write(folder, results, older):
             f"cells, {sum(bool(one['error']) for one in results)} failed. Tables: runs.csv, cells.csv.</p>"]
     if older:
         keys = ", ".join(one["key"] for one in older[:20]) + (f" and {len(older) - 20} more" if len(older) > 20 else "")
-        page.append(f"<p>Not in these figures, as an older coopdyn wrote them without all that their runs were made of: {html.escape(keys)}.</p>")
+        page.append(f"<p>Not in these figures, because an older coopdyn wrote them without all inputs of their runs: {html.escape(keys)}.</p>")
     for score in sorted({row["score"] for row in rows}):
         own = [row for row in rows if row["score"] == score]
         page.append(f"<h2>{html.escape(with_unit(max(own, key=lambda row: row['unit'])))}</h2>")

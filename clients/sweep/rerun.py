@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""coopdyn sweep rerun: repeats the run of one line of OUT/results.jsonl as the line says it, and compares."""
+"""coopdyn sweep rerun: repeats the run of one line of OUT/results.jsonl, and compares."""
 import os
 import shlex
 
@@ -26,16 +26,16 @@ def line_of(folder, key):
 
 
 def changes(before, now):
-    """What differs between two dictionaries, in words."""
+    """The differences between two dictionaries, in words."""
     return [f"{name} is {now.get(name)}, was {before.get(name)}" for name in sorted({**before, **now}) if before.get(name) != now.get(name)]
 
 
 def rerun(words, parser, program, look):
-    """`look(commands)`: the digests that each of some `coopdyn check` tells. Returns the exit code."""
+    """`look(commands)` returns the digests of each of some `coopdyn check` commands. Returns the exit code."""
     options = parser(prog="coopdyn sweep rerun", allow_abbrev=False, description="Repeat the run of one line of a sweep, and compare.",
                      epilog="Start it in the folder of the sweep. Example: coopdyn sweep rerun results --key 1f0c")
     options.add_argument("out", nargs="?", default="results", help="the sweep's folder (default: results)")
-    options.add_argument("--key", required=True, help="of the line, or how it begins")
+    options.add_argument("--key", required=True, help="of the line, or its beginning")
     given = options.parse_args(words)
     if not os.path.isfile(os.path.join(given.out, "results.jsonl")):
         raise Wrong(f"{given.out} has no results.jsonl: name the --out of a sweep")
@@ -43,7 +43,7 @@ def rerun(words, parser, program, look):
     inputs = {name: line[name] for name in kInputs}
     scenario = shlex.split(line["command"])[2]
     if not os.path.isfile(scenario):
-        raise Wrong(f"{scenario}, the scenario of {line['key']}, is not there any more")
+        raise Wrong(f"{scenario}, the scenario of {line['key']}, has been removed")
     [digests] = look([plan.check_of(program, scenario, inputs)])
     inputs["digests"] = {**digests, **plan.own_digests(inputs["client"], plan.inputs_among(line["digests"]))}
     differ = [name for name in sorted({**line["digests"], **inputs["digests"]}) if line["digests"].get(name) != inputs["digests"].get(name)]
@@ -52,7 +52,7 @@ def rerun(words, parser, program, look):
     try:
         result = run.run_one(dict(plan.job_of(inputs, plan.serve_of(program, scenario, inputs), "none", given.out), key=line["key"]))
     except run.Lost as lost:
-        raise Wrong(f"{line['key']} did not come to its end: {lost}") from None
+        raise Wrong(f"{line['key']} did not finish: {lost}") from None
     if result["error"]:
         print(f"{line['key']}: {result['error']}")
     told = [text for name in kCompared for text in (changes(line[name], result[name]) if isinstance(line[name], dict) else

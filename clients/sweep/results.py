@@ -11,7 +11,7 @@ from plan import Wrong
 
 
 def opened(path, flags):
-    """A file of OUT, which others may write to as well: never through a link."""
+    """Opens a file in OUT, where other users may write too: never through a link."""
     try:
         return os.open(path, flags | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666)
     except OSError as error:
@@ -21,7 +21,7 @@ def opened(path, flags):
 
 
 def put(path, text):
-    """Writes a file, whole, in place of what is there, be it a link."""
+    """Replaces a file, even a link, by a whole new one."""
     part = path + ".part"
     try:
         with contextlib.suppress(FileNotFoundError):
@@ -47,10 +47,10 @@ def line_of(result):
 
 
 class Results:
-    """Opens OUT, for one sweep at a time. A line that a crash cut off is taken away: its run is done again.
+    """Opens OUT, for one sweep at a time. Removes a line cut off by a crash, so its run is repeated.
 
-    `done`: the results by key. `older`: lines that do not say all that their runs were made of. `conflicts`: keys with two
-    results of different hashes."""
+    `done`: the results by key. `older`: lines without all inputs of their runs. `conflicts`: keys with two results of
+    different hashes."""
 
     def __init__(self, folder):
         try:
@@ -84,11 +84,11 @@ class Results:
                 if before["hash"] != result["hash"]:
                     self.conflicts.append(result["key"])
             except (ValueError, KeyError, TypeError):
-                raise Wrong(f"{self.folder}/results.jsonl:{number}: error: this line is no result: take it away and start again") from None
+                raise Wrong(f"{self.folder}/results.jsonl:{number}: error: this line is not a result: remove it and start again") from None
         return end
 
     def add(self, result):
-        """Writes a result, unless its key has one. Raises OSError if the disk is full; then nothing of it is left."""
+        """Writes a result, unless its key has one. Raises OSError if the disk is full, and then writes no part of it."""
         took = [result.pop(name, "") for name in ("wall_s", "started", "host")]
         before = self.done.get(result["key"])
         if before is not None:
@@ -106,13 +106,13 @@ class Results:
             raise
         self._end += len(line)
         self.done[result["key"]] = result
-        # How long a run took, when and where, is no part of its result: it differs each time.
+        # The wall time, start and machine of a run differ each time, so they are not part of its result.
         with contextlib.suppress(OSError), os.fdopen(opened(os.path.join(self.folder, "times.csv"), os.O_WRONLY | os.O_CREAT | os.O_APPEND), "w",
                                                      newline="", encoding="utf-8") as stream:
             stream.write(table([[result["key"], *took]]))
 
     def forget_failed(self):
-        """Takes the results with errors out of the file, so that their runs are done again."""
+        """Removes the results with errors from the file, so that their runs are repeated."""
         kept = [one for one in self.done.values() if not one["error"]]
         put(os.path.join(self.folder, "results.jsonl"), "".join(line_of(one) for one in self.older + kept))
         os.close(self._file)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""One run of a sweep: starts a daemon, waits for its end, and returns the result. Needs no other file, so that a
-worker on another machine can be sent it."""
+"""One run of a sweep: starts a daemon, waits for its end, and returns the result. Imports no other file of ours, so that it
+can be sent to a worker on another machine."""
 import contextlib
 import errno
 import hashlib
@@ -21,16 +21,16 @@ _ENDED_BY_SIGNAL = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP
 
 
 class Lost(Exception):
-    """Something from outside ended the run, so it has no result; it is run again."""
+    """Something external ended the run, so it has no result and must be repeated."""
 
 
 class Started:
-    """The processes of runs that are under way, so that all can be ended. Any thread."""
+    """The processes of the current runs, so that all can be killed. Any thread."""
 
     def __init__(self):
         self._lock = threading.Lock()
         self._processes = set()
-        self.killed = False  # true once nothing may be started any more
+        self.killed = False  # true once nothing may be started
 
     def start(self, words, **options):
         with self._lock:
@@ -41,7 +41,7 @@ class Started:
             return process
 
     def end(self, process):
-        """Kills it if it still runs."""
+        """Kills `process` if it still runs."""
         if process.poll() is None:
             process.kill()
             process.wait()
@@ -49,7 +49,7 @@ class Started:
             self._processes.discard(process)
 
     def kill(self):
-        """All, and those that are still to be started."""
+        """Kills all processes, and prevents further starts."""
         with self._lock:
             self.killed = True
             for process in self._processes:
@@ -57,11 +57,11 @@ class Started:
 
 
 def run_one(job, started=None):
-    """Carries out `job`, a dictionary of plan.py, and returns its result, a dictionary. Raises Lost.
+    """Executes `job`, a dictionary from plan.py, and returns its result, a dictionary. Raises Lost.
 
     A result has the job's key and inputs, the daemon's command, `ended`, `exit` (of the daemon), `steps`, `time_s`, `hash`,
-    `scores` with their `units`, of those with an `until` whether it was `met` and when, `met_s`, `logged` and the `cpu`; `error`
-    is null or says what was wrong. `wall_s` is how long it took, `started` when, `host` where."""
+    `scores` with their `units`, for those with an `until` whether it was `met` and when (`met_s`), `logged` and the `cpu`;
+    `error` is null or says what was wrong. `wall_s` is the wall time, `started` the start, `host` the machine."""
     began, started_at = time.monotonic(), time.time()
     result = empty_result(job)
     inputs = job["inputs"]
@@ -70,7 +70,7 @@ def run_one(job, started=None):
     if job["record"] != "none":
         os.makedirs(job["recordings"], exist_ok=True)
         recording = os.path.join(job["recordings"], f"part-{job['key']}.run")
-        _remove(recording)  # of a run that was lost
+        _remove(recording)  # left by a lost run
         words += ["--record", recording]
     with tempfile.TemporaryFile() as said, tempfile.TemporaryFile() as heard:
         try:
@@ -85,7 +85,7 @@ def run_one(job, started=None):
     changed = _take_summary(told, result) + _changed_files(job)
     result["exit"] = code
     if ended and ended[0] == "client failed" and result["ended"] in _ENDED_AS_MEANT:
-        ended = None  # after its end: the daemon was still closing its files
+        ended = None  # the client failed after the end of the run, while the daemon was closing its files
     if ended:
         result["ended"] = ended[0]
         result["error"] = ended[1]
@@ -107,7 +107,7 @@ def run_one(job, started=None):
 
 
 def empty_result(job):
-    """The result of a run of which nothing is known yet."""
+    """The initial result of a run."""
     return dict(job["inputs"], key=job["key"], command=shlex.join(job["words"]), ended=None, exit=None, steps=None, time_s=None, hash=None,
                 scores={}, units={}, met={}, met_s={}, logged={}, cpu=None, error=None)
 
@@ -125,7 +125,7 @@ def _remove(file):
 
 
 def _run(words, job, said, heard, started):
-    """The daemon's exit code, None or (how it ended, what was wrong), and what it wrote on its standard output."""
+    """Runs the daemon. Returns its exit code, None or (how it ended, the error), and its standard output."""
     inputs = job["inputs"]
     limit = time.monotonic() + inputs["time_limit_s"] if inputs["time_limit_s"] else None
     client = None
@@ -142,7 +142,7 @@ def _run(words, job, said, heard, started):
         reader.start()
         if client:
             ended = _wait_for_client(daemon, client, limit)
-        reader.join(None if limit is None else max(0.0, limit - time.monotonic()))  # Popen.wait() with a limit would only look now and then
+        reader.join(None if limit is None else max(0.0, limit - time.monotonic()))  # Popen.wait() with a timeout would poll
         if reader.is_alive():
             ended = ("time limit", f"it took longer than {inputs['time_limit_s']:g} s: see --time-limit")
         else:
@@ -160,7 +160,7 @@ def _run(words, job, said, heard, started):
 
 
 def _start_client(daemon, job, heard, started):
-    """The program that drives, once the daemon is ready; or None and why there is none."""
+    """Starts the client once the daemon is ready. Returns the client and None, or None and the error."""
     for line in daemon.stdout:
         words = line.decode().split()
         if words[:1] == ["ready"]:
@@ -172,21 +172,21 @@ def _start_client(daemon, job, heard, started):
             except OSError as error:
                 daemon.terminate()
                 return None, ("client failed", f"{command[0]} cannot be started: {error.strerror}")
-    return None, None  # the daemon did not start, and has said why
+    return None, None  # the daemon did not start; its output says why
 
 
 def _wait_for_client(daemon, client, limit):
-    """Waits until the client or the daemon has ended. A daemon whose client is through is ended in order."""
+    """Waits until the client or the daemon has ended. After the client's end, shuts the daemon down in order."""
     try:
         while daemon.poll() is None:
             try:
                 code = client.wait(0.02)
             except subprocess.TimeoutExpired:
                 if limit is not None and time.monotonic() > limit:
-                    return None  # the daemon's wait tells it
+                    return None  # the wait for the daemon reports it
                 continue
             try:
-                daemon.wait(0.5)  # the run may have ended by itself, and the client by that
+                daemon.wait(0.5)  # the run may have ended, and then the client
             except subprocess.TimeoutExpired:
                 daemon.terminate()
                 daemon.wait()
@@ -196,15 +196,15 @@ def _wait_for_client(daemon, client, limit):
     finally:
         if client.poll() is None:
             try:
-                client.wait(1)  # it sees that its daemon has gone
+                client.wait(1)  # it notices that its daemon has ended
             except subprocess.TimeoutExpired:
                 pass
     return None
 
 
 def _take_summary(told, result):
-    """The summary is the JSON in what the daemon wrote; none if it was killed. Returns what of the daemon's digests is not as
-    the sweep has planned."""
+    """Copies the summary, the JSON in the daemon's output, to `result`; a killed daemon has none. Returns the names of digests
+    that differ from the planned ones."""
     try:
         summary = json.loads(told[told.index(b"{"):])
     except ValueError:
@@ -221,7 +221,7 @@ def _take_summary(told, result):
 
 
 def _changed_files(job):
-    """The files of the client and of --input that are not as the sweep has found them."""
+    """The files of the client and of --input that have changed since the sweep began."""
     changed = []
     for name, path in job["own_files"].items():
         with contextlib.suppress(OSError), open(path, "rb") as stream:
@@ -236,7 +236,7 @@ def _last_words(text):
 
 
 def run_file(file, number, folder):
-    """A task of a Slurm array: the jobs of line `number` of `file`; each result is a file in `folder`, written once."""
+    """A task of a Slurm array: runs the jobs in line `number` of `file`; writes each result once, to a file in `folder`."""
     with open(file, encoding="utf-8") as stream:
         jobs = json.loads(stream.read().splitlines()[number])
     for job in jobs:
@@ -249,7 +249,7 @@ def run_file(file, number, folder):
             print(f"{job['key']}: {lost}", file=sys.stderr)
             continue
         part = f"{target}.{os.getpid()}.part"
-        _remove(part)  # of a task that was killed
+        _remove(part)  # left by a killed task
         with open(part, "x", encoding="utf-8") as stream:
             stream.write(json.dumps(result))
             stream.flush()

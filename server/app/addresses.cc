@@ -18,7 +18,7 @@ std::vector<std::string> Addresses(const std::vector<std::string>& hosts) {
   std::vector<std::string> addresses;
   for (const std::string& host : hosts) {
     const bool wildcard = host == "0.0.0.0" || host == "::" || host == "any";
-    if (wildcard) return ListenAddresses(host);  // which holds all others
+    if (wildcard) return ListenAddresses(host);  // includes all others
     for (std::string& address : ListenAddresses(host)) {
       if (std::find(addresses.begin(), addresses.end(), address) == addresses.end()) {
         addresses.push_back(std::move(address));

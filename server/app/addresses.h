@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the daemon listens, and what it tells about that.
+// The addresses on which the daemon listens and that it reports.
 #pragma once
 
 #include <string>
@@ -7,16 +7,16 @@
 
 namespace coopdyn {
 
-/// What the values of --host mean, each address once; none: loopback.
+/// The addresses that the values of --host stand for, without duplicates; no value: loopback.
 std::vector<std::string> Addresses(const std::vector<std::string>& hosts);
 
-/// The first address of this machine that others can reach; empty if there is none.
+/// The first non-loopback IPv4 address of this machine; empty if there is none.
 std::string LanAddress();
 
-/// An error of listening, with what to write: `flags` choose other ports.
+/// A listening error with advice; `flags` are the options that choose other ports.
 std::string WithAdvice(const std::string& error, const char* flags);
 
-/// As it stands before a port in a URL: IPv6 in brackets.
+/// `host` as written before a port in a URL: IPv6 in brackets.
 std::string Bracketed(const std::string& host);
 
 }  // namespace coopdyn

@@ -34,8 +34,9 @@ std::string ScenariosOption(const std::string& folder) {
   return " --scenarios " + ShellWord(folder);
 }
 
-/// Says which folders below `below` have what `file` names and `path` does not find, and puts them on it. A
-/// model that is found may name more. As options of `serve`.
+/// Searches the folders below `below` for files that `file` names and `path` does not find; prints these
+/// folders and adds them to `path`. Repeats, because a found model may name more files. Returns the folders
+/// as options of `serve`.
 std::string Search(const std::string& file, const std::string& below, SearchPath& path) {
   std::string options;
   std::vector<std::string> missing = MissingUris(file, path);
@@ -51,13 +52,13 @@ std::string Search(const std::string& file, const std::string& below, SearchPath
     missing = MissingUris(file, path);
     if (missing == before) break;
   }
-  if (count == 0) Print("{}: all that it names is found\n", file);
+  if (count == 0) Print("{}: all files that it names were found\n", file);
   if (!options.empty()) Print("{}: what it names is found with{}\n", file, options);
   for (const std::string& uri : missing) Print("{}: '{}' is nowhere in {}\n", file, Printable(uri), below);
   return options;
 }
 
-/// What of `options` a file that was read with them is to be served with.
+/// The part of `options` that `serve` needs for a file read with them.
 std::string ServeOptionsOf(const CheckOptions& options) {
   std::string words;
   for (const std::string& folder : options.scenario_folders) words += ScenariosOption(folder);
@@ -76,7 +77,7 @@ void Say(const CheckOptions& options, const CheckReport& report) {
   }
 }
 
-/// Empty, or why there is no picture.
+/// Draws the picture. Returns an error text, empty on success.
 std::string DrawPicture(const Frame& frame, bool is_model, bool has_page, const std::string& file) {
   std::string unusable;
   const RendererKind renderer = RendererFromEnvironment(RendererKind::kAuto, unusable);
@@ -136,7 +137,7 @@ int Check(const CheckOptions& options) {
 
 void AddCheck(CLI::App& app, Chosen& chosen) {
   const auto given = std::make_shared<CheckOptions>();
-  CLI::App* sub = app.add_subcommand("check", "Say what is wrong in worlds, scenarios and robot models");
+  CLI::App* sub = app.add_subcommand("check", "Report errors in worlds, scenarios and robot models");
   sub->footer(
       "Exit code 0: all of it runs. 1: something does not. 2: a model or world made for other programs runs, "
       "but what is "
@@ -145,10 +146,9 @@ void AddCheck(CLI::App& app, Chosen& chosen) {
   sub->add_option("file", given->files, "Files, or bare names on the search path")->required();
   sub->add_option("--picture", given->picture,
                   "Write a picture of the (last) scenario, or of the model with its joints, PNG");
-  auto* digests = sub->add_flag(
-      "--digests", given->digests,
-      "Instead of what is in a scenario: digests of the program and of all that the scenario is "
-      "made of, JSON");
+  auto* digests =
+      sub->add_flag("--digests", given->digests,
+                    "Instead of a summary: digests of the program and of all parts of the scenario, JSON");
   auto* json =
       sub->add_flag("--json", given->json, "One JSON object for each file, a line each (docs/models.md)");
   sub->add_flag("--verbose", given->verbose,
@@ -157,7 +157,7 @@ void AddCheck(CLI::App& app, Chosen& chosen) {
   digests->excludes(json);
   sub->add_flag("--strict", given->strict, kStrictHelp);
   sub->add_option("--search", given->search,
-                  "Say which folders in this one have the files that a model names and are not found")
+                  "Search this folder for the missing files of a model, and print the options that find them")
       ->check(CLI::ExistingDirectory)
       ->excludes(json);
   AddSettings(sub, given->settings);

@@ -15,14 +15,14 @@ namespace coopdyn {
 
 namespace {
 
-/// Without the folders that were looked in.
+/// `text` without the list of searched folders.
 std::string Shortened(std::string text) {
   const std::size_t begin = text.find(" (looked for in "), end = text.find(')', begin);
   if (begin != std::string::npos && end != std::string::npos) text.erase(begin, end + 1 - begin);
   return text;
 }
 
-/// Where the last clause begins that `text` has before `most`, outside of quotes; 0: there is none.
+/// The end of the last clause of `text` before `most`, outside of quotes; 0 if there is none.
 std::size_t EndOfClause(const std::string& text, std::size_t most) {
   bool quoted = false;
   std::size_t found = 0;
@@ -34,7 +34,8 @@ std::size_t EndOfClause(const std::string& text, std::size_t most) {
   return found;
 }
 
-/// What fits, printable: whole clauses, so that no command is cut, unless these are too long.
+/// `text` printable and cut to about `most` bytes: at the end of a clause, so that no command is cut, unless
+/// clauses are too long.
 std::string Cut(const std::string& text, std::size_t most) {
   std::string cut = Printable(text);
   if (cut.size() <= most) return cut;
@@ -53,7 +54,7 @@ class PageText {
     text_ += std::string(indent) + (verbose_ ? Printable(text) : Cut(text, kWidest)) + '\n';
   }
 
-  /// A title and at most `most` of the lines that `line(i)` gives.
+  /// Adds a title and at most `most` of the lines `line(i)`.
   template <typename Make>
   void List(std::size_t count, std::size_t most, const std::string& title, Make line) {
     if (count == 0) return;
@@ -99,7 +100,7 @@ std::string MotorText(const RobotModel& model) {
          (motors == 1 ? " has a motor" : " have motors");
 }
 
-/// The robots of a world, each in a line; those without sockets in one.
+/// A line per robot of a world; one line for all robots without sockets.
 std::vector<std::string> RobotTexts(const std::vector<CheckedRobot>& robots) {
   std::vector<std::string> texts, others;
   for (const CheckedRobot& robot : robots) {
@@ -125,7 +126,7 @@ void AddModel(const RobotModel& model, PageText& page) {
   const Vector3 size = SizeOf(model);
   const auto rounded = [](double value) { return FormatNumber(std::round(value * 1e3) / 1e3); };
   const std::string sizes = rounded(size.x()) + " x " + rounded(size.y()) + " x " + rounded(size.z()) + " m";
-  page.Line("  ", (size.isZero() ? "nothing of it collides or is drawn" : "size " + sizes) + "; " +
+  page.Line("  ", (size.isZero() ? "no part of it collides or is drawn" : "size " + sizes) + "; " +
                       (model.drive() != nullptr ? std::string("a drive; ") : "") + MotorText(model) +
                       thrusters);
   const std::vector<ModuleModel> modules = model.modules();
@@ -163,7 +164,7 @@ std::string PageOf(const CheckReport& report, bool verbose) {
   page.List(report.missing.size(), 3, search, [&](std::size_t i) {
     const MissingPart& part = report.missing[i];
     return part.what + (part.count > 1 ? ", " + CountOf(static_cast<std::size_t>(part.count), "file") : "") +
-           (part.collides ? "" : " (for looks alone)") + ": " + part.bring;
+           (part.collides ? "" : " (only drawn)") + ": " + part.bring;
   });
   if (report.drive) {
     page.Program("Serve it:", report.drive->serve);

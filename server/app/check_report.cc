@@ -22,7 +22,7 @@ namespace coopdyn {
 
 namespace {
 
-/// What the file says of itself.
+/// The kind and name of a file, from its content.
 struct Origin {
   std::string format = "scenario", name;
   bool has_page = false;
@@ -54,7 +54,7 @@ Origin OriginOf(const std::string& file) {
           HasOwnElements(*root)};
 }
 
-/// `text` without names and numbers: what is alike has the same.
+/// `text` without names and numbers: equal for similar texts.
 std::string ShapeOf(const std::string& text) {
   std::string shape;
   bool quoted = false;
@@ -65,7 +65,7 @@ std::string ShapeOf(const std::string& text) {
   return shape;
 }
 
-/// Joins what is alike: the same thing left out, or what differs in names and numbers alone (unless
+/// Merges similar findings: the same element left out, or texts that differ only in names and numbers (unless
 /// `by_name`).
 class Findings {
  public:
@@ -85,7 +85,7 @@ class Findings {
   std::map<std::string, std::size_t> places_;
 };
 
-/// What `uri` belongs to, and how that is brought here.
+/// The package or model of `uri`, and how to get it.
 MissingPart PartOf(const std::string& uri, const Resources& resources, const std::string& file) {
   if (uri.starts_with("http")) return {uri, 1, "gz fuel download -u " + ShellWord(uri)};
   const std::size_t begin = uri.find("//") + 2;
@@ -118,7 +118,7 @@ std::vector<MissingPart> MissingOf(const std::vector<std::string>& uris, const D
   const Resources resources(path, file);
   std::vector<MissingPart> parts;
   for (const std::string& uri : uris) {
-    // Nobody looks for the scripts of materials.
+    // Skip files that no diagnostic names, such as material scripts: no reader looks for them.
     if (std::ranges::none_of(diagnostics.all(), [&](const Diagnostic& one) { return Names(one, uri); }))
       continue;
     MissingPart part = PartOf(uri, resources, file);
@@ -136,7 +136,7 @@ std::vector<MissingPart> MissingOf(const std::vector<std::string>& uris, const D
   return parts;
 }
 
-/// `one` says that `uri` is not found: adds that it is left out.
+/// Adds to `left_out` the file `uri`, which `one` reports as not found.
 void AddMissing(const Diagnostic& one, const std::string& uri, Findings& left_out) {
   constexpr std::string_view kUntil = "until then ";
   const std::size_t until = one.text.find(kUntil);
@@ -147,7 +147,7 @@ void AddMissing(const Diagnostic& one, const std::string& uri, Findings& left_ou
   left_out.Add(one, what, is_model ? why : one.text.substr(0, one.text.find(": there is no ")), true);
 }
 
-/// In a world nobody knows whose plug-in it is: that of a robot that has what stands for it.
+/// In a world, the owner of a plug-in is unknown: prefer a robot that has a module in its place.
 Consequence ConsequenceIn(const Diagnostic& warning, const Checked& checked) {
   Consequence of_none = ConsequenceOf(warning, checked.model.get());
   if (checked.model != nullptr || checked.frame == nullptr) return of_none;
@@ -160,7 +160,7 @@ Consequence ConsequenceIn(const Diagnostic& warning, const Checked& checked) {
   return of_none;
 }
 
-/// What is in a world of other programs; the robots have lines of their own.
+/// Summary of a third-party world; robots have their own lines.
 std::string WorldText(const Scene& scene, std::size_t with_sockets) {
   const Scenario& scenario = *scene.scenario;
   const auto counted = [](std::size_t all, const char* noun, std::size_t some, const char* what) {
@@ -176,7 +176,7 @@ std::string WorldText(const Scene& scene, std::size_t with_sockets) {
          " m, steps of " + step + " ms";
 }
 
-/// Adds the robots of a world, and how they are driven; the first one that has a motor first.
+/// Adds the robots of a world and their drive lines; report.drive is for the first robot with a motor.
 void AddRobots(const Scene& scene, const std::string& options, double step_s, CheckReport& report) {
   std::size_t with_sockets = 0;
   bool has_motor = false;
@@ -204,7 +204,7 @@ const char* ToString(CheckVerdict verdict) {
 
 CheckReport MakeReport(const std::string& file, const Checked& checked, const Diagnostics& diagnostics,
                        const SearchPath& path, const std::string& options) {
-  // A bare name was found on the search path.
+  // A bare name stands for a file on the search path.
   const bool is_scenario = checked.frame != nullptr && checked.model == nullptr;
   const std::string found = is_scenario ? checked.frame->scene->scenario->file : file;
   const Origin origin = OriginOf(found);
@@ -249,7 +249,7 @@ CheckReport MakeReport(const std::string& file, const Checked& checked, const Di
     loses = true;
     report.left_out.push_back(
         {{file, 0},
-         std::to_string(said - diagnostics.all().size()) + " warnings more, which are not kept",
+         std::to_string(said - diagnostics.all().size()) + " more warnings, which are not kept",
          "",
          1});
   }

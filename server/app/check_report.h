@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What `coopdyn check` tells of one file: what it is, what was mended, what is left out and why that matters,
-// what is missing, and how it is driven. Any thread.
+// The report of `coopdyn check` on one file: its kind, what was mended, what is left out and why that
+// matters, missing files, and how to drive it. Any thread.
 #pragma once
 
 #include <boost/json/fwd.hpp>
@@ -14,52 +14,53 @@
 namespace coopdyn {
 
 enum class CheckVerdict { kRuns, kRunsWithLosses, kWillNotRun };
-/// runs, runs with losses, will not run.
+/// "runs", "runs with losses" or "will not run".
 const char* ToString(CheckVerdict verdict);
 
-/// Something that was found, at `where` first.
+/// Similar findings, the first at `where`.
 struct Finding {
   SourceLine where;
   std::string what, why;  // `why` may be empty
-  int count = 1;          // how many alike
+  int count = 1;          // number of similar findings
 };
 
-/// Files that a model names and that are nowhere.
+/// Files that a model names and that were not found.
 struct MissingPart {
   std::string what;       // a package, a model, or a file
-  int count = 1;          // of its files
+  int count = 1;          // missing files
   std::string bring;      // a command, or what to do
-  bool collides = false;  // some of it; else it is only drawn
+  bool collides = false;  // some of the files are for collisions; else only for drawing
 };
 
-/// One of a world.
+/// A robot of a world.
 struct CheckedRobot {
   std::string name;
   std::shared_ptr<const RobotModel> model;
-  std::optional<DriveLines> drive;  // nothing: it has no sockets
+  std::optional<DriveLines> drive;  // nullopt: no sockets
 };
 
 struct CheckReport {
   std::string file;
   std::string format;     // URDF, xacro, SDF 1.9, scenario, world, experiment
   std::string name;       // in the file
-  bool has_page = false;  // a model, or a world in SDF
+  bool has_page = false;  // a model or an SDF world gets the text page
   CheckVerdict verdict = CheckVerdict::kRuns;
   std::vector<std::string> lines;           // Checked::lines
-  std::shared_ptr<const RobotModel> model;  // as there; of a world: of its only robot with sockets
+  std::shared_ptr<const RobotModel> model;  // Checked::model; for a world, of its only robot with sockets
   std::vector<CheckedRobot> robots;         // of a world
   std::vector<Finding> errors, mended, left_out, harmless;
   std::vector<MissingPart> missing;
-  std::optional<DriveLines> drive;  // of the robot that is driven first, if there is one
+  std::optional<DriveLines> drive;  // of the first robot to drive, if any
 };
 
-/// `options`: with which it was read, for `serve` (each begins with a blank). Reads the file once more.
+/// `options`: options for `serve` with which the file was read, each preceded by a blank. Reads the file
+/// again.
 CheckReport MakeReport(const std::string& file, const Checked& checked, const Diagnostics& diagnostics,
                        const SearchPath& path, const std::string& options);
 
-/// The page: about 40 lines, with `verbose` all of it. Each line ends in '\n' and is printable.
+/// The report as text: about 40 lines, or everything if `verbose`. Each line is printable and ends with '\n'.
 std::string PageOf(const CheckReport& report, bool verbose);
-/// One object, docs/models.md has its fields.
+/// The report as one object; docs/models.md lists its fields.
 boost::json::object JsonOf(const CheckReport& report);
 
 }  // namespace coopdyn

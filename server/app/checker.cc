@@ -23,8 +23,8 @@ namespace coopdyn {
 
 namespace {
 
-/// Says what the controllers that `scenario` names do not take, and which robots of `frame` (null: there is
-/// none) they cannot drive.
+/// Reports options that the controllers of `scenario` reject, and robots of `frame` that they cannot drive.
+/// `frame` may be null.
 void CheckControllers(const Scenario& scenario, const FramePtr& frame, Diagnostics& diagnostics) {
   const SteadyClock clock;
   WorkerPool pool(1);
@@ -53,7 +53,7 @@ FramePtr FirstFrame(const std::shared_ptr<const Scenario>& scenario, bool contro
   return world == nullptr ? nullptr : frame;
 }
 
-/// A model, not a world or several models.
+/// True for a single model; false for a world or several models.
 bool IsRobotModel(const std::string& file) {
   const std::string extension = std::filesystem::path(file).extension();
   if (extension == ".urdf" || extension == ".xacro") return true;
@@ -68,7 +68,7 @@ constexpr const char* kAlone = "model";
 Checked CheckModel(const std::string& file, RobotLibrary& robots, Diagnostics& diagnostics) {
   const auto model = ReadRobotModel(file, robots.path(), diagnostics);
   if (model == nullptr || diagnostics.has_errors()) return {};
-  // A picture shows it on the floor of a world of its own.
+  // The picture shows the model alone on a floor.
   RobotLibrary own(robots.path());
   own.Add(kAlone, model);
   const auto alone =
@@ -76,13 +76,13 @@ Checked CheckModel(const std::string& file, RobotLibrary& robots, Diagnostics& d
   return {alone == nullptr ? nullptr : FirstFrame(alone, false, diagnostics), {SummaryOf(*model)}, model};
 }
 
-/// What was read of a file with this seed, or with its own.
+/// Reads the file with this seed, or with its own.
 using ReadWithSeed = std::function<std::shared_ptr<const Scenario>(std::optional<std::uint64_t> seed,
                                                                    Diagnostics& diagnostics)>;
-/// A value that a draw seldom gives may be wrong: so many seeds are tried.
+/// Number of seeds to try: a rarely drawn value may be invalid.
 constexpr std::uint64_t kTriedSeeds = 32;
 
-/// Warns of the first seed that draws something wrong.
+/// Warns of the first seed that draws an invalid value.
 void CheckOtherSeeds(const Scenario& scenario, const ReadWithSeed& read, Diagnostics& diagnostics) {
   if (scenario.random.empty() || diagnostics.has_errors()) return;
   for (std::uint64_t seed = 1; seed <= kTriedSeeds; ++seed) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What `coopdyn check` and the page's editor say about a file: the readers' diagnostics, then what physics
-// and controllers have to say, and a summary. Any thread.
+// Checks a file for `coopdyn check` and the page's editor: diagnostics of the readers, of physics and of
+// controllers, and a summary. Any thread.
 #pragma once
 
 #include <string>
@@ -14,16 +14,16 @@
 namespace coopdyn {
 
 struct Checked {
-  FramePtr frame;                           // the first one, for a picture; null: it cannot be built
-  std::vector<std::string> lines;           // what is in it, in short; empty with errors
-  std::shared_ptr<const RobotModel> model;  // of a robot's file; null for any other, and with errors
+  FramePtr frame;                           // first frame, for a picture; null if it cannot be built
+  std::vector<std::string> lines;           // summary of the contents; empty with errors
+  std::shared_ptr<const RobotModel> model;  // of a robot model file; else, or with errors, null
 };
 
-/// Checks a scenario, a world or a robot model. `controllers`: what they say too, which starts them.
-/// `settings`: of a scenario.
+/// Checks a scenario, a world or a robot model. `controllers`: also checks, and so starts, loaded
+/// controllers. `settings` apply to a scenario.
 Checked CheckFile(const std::string& file, RobotLibrary& robots, Diagnostics& diagnostics,
                   bool controllers = true, const Settings& settings = {});
-/// Checks the text of a scenario that names other files by bare names only.
+/// Checks the text of a scenario that may name other files only by bare names.
 Checked CheckScenarioText(const std::string& text, const std::string& name, RobotLibrary& robots,
                           Diagnostics& diagnostics);
 

@@ -25,7 +25,7 @@ namespace coopdyn {
 
 namespace {
 
-/// Says which commands there are if the first argument is none.
+/// Throws with a list of the commands if the first argument is not a command.
 void CheckCommand(const CLI::App& app, const std::vector<std::string>& arguments) {
   if (!arguments.empty() && arguments[0].starts_with("-")) return;
   std::string commands;
@@ -38,10 +38,10 @@ void CheckCommand(const CLI::App& app, const std::vector<std::string>& arguments
   throw CLI::ParseError(what + ": write one of " + commands, CLI::ExitCodes::InvalidError);
 }
 
-/// Refuses an option that needs a value and is followed by the next option.
+/// Throws if an option that needs a value is followed by another option.
 void CheckValues(const CLI::App& app, const std::vector<std::string>& arguments) {
   if (arguments.empty() || arguments.front().starts_with("-")) return;
-  const CLI::App* command = app.get_subcommand(arguments.front());  // CheckCommand() has found it
+  const CLI::App* command = app.get_subcommand(arguments.front());  // exists: CheckCommand()
   const auto option_of = [command](const std::string& word) {
     return word.starts_with("--") ? command->get_option_no_throw(word) : nullptr;
   };
@@ -54,8 +54,8 @@ void CheckValues(const CLI::App& app, const std::vector<std::string>& arguments)
   }
 }
 
-/// Adds the lines of the config file to `arguments` (the program's name not among them), but for options that
-/// the command line or a variable gives.
+/// Inserts the lines of the config file into `arguments` (without the program's name), except options that
+/// the command line or a variable sets.
 void InsertConfig(CLI::App& app, std::vector<std::string>& arguments) {
   if (arguments.empty() || arguments.front() != "serve") return;
   const CLI::App& serve = *app.get_subcommand("serve");
@@ -105,7 +105,7 @@ void InsertConfig(CLI::App& app, std::vector<std::string>& arguments) {
   arguments.insert(arguments.begin() + 1, added.begin(), added.end());
 }
 
-/// What is wrong with the value of an option or word of `command`, of which CLI11 says "--port: …".
+/// Explains a wrong value of an option or word of `command`, from CLI11's message "--port: …".
 std::string WrongValue(const CLI::App& command, const std::string& said,
                        const std::vector<std::string>& arguments) {
   const std::size_t colon = said.find(": ");
@@ -113,7 +113,7 @@ std::string WrongValue(const CLI::App& command, const std::string& said,
   const std::string what = said.substr(colon + 2);
   const CLI::Option* option = command.get_option_no_throw(name);
   if (option == nullptr) return said;
-  if (what.starts_with("--")) return what;  // says it itself
+  if (what.starts_with("--")) return what;  // complete message
   const bool given = std::ranges::any_of(
       arguments, [&](const std::string& word) { return word == name || word.starts_with(name + "="); });
   if (!given && !option->get_envname().empty()) {
@@ -124,7 +124,7 @@ std::string WrongValue(const CLI::App& command, const std::string& said,
   return name + (what.starts_with("must ") ? " " : ": ") + what;
 }
 
-/// Goes on as another program; returns only if there is none.
+/// Replaces this process by another program; returns only on failure.
 void HandOver(std::vector<std::string> words) {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -143,7 +143,7 @@ int RunBench(std::vector<std::string> words) {
   return kExitErrors;
 }
 
-/// Sweeps are Python, for the sake of Dask: clients/sweep.
+/// Sweeps are in Python, to use Dask: clients/sweep.
 int RunSweep(std::vector<std::string> words) {
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe");
   const char* named = std::getenv("COOPDYN_PYTHON");
@@ -163,7 +163,7 @@ int RunSweep(std::vector<std::string> words) {
   return kExitErrors;
 }
 
-/// `serve` with the words of YARS.
+/// Runs `serve` with the options of YARS.
 int RunYars(std::vector<std::string> words) {
   YarsWords read = ReadYarsWords(words);
   if (!read.told.empty()) {
@@ -180,7 +180,7 @@ int RunYars(std::vector<std::string> words) {
   return RunCommandLine(static_cast<int>(arguments.size()), arguments.data());
 }
 
-/// A command whose words are not CLI11's to read, --help neither.
+/// Adds a command that parses its own words, including --help.
 void AddHandedOver(CLI::App& app, const char* name, const char* what, int (*run)(std::vector<std::string>),
                    Chosen& chosen) {
   CLI::App* sub = app.add_subcommand(name, what);
@@ -192,7 +192,7 @@ void AddHandedOver(CLI::App& app, const char* name, const char* what, int (*run)
 /// The hidden command with which `serve` starts the process that runs loaded controllers.
 void AddControllerChild(CLI::App& app, Chosen& chosen) {
   const auto fd = std::make_shared<int>(-1);
-  // Without a group it does not stand in --help.
+  // An empty group hides it from --help.
   CLI::App* child =
       app.add_subcommand("controller-child", "Started by serve: runs loaded controllers")->group("");
   child->add_option("fd", *fd)->required();
@@ -229,9 +229,8 @@ int RunCommandLine(int argc, const char* const* argv) {
     CheckCommand(app, arguments);
     CheckValues(app, arguments);
     InsertConfig(app, arguments);
-    app.parse(
-        std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // CLI11 takes them from the back
-  } catch (const CLI::Success& success) {                                 // --help, --version
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // CLI11 expects reverse order
+  } catch (const CLI::Success& success) {                                       // --help, --version
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
     PrintError("coopdyn: {}\n", Explained(app, error, arguments));
@@ -277,9 +276,9 @@ std::string Explained(const CLI::App& app, const CLI::ParseError& error,
                       const std::vector<std::string>& arguments) {
   std::vector<CLI::App*> chosen = app.get_subcommands();
   const bool mismatch = dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr;
-  if (chosen.empty() && mismatch) chosen = {app.get_subcommand(arguments.front())};  // CheckValues() said it
+  if (chosen.empty() && mismatch) chosen = {app.get_subcommand(arguments.front())};  // by CheckValues()
   const CLI::App& command = chosen.empty() ? app : *chosen.back();
-  const std::string said = error.what();  // of an option: "--port: …", "run is required"
+  const std::string said = error.what();  // e.g. "--port: …", "run is required"
   std::string what = said;
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
     const std::string word = app.remaining(true).at(0);
@@ -289,7 +288,7 @@ std::string Explained(const CLI::App& app, const CLI::ParseError& error,
       for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
         commands.push_back(sub->get_name());
       }
-      what = "there is nothing called " + word + ": write one of " + JoinNames(commands);
+      what = "there is no command " + word + ": write one of " + JoinNames(commands);
     }
     if (word.starts_with("--")) {
       std::vector<std::string> flags;
@@ -334,7 +333,7 @@ SearchPath DataPath(const std::vector<std::string>& given) {
   }
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
-  // Controllers that were built with the program.
+  // Controllers built with the program.
   if (std::filesystem::is_directory(program / "controllers", error)) path.folders.push_back(program);
   // Installed (bin/ beside share/), or in the build tree (build/<preset>/).
   for (const char* relative : {"../share/coopdyn", "../.."}) {

@@ -43,7 +43,7 @@ bool Write(const fs::path& file, const std::string& text) {
   return stream.good();
 }
 
-/// A file of MuJoCo: writes NAME.sdf and its meshes.
+/// Converts a MuJoCo file to NAME.sdf and its meshes.
 int ConvertMjcf(const std::string& file, const SearchPath& path, const std::string& wanted_out) {
   const std::string name = fs::path(file).stem().string();
   const fs::path out = wanted_out.empty() ? fs::path(name) : fs::path(wanted_out);
@@ -58,7 +58,7 @@ int ConvertMjcf(const std::string& file, const SearchPath& path, const std::stri
   PrintErrorLines(diagnostics.ToString());
   if (!text) return kExitErrors;
   if (!Write(target, *text)) return Refuse(target.string() + " cannot be written");
-  Print("wrote {0}; go on with\n  coopdyn serve {0}\n", target.string());
+  Print("wrote {0}; continue with\n  coopdyn serve {0}\n", target.string());
   return kExitOk;
 }
 
@@ -69,14 +69,14 @@ int Convert(const ConvertOptions& options) {
   const std::string file = found ? found->string() : options.file;
   const auto text = ReadTextFile(file, {file, 0}, diagnostics);
   if (text && IsMjcf(*text)) return ConvertMjcf(file, path, options.out);
-  std::set<fs::path> controllers;  // beside the experiment
+  std::set<fs::path> controllers;  // found beside the experiment
   const auto has_controller = [&](const std::string& controller) {
     const auto beside = path.FindController(controller, fs::absolute(file).parent_path());
     if (beside && path.FindController(controller) != beside) controllers.insert(*beside);
     return beside.has_value();
   };
   auto made = text ? rosiml::Translate(*text, file, "robots/", diagnostics, has_controller) : std::nullopt;
-  if (made) {  // as `serve` would read it
+  if (made) {  // check it as `serve` would
     RobotLibrary robots(path);
     Diagnostics again;
     if (LoadScenario(file, robots, again) == nullptr) made.reset();
@@ -122,7 +122,7 @@ int Convert(const ConvertOptions& options) {
     fs::create_directories(target.parent_path(), error);
     if (!fs::copy_file(source, target, error)) return Refuse(target.string() + " cannot be written");
   }
-  Print("wrote {0}; go on with\n  coopdyn serve {0}\n", scenario.string());
+  Print("wrote {0}; continue with\n  coopdyn serve {0}\n", scenario.string());
   return kExitOk;
 }
 

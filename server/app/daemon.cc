@@ -21,8 +21,8 @@ namespace coopdyn {
 
 namespace {
 
-constexpr int kExternalPorts = 8000;  // for names that other programs register, above our own
-constexpr int kChannelPort = 4500;    // where YARS begins
+constexpr int kExternalPorts = 8000;  // for names of other programs, above the daemon's own ports
+constexpr int kChannelPort = 4500;    // YARS's first port
 constexpr std::chrono::microseconds kLockstepSpin{50};
 constexpr std::size_t kMaxSpinningRobots = 4;
 
@@ -39,7 +39,7 @@ std::string TokenOf(const ServeOptions& options) {
   return RandomToken();
 }
 
-/// Where the daemon looks for files; last in `uploads`, unless that is empty.
+/// The daemon's search path; ends with `uploads` unless that is empty.
 SearchPath PathOf(const ServeOptions& options, const std::filesystem::path& uploads) {
   SearchPath path = DataPath(options.scenario_folders);
   if (!uploads.empty()) path.folders.push_back(uploads);
@@ -53,7 +53,7 @@ std::optional<YarpDialect> DialectOf(const ServeOptions& options) {
   return options.yarp_dialect == "4" ? YarpDialect::k4 : YarpDialect::k3;
 }
 
-/// Listens on `port`; if that is in use, with `any_port` on another one.
+/// Listens on `port` or, if it is in use and `any_port`, on another port.
 template <typename Server>
 std::string ListenOn(Server& server, const std::vector<std::string>& addresses, int port, bool any_port) {
   std::string error = server.Listen(addresses, port);
@@ -301,17 +301,17 @@ CostSnapshot Daemon::Costs() const {
 
 void Daemon::Stop() {
   if (std::exchange(stopped_, true)) return;
-  run_.End(RunEnd::kSignal);  // unless there was another reason before
+  run_.End(RunEnd::kSignal);  // keeps an earlier reason
   controllers_.Interrupt();
-  // Ends every wait with an answer, which goes out before the robots close their connections.
+  // Stopping physics answers all pending requests before the robots close their connections.
   physics_.request_stop();
   bell_.Ring();
   if (physics_.joinable()) physics_.join();
   recordings_.Close();
-  // The robots' host belongs to the control thread, which may be bringing up a scenario just now.
+  // The robot host belongs to the control thread, which may be bringing up a scene.
   control_.Call([this] {
     seat_door_.reset();
-    name_server_.reset();  // first: nobody is to hear that a name is not there
+    name_server_.reset();  // first: clients must not see names disappear
     applied_.clear();
     opens_yarp_ports_ = false;
     if (robots_ != nullptr) robots_->Stop(run_.stopping_text());
@@ -332,7 +332,7 @@ void Daemon::Stop() {
   name_client_.reset();
   yarp_.Stop();
   if (web_ != nullptr) web_->Stop();
-  runs_.Stop();  // before those that it answers end
+  runs_.Stop();  // before the modules that it answers are destroyed
   page_.reset();
   recorder_.reset();
   playback_.reset();
@@ -345,7 +345,8 @@ void Daemon::Stop() {
 std::chrono::microseconds Daemon::Spin() const {
   if (options_.spin_us) return std::chrono::microseconds(*options_.spin_us);
   const std::size_t robots = frames_.Latest()->scene->robots.size();
-  // Each may have a thread of its own: they must not take the cores from one another and from their clients.
+  // Each robot may have its own thread: spinning threads must not take cores from each other and from
+  // clients.
   const bool few = robots <= kMaxSpinningRobots && robots < std::thread::hardware_concurrency();
   return few && board_.mode() == Mode::kLockstep ? kLockstepSpin : std::chrono::microseconds(0);
 }
@@ -447,7 +448,7 @@ std::string Daemon::ReadyLine() const {
 std::string Daemon::HowToGoOn() const {
   std::ostringstream out;
   if (!listens()) return {};
-  // With --host 0.0.0.0 the others need an address of this machine, not 127.0.0.1.
+  // With --host 0.0.0.0 other machines need an address of this machine, not 127.0.0.1.
   std::string host = told_host();
   if (BeyondLoopback(options_) && IsLoopback(host)) {
     if (const std::string lan = LanAddress(); !lan.empty()) host = lan;
@@ -462,7 +463,7 @@ std::string Daemon::HowToGoOn() const {
   const std::string robot = robots.empty() ? "robot1" : first->entry.name;
   const std::vector<ModuleModel> modules =
       robots.empty() ? std::vector<ModuleModel>() : first->entry.model->modules();
-  const std::string module = modules.empty() ? "motors" : modules.front().name;  // what drives it
+  const std::string module = modules.empty() ? "motors" : modules.front().name;  // drives the robot
   if (web_ != nullptr) out << fmt::format("page:    http://{}:{}/\n", Bracketed(host), web_->port());
   out << "MATLAB:  sim = coopdyn.connect(" << server << "); r = sim.robot(\"" << robot << "\");\n"
       << "Python:  import coopdyn; sim = coopdyn.connect(" << server << "); r = sim.robot(\"" << robot

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The daemon: everything that `coopdyn serve` runs, wired together, started and stopped in order. Main
+// The daemon: wires together everything that `coopdyn serve` runs, and starts and stops it in order. Main
 // thread.
 #pragma once
 
@@ -48,33 +48,34 @@ namespace coopdyn {
 
 class Daemon final : private ControlActions {
  public:
-  /// Nothing runs yet. `shutdown` outlives it.
+  /// Starts nothing yet. `shutdown` must outlive the daemon.
   Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown);
-  /// Stop().
+  /// Calls Stop().
   ~Daemon() override;
 
-  /// Reads the scenario, builds its physics, opens all ports, starts all threads. An error text of one or
-  /// more lines, empty if everything listens.
+  /// Reads the scenario, builds its physics, opens all ports and starts all threads. Returns an error text of
+  /// one or more lines, empty on success.
   std::string Start();
-  /// Ends everything in order: physics (which answers all waits), robots, control, page, render. Again does
-  /// nothing.
+  /// Ends everything in order: physics (which answers all pending requests), robots, control, page, render.
+  /// Further calls do nothing.
   void Stop();
 
   /// The line `ready names=HOST:PORT http=URL robots=N`.
   std::string ReadyLine() const;
-  /// `opened port N for ROBOT` of each: what programs look for that start YARS.
+  /// A line `opened port N for ROBOT` per channel, which programs that start YARS look for.
   std::vector<std::string> ChannelLines() const;
-  /// For people: the page, and how to go on from MATLAB, Python and telnet.
+  /// The hints printed at the start: the page's URL, and how to connect from MATLAB, Python and telnet.
   std::string HowToGoOn() const;
   FramePtr frame() const { return frames_.Latest(); }
   RunStatus status() const { return run_.status(); }
-  /// How the run stands, or has ended. `wall_s`: how long it has taken.
+  /// The state or the result of the run. `wall_s`: its wall time so far.
   RunReport report(double wall_s) const;
-  /// Follows a mode that was switched: `--spin` is for lockstep. Called now and then.
+  /// Adapts `--spin` to the current mode: spinning is for lockstep. Called periodically.
   void UpdateSpin();
-  /// Says in the log and to clients, now and then, who takes the time if the run loses real time.
+  /// Warns in the log and as an event when the run loses real time, with the most expensive parts. Called
+  /// periodically.
   void WatchPace();
-  /// Says in the log, now and then, whom a lockstep world waits for. Called now and then.
+  /// Logs which robot a lockstep world waits for. Called periodically.
   void LogWaiting();
 
  private:
@@ -86,31 +87,33 @@ class Daemon final : private ControlActions {
   std::string recording_stall() const override { return recordings_.status().file.stall; }
   std::string http() const override;
 
-  /// The robots' modules follow the scene, slice by slice; then `done`. Control thread.
+  /// Updates the robots' modules to `scene`, slice by slice, then calls `done`. Control thread.
   void ApplyScene(std::shared_ptr<const Scene> scene, std::function<void()> done);
   void GoOnApplying();
 
   // daemon_yarp.cc
-  /// YarpPorts::Open() if `name` is a port of a module. Control thread.
+  /// Calls YarpPorts::Open() if `name` is a port of a module. Control thread.
   void OpenYarpPort(const std::string& name, const std::string& asker);
-  /// Closes, from time to time, the ports that nobody uses. Control thread.
+  /// Periodically closes unused YARP ports. Control thread.
   void SweepYarpPorts();
-  /// Once somebody has asked for /clock: keeps it alive while time stands. Control thread.
+  /// Once a program has opened /clock, repeats its time while the run stands. Control thread.
   void RepeatClock();
-  /// Tells the other name server (`--yarp-server`) which of our names have come and gone.
+  /// Registers new names of this daemon at the other name server (`--yarp-server`) and unregisters removed
+  /// ones.
   void TellYarpServer();
 
-  // daemon_world.cc: an error text, empty if the world stands.
+  // daemon_world.cc. Each returns an error text, empty if the world is ready.
   std::string StartWorld();
   std::string StartScenario();
   std::string StartFromRecording();
   std::string StartPlayback();
-  /// The robots of each scene that the player shows get their modules.
+  /// Makes the player bring up the modules of each scene that it shows.
   void BringUpScenes();
-  /// The physics thread: steps until a recording is opened, plays until a branch or a close, steps, …
+  /// Main function of the physics thread: alternates between stepping, until a recording is opened, and
+  /// playing, until a branch or a close.
   void RunWorld(const std::stop_token& stop);
-  /// Plays what `play` says instead of the live run, whose state was `live` (null: there was none), and
-  /// answers it. On the physics thread.
+  /// Switches to the recording of `play` from the live run, whose state was `live` (null: from another
+  /// playback), and answers `play`. On the physics thread.
   void Play(const Edit& play, const SavedStatePtr& live);
   ReplayServices replay_services();
   RecordingOptions recording_options();
@@ -119,17 +122,17 @@ class Daemon final : private ControlActions {
   std::string OpenNames();
   std::string OpenRobots();
   std::string OpenGlobalModules();
-  /// /simulation and the others, once they are open.
+  /// The global modules, /simulation first; null before they are open.
   std::vector<Endpoint*> GlobalModules() const;
   std::string OpenPage();
-  /// The way by which `coopdyn host` passes connections.
+  /// Opens the socket by which `coopdyn host` passes connections.
   std::string OpenSeat();
-  /// What the run has cost so far. Any thread.
+  /// The costs of the run so far. Any thread.
   CostSnapshot Costs() const;
   std::chrono::microseconds Spin() const;
   /// Whether it has ports of its own.
   bool listens() const { return !options_.no_net && options_.seat.empty(); }
-  /// Where its ports listen.
+  /// The addresses on which the ports listen.
   std::vector<std::string> addresses() const;
   /// The address that other programs should use.
   std::string told_host() const;
@@ -140,7 +143,7 @@ class Daemon final : private ControlActions {
   const SteadyClock clock_;
   const std::string token_;
 
-  // State that threads share; outlives them all.
+  // State shared by threads; outlives all of them.
   Doorbell bell_;
   FrameBoard frames_;
   CommandBoard board_;
@@ -158,14 +161,14 @@ class Daemon final : private ControlActions {
   PortPlan ports_, channel_ports_;
   YarpPorts yarp_ports_;
 
-  WorkerPool pool_;             // of whoever holds the step baton
-  ControllerHost controllers_;  // likewise
+  WorkerPool pool_;             // used by the holder of the baton
+  ControllerHost controllers_;  // used by the holder of the baton
   Stepper stepper_;
   RecordingDesk recordings_;
   BranchDesk branches_;
   RunFolder runs_;
-  IoThread loader_;                 // reads scenarios that are loaded
-  std::unique_ptr<Player> player_;  // of the recording that is played; null in a live run
+  IoThread loader_;                 // reads scenarios to load
+  std::unique_ptr<Player> player_;  // null in a live run
   std::unique_ptr<RenderThread> render_;
   IoThread control_;
   YarsDesk yars_desk_;
@@ -176,21 +179,21 @@ class Daemon final : private ControlActions {
   std::unique_ptr<SwarmModule> swarm_;
   std::unique_ptr<PlaybackModule> playback_;
   std::unique_ptr<RecorderModule> recorder_;
-  std::vector<std::unique_ptr<NamedPort>> published_;  // of the five above
+  std::vector<std::unique_ptr<NamedPort>> published_;  // of the five modules above
   std::unique_ptr<NameServer> name_server_;
   std::unique_ptr<PassedDoor> seat_door_;
   std::optional<boost::asio::steady_timer> clock_timer_, sweep_timer_;
   std::unique_ptr<NameClient> name_client_;
-  std::map<std::string, int> told_names_;  // to the other name server: name, port
-  std::unique_ptr<PageServices> page_;     // of web_
+  std::map<std::string, int> told_names_;  // registered at the other name server: name, port
+  std::unique_ptr<PageServices> page_;     // used by web_
   std::unique_ptr<WebServer> web_;
   std::jthread physics_;
-  /// Of each ApplyScene() whose robots are not all up; control thread.
+  /// `done` of each ApplyScene() in progress; control thread.
   std::vector<std::function<void()>> applied_;
   bool opens_yarp_ports_ = false;  // the robots are up; control thread
   bool stopped_ = false;
   OverloadWatch overload_;          // main thread
-  Nanoseconds waiting_logged_ = 0;  // when LogWaiting() last said something; 0: nobody is awaited
+  Nanoseconds waiting_logged_ = 0;  // time of the last log line of LogWaiting(); 0 while no robot is awaited
 };
 
 }  // namespace coopdyn

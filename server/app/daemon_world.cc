@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the daemon's world comes from: a scenario, a moment of a recording, or a recording that is played.
+// Sets up the daemon's world: from a scenario, from a moment of a recording, or as a playback.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -84,11 +84,11 @@ std::string Daemon::StartFromRecording() {
   if (state == nullptr) return error;
   if (!stepper_.StartFrom(state, diagnostics)) return diagnostics.ToString();
   if (options_.run.duration_s && *options_.run.duration_s <= state->frame->time_s()) {
-    return fmt::format("--duration {} is over at t = {} s, where the run goes on: write a later time",
+    return fmt::format("--duration {} is over at t = {} s, where the run continues: write a later time",
                        *options_.run.duration_s, state->frame->time_s());
   }
   if (options_.run.steps && *options_.run.steps <= state->frame->step) {
-    return fmt::format("--steps {} is over at step {}, where the run goes on: write a higher number",
+    return fmt::format("--steps {} is over at step {}, where the run continues: write a higher number",
                        *options_.run.steps, state->frame->step);
   }
   return {};
@@ -102,7 +102,7 @@ std::string Daemon::StartPlayback() {
   Diagnostics diagnostics;
   if (reader->LoadScenario(models_.path(), diagnostics) == nullptr) return diagnostics.ToString();
   const RunExtent extent = reader->extent();
-  const Nanoseconds start = options_.play.start;  // 0: the begin
+  const Nanoseconds start = options_.play.start;  // 0: the beginning
   const bool before = start != 0 && start < extent.begin;
   if (before || (start > extent.end && !reader->growing())) {
     return fmt::format("--at {:g} lies {} of {}: write a time from {:g} to {:g}", ToSeconds(start),
@@ -123,7 +123,7 @@ std::string Daemon::StartPlayback() {
 void Daemon::BringUpScenes() {
   player_->set_on_scene([this](std::shared_ptr<const Scene> scene) {
     control_.Post([this, scene = std::move(scene)] {
-      // A newer one may be shown by now, and be on its way too.
+      // Skip it if a newer scene is shown by now: that one is posted too.
       if (frames_.Latest()->scene == scene) ApplyScene(scene, [] {});
     });
   });
@@ -131,7 +131,7 @@ void Daemon::BringUpScenes() {
 
 void Daemon::RunWorld(const std::stop_token& stop) {
   for (;;) {
-    std::optional<Edit> next;  // a Play, or a Restore that ends a playback
+    std::optional<Edit> next;  // Play, or a Restore that ends a playback
     SavedStatePtr live;
     if (player_ != nullptr) {
       next = player_->Run(stop);
@@ -145,7 +145,7 @@ void Daemon::RunWorld(const std::stop_token& stop) {
     } else if (stepper_.TakeOver(*std::move(next))) {
       player_.reset();
     } else {
-      board_.SetPlaying(true);  // it was refused: the playback goes on
+      board_.SetPlaying(true);  // refused: the playback continues
     }
   }
 }

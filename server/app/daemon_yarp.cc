@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a daemon does for programs of YARP.
+// The daemon's services for YARP programs.
 #include <chrono>
 #include <map>
 #include <string>

@@ -25,7 +25,7 @@ namespace coopdyn {
 
 namespace {
 
-/// The type of a robot, with a link to its page if it has one: those of an experiment have none.
+/// The type of a robot, with a link to its page if it has one: robots of an experiment do not.
 std::string LinkTo(const RobotModel& model) {
   if (model.file.ends_with(".xml")) return model.type;
   return "[" + model.type + "](../robots/" + model.type + ".md)";
@@ -49,7 +49,7 @@ std::string CodeSpan(const std::string& text) {
   return "`" + text + "`";
 }
 
-/// At most five significant digits: pages tell what files say, not how doubles round.
+/// At most five significant digits, so that pages show the files' values, not rounding errors.
 std::string ShortNumber(double value) {
   return fmt::format("{:.5g}", value + 0.0);
 }
@@ -62,7 +62,7 @@ std::string PositionText(const Vector3& p) {
   return ShortNumber(p.x()) + " " + ShortNumber(p.y()) + " " + ShortNumber(p.z());
 }
 
-/// The comment that a file begins with. Lines that it indents are commands.
+/// The leading comment of a file. Indented lines are commands.
 std::string LeadingComment(const std::string& text) {
   std::string comment;
   std::istringstream lines(text);
@@ -82,7 +82,7 @@ bool IsGlobal(const CommandTable& table) {
   return false;
 }
 
-/// The commands of a module that are not those of every module.
+/// The commands of a module without those that every module has.
 std::vector<CommandSpec> OwnCommands(const CommandTable& table) {
   std::vector<CommandSpec> own;
   const std::vector<CommandSpec> common = CommonCommands({});
@@ -168,7 +168,8 @@ std::string ModuleRow(const ModuleModel& module) {
                    "[" + module.type + "](../modules/" + module.type + ".md)", std::string(Trim(commands))});
 }
 
-/// Our own elements of the model: what they say is what a robot has, so new kinds need nothing here.
+/// Lists the <coopdyn:…> elements of the model. They describe the robot's devices, so new kinds need no code
+/// here.
 std::string DeviceRows(const XMLElement& model) {
   constexpr std::size_t kPrefix = std::string_view("coopdyn:").size();
   std::string rows;
@@ -186,7 +187,7 @@ std::string DeviceRows(const XMLElement& model) {
   return rows;
 }
 
-/// `type`: what a scenario calls it.
+/// `type`: the robot's type in a scenario.
 std::string RobotPage(const RobotModel& robot, const std::string& type) {
   const double mass_kg =
       std::accumulate(robot.links.begin(), robot.links.end(), 0.0,
@@ -285,7 +286,7 @@ std::string ScenarioPage(const Scenario& scenario) {
 
 // The command.
 
-/// What to describe.
+/// The page to print.
 struct Wanted {
   std::string kind, name;
   std::vector<std::string> scenario_folders;
@@ -313,7 +314,7 @@ std::vector<std::string> PageNames(const std::string& kind, const SearchPath& pa
   return kind == "module" ? ModuleNames() : path.ScenarioNames();
 }
 
-/// A list of all pages, each with its link in docs/reference.
+/// A list of all pages with their links in docs/reference.
 std::string Index(const SearchPath& path) {
   std::string page = "# Reference\n\nWhat `coopdyn describe KIND NAME` prints.\n";
   for (const char* kind : {"robot", "module", "scenario"}) {
@@ -325,7 +326,7 @@ std::string Index(const SearchPath& path) {
   return page;
 }
 
-/// Empty with `diagnostics` if there is no such page.
+/// The page; empty with `diagnostics` if it does not exist.
 std::string Page(const Wanted& wanted, const SearchPath& path, Diagnostics& diagnostics) {
   RobotLibrary robots(path);
   if (wanted.kind == "robot") {
@@ -339,7 +340,7 @@ std::string Page(const Wanted& wanted, const SearchPath& path, Diagnostics& diag
     const auto scenario = LoadScenario(wanted.name, robots, diagnostics);
     return scenario == nullptr ? "" : ScenarioPage(*scenario);
   }
-  const std::string type = wanted.name.substr(wanted.name.rfind('/') + 1);  // of /robot1/compass, too
+  const std::string type = wanted.name.substr(wanted.name.rfind('/') + 1);  // also from /robot1/compass
   if (const CommandTable* table = FindModuleTable(type)) return ModulePage(*table);
   diagnostics.Error({"coopdyn describe", 0},
                     "there is no module '" + type + "'" + DidYouMean(type, ModuleNames()));

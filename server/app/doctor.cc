@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kPings = 50;
 
-/// Does one part of the walk, and says that it went well in the words that it returns, or that `what` failed.
+/// Runs one part of the walk and prints its result, or that `what` failed.
 void Walk(const std::string& what, const std::function<std::string()>& part) {
   try {
     Print("ok       {}\n", part());
@@ -42,7 +42,7 @@ double MedianRoundTrip(RemoteConnection& connection) {
   return static_cast<double>(times[kPings / 2]) * 1e-3;
 }
 
-/// Asks the first robot of the list where it is.
+/// Requests the pose of the first robot in the list.
 void VisitRobot(const ServerAddress& server, const std::vector<std::string>& registrations) {
   constexpr std::string_view kBefore = "registration name ", kModule = "/pose ";
   for (const std::string& registration : registrations) {

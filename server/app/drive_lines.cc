@@ -16,13 +16,13 @@ namespace coopdyn {
 
 namespace {
 
-/// What a model is asked to do: a command before the steps, a question after them.
+/// The calls of a sample program: a command before the steps, a reading after them.
 struct Try {
   std::string part,
-      part_call;        // an object of the robot's, and the call that makes it; empty: the robot's own
-  std::string command;  // a call without its ';'; empty: nothing moves
+      part_call;        // variable for a device, and the call that makes it; empty: use the robot
+  std::string command;  // a call without ';'; empty: no command
   std::string reading;  // an expression
-  std::string yarp;     // a line
+  std::string yarp;     // a shell line
 };
 
 bool IsPlain(std::string_view name) {
@@ -42,14 +42,14 @@ std::string JointWord(const std::string& name, std::size_t number) {
   return IsPlain(name) ? "'" + name + "'" : std::to_string(number);
 }
 
-/// Where a joint can go that is not where it is.
+/// A reachable position of the joint away from its start.
 double GoalOf(const JointModel& joint) {
   const double way = joint.slides() ? 0.05 : 0.3;
   const double up = std::min(joint.start + way, joint.upper), down = std::max(joint.start - way, joint.lower);
   return up - joint.start >= joint.start - down ? up : down;
 }
 
-/// `value` for each of `count`, in brackets, and the same for YARP: (1 2) VALUE VALUE.
+/// `value` repeated `count` times in brackets, and for YARP: (1 2) VALUE VALUE.
 std::pair<std::string, std::string> ForEach(std::size_t count, const std::string& value) {
   std::string list, numbers, values;
   for (std::size_t i = 1; i <= count; ++i) {
@@ -60,14 +60,14 @@ std::pair<std::string, std::string> ForEach(std::size_t count, const std::string
   return {"[" + list + "]", "(" + numbers + ")" + values};
 }
 
-/// The wheels of a Mecanum drive turn on and on.
+/// Turns the wheels of a Mecanum drive at constant speed.
 Try TryWheels(const std::string& name, const ActuatorModel& wheels) {
   const auto [list, yarp] = ForEach(wheels.joints.size(), "2");
   return {"j", "joints('wheels')", "set_velocities(" + list + ")", "r.get_pose()",
           "echo 'set_velocities " + yarp + "' | yarp rpc /" + name + "/wheels"};
 }
 
-/// All thrusters push, a tenth more than the weight, if they can.
+/// Lets all thrusters push with 1.1 times the weight, if they can.
 std::optional<Try> TryHover(const std::string& name, const RobotModel& model,
                             const ActuatorModel& thrusters) {
   constexpr double kGravity_m_s2 = 9.81, kRises = 1.1;
@@ -93,7 +93,7 @@ Try TryBoard(const std::string& name, const RobotModel& model, const ActuatorMod
           "echo 'set pos 0 " + Rounded3(yarp) + "' | yarp rpc /" + name + "/" + board.module + "/rpc:i"};
 }
 
-/// Muscles or thrusters: the first one.
+/// Drives the first muscle or thruster.
 Try TryFirst(const std::string& name, const RobotModel& model, const ActuatorModel& actuator) {
   const JointModel& one = model.joints[static_cast<std::size_t>(actuator.joints.front())];
   const bool thrusts = actuator.is_thrusters();

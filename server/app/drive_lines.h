@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The lines by which somebody drives a model for the first time: they run as they stand. Pure; any thread.
+// Sample programs that drive a model; they run unchanged. Pure; any thread.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace coopdyn {
 
-/// Programs of a few lines; each line ends in '\n'.
+/// Programs of a few lines; each line ends with '\n'.
 struct DriveLines {
   std::string serve;   // for a shell
   std::string python;  // with clients/python on PYTHONPATH
@@ -16,12 +16,12 @@ struct DriveLines {
   std::string yarp;    // for a shell
 };
 
-/// `file`: what is served, with `options` (each begins with a blank). `name`, `model`: of a robot in it with
-/// sockets; a null model: it has none. The programs run for about 1 s in steps of `step_s`.
+/// `file` is served with `options`, each preceded by a blank. `name`, `model`: a robot in it with sockets;
+/// null if there is none. The programs run for about 1 s in steps of `step_s`.
 DriveLines DriveLinesFor(const std::string& file, const std::string& options, const std::string& name,
                          const RobotModel* model, double step_s = 0.01);
 
-/// `text` as one word of a shell.
+/// `text` quoted as one shell word.
 std::string ShellWord(const std::string& text);
 
 }  // namespace coopdyn

@@ -31,7 +31,7 @@ struct Given {
   PictureOptions pictures;
 };
 
-/// `a,b,c`; `none` is no name.
+/// Parses `a,b,c`; `none` means no names.
 std::vector<std::string> ReadNames(const std::string& option, const std::string& text) {
   std::vector<std::string> names;
   if (text == "none") return names;
@@ -54,7 +54,7 @@ void ReadSize(const std::string& text, ImageRequest& image) {
     throw CLI::ValidationError("--size: " + error);
 }
 
-/// `robot1` or `robot1/left_camera`.
+/// Parses `robot1` or `robot1/left_camera`.
 void ReadCamera(const CLI::App& sub, const std::string& text, ImageRequest& image) {
   for (const char* option : {"--size", "--eye", "--look", "--rays"}) {
     if (sub.count(option) > 0)
@@ -69,7 +69,7 @@ void ReadCamera(const CLI::App& sub, const std::string& text, ImageRequest& imag
     throw CLI::ValidationError("--camera: write ROBOT or ROBOT/MODULE, e.g. robot1/camera");
 }
 
-/// csv for `a.csv`; empty if the name does not tell.
+/// "csv" for `a.csv`; empty for an unknown extension.
 std::string FormatOf(const std::string& out) {
   const std::string extension = std::filesystem::path(out).extension().string();
   const auto* const found = std::find_if(kFormats.begin(), kFormats.end(),
@@ -77,7 +77,7 @@ std::string FormatOf(const std::string& out) {
   return found == kFormats.end() ? "" : *found;
 }
 
-/// What was given must mean something for this format.
+/// Fills in defaults; throws if an option does not apply to the format.
 void Complete(const CLI::App& sub, Given& given) {
   if (given.to.empty()) given.to = FormatOf(given.out);
   if (std::find(kFormats.begin(), kFormats.end(), given.to) == kFormats.end())
@@ -132,7 +132,7 @@ std::string Write(RunReader& reader, const Given& given, const ExportProgress& p
 }
 
 int Export(Given given) {
-  Shutdown shutdown;  // Ctrl-C ends it with nothing left behind
+  Shutdown shutdown;  // Ctrl-C stops the export and leaves no file behind
   SetRendererDefaults();
   std::string error;
   given.pictures.renderer = RendererFromEnvironment(RendererKind::kAuto, error);
@@ -149,7 +149,7 @@ int Export(Given given) {
   const auto scenario = reader->LoadScenario(path, diagnostics);
   if (scenario == nullptr) {
     PrintErrorLines(diagnostics.ToString());
-    return Fail(given.run + ": the scenario that it carries cannot be read");
+    return Fail(given.run + ": the scenario in it cannot be read");
   }
   {
     const SteadyClock clock;
@@ -178,7 +178,7 @@ void AddExport(CLI::App& app, Chosen& chosen) {
       "--to", given->to,
       "csv: one table, and one of the events · mat: for load in MATLAB and Octave · png: pictures "
       "· mp4: a film, by ffmpeg");
-  sub->add_option("--out", given->out, "Where to (default: beside the run, under its name)");
+  sub->add_option("--out", given->out, "Output file or folder (default: beside the run, under its name)");
   sub->add_option("--from", given->options.from_s, "First simulated time, s");
   sub->add_option("--until", given->options.until_s, "Last simulated time, s");
   sub->add_option("--robots", given->robots, "Names, also of swarms: a,b,c; none (default: all)");
@@ -186,7 +186,7 @@ void AddExport(CLI::App& app, Chosen& chosen) {
   sub->add_option("--scores", given->scores, "Names of scores: a,b,c; none (default: all)");
   sub->add_option("--logged", given->logged, "Names of logged numbers: a,b,c; none (default: all)");
   sub->add_option("--readings", given->readings,
-                  "Also what these sensors showed, by name or type: imu,lidar (default: none)");
+                  "Also readings of these sensors, by name or type: imu,lidar (default: none)");
   sub->add_option("--every", given->options.every_s, "Simulated seconds between rows (default: every step)");
   sub->add_option("--size", given->size, "Of the pictures, pixels")->capture_default_str();
   sub->add_option("--fps", given->pictures.fps, "Pictures per second of the film")->capture_default_str();
@@ -198,13 +198,13 @@ void AddExport(CLI::App& app, Chosen& chosen) {
   sub->add_option("--look", given->look_m, "x,y,z of the middle of the picture, m")
       ->delimiter(',')
       ->expected(3);
-  sub->add_option("--camera", given->camera, "What a robot's camera saw: ROBOT or ROBOT/MODULE");
+  sub->add_option("--camera", given->camera, "Pictures of a robot's camera: ROBOT or ROBOT/MODULE");
   sub->add_flag("--rays", given->pictures.image.show_rays,
-                "Show what sensors see: rays, scans, cones, fields of view");
+                "Show the view of sensors: rays, scans, cones, fields of view");
   sub->add_option("--time", given->time_s, "One picture, of this simulated time, s");
   sub->add_option("--scenarios", given->scenario_folders, "A folder with controllers that the run names");
   sub->add_flag("--force", given->options.overwrite,
-                "Overwrite what is there, unless it is a recording or a scenario");
+                "Overwrite an existing file, unless it is a recording or a scenario");
   sub->callback([sub, given, &chosen] {
     Complete(*sub, *given);
     chosen = [given] { return Export(*given); };

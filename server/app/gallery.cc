@@ -38,7 +38,7 @@ std::string FirstSentence(const std::string& text) {
   return sentence;
 }
 
-/// One line out of several.
+/// Joins several lines to one.
 std::string Joined(std::string_view text) {
   std::string joined;
   for (const char c : text) {
@@ -52,7 +52,7 @@ std::string Joined(std::string_view text) {
   return std::string(Trim(joined));
 }
 
-/// What stands between the first <!-- and --> that is not about the licence.
+/// The first <!-- comment --> that is not about the licence.
 std::string XmlTitle(std::string_view text) {
   constexpr std::size_t kHead = 4096;
   text = text.substr(0, kHead);
@@ -72,7 +72,7 @@ std::uint64_t StampOf(fs::file_time_type written) {
                                         .count());
 }
 
-/// Turns to a robot that stands alone at the origin, from before its left.
+/// Views a robot that stands alone at the origin from its front left.
 void LookAtRobot(const Frame& frame, ImageRequest& request) {
   const RobotModel& model = *frame.scene->robots.front().entry.model;
   const double height_m = std::max(model.height_m, 0.02);
@@ -177,7 +177,7 @@ ImageResult Gallery::Thumb(const std::string& kind_word, const std::string& name
   const auto* const found = std::ranges::find(kWords, kind_word);
   if (found == kWords.end()) return none;
   const auto kind = static_cast<GalleryKind>(found - kWords.begin());
-  // Only what is listed: a name never leads anywhere else.
+  // Accept only listed names, so that a name cannot reach other files.
   const std::vector<std::string> names = NamesOf(kind);
   const fs::path file = std::ranges::find(names, name) == names.end() ? fs::path() : FileOf(kind, name);
   if (file.empty()) return none;

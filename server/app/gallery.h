@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The worlds, scenarios and robots on the search path with titles, counts and pictures: looked into once,
-// then again when their files change. One thread, but for the texts.
+// The worlds, scenarios and robots on the search path with titles, counts and pictures, cached until their
+// files change. One thread, except TextOf().
 #pragma once
 
 #include <cstdint>
@@ -19,30 +19,30 @@
 
 namespace coopdyn {
 
-/// Names of what is on a search path: of scenarios, worlds or robots.
+/// The names of `what` on a search path: "scenarios", "worlds" or "robots".
 std::vector<std::string> NamesOf(const SearchPath& path, const std::string& what);
 
 enum class GalleryKind { kWorld, kScenario, kRobot };
 
 class Gallery {
  public:
-  static constexpr std::size_t kMaxListed = 1000;  // of each kind
-  static constexpr std::size_t kMaxKept = 300;     // pictures
+  static constexpr std::size_t kMaxListed = 1000;  // per kind
+  static constexpr std::size_t kMaxKept = 300;     // cached pictures
   static constexpr int kWidth = 320, kHeight = 200;
 
-  /// `draw`: null without pictures. `path` outlives it.
+  /// `draw`: null without pictures. `path` must outlive the gallery.
   Gallery(const SearchPath& path, DrawImage draw) : path_(path), draw_(std::move(draw)) {}
 
-  /// {"worlds":[{"name":…,"title":…,"summary":…,"thumb":…}],"scenarios":[…],"robots":[…]}; part of it when
+  /// {"worlds":[{"name":…,"title":…,"summary":…,"thumb":…}],"scenarios":[…],"robots":[…]}; incomplete if
   /// `stop` is requested.
   std::string List(const std::stop_token& stop = {});
-  /// A PNG; or none, and `why`. `kind`: world, scenario or robot.
+  /// A PNG, or an error. `kind`: world, scenario or robot.
   ImageResult Thumb(const std::string& kind, const std::string& name);
 
-  /// The text of a world or a scenario; nothing if there is none of that name. Any thread.
+  /// The text of a world or a scenario; nullopt if the name is unknown. Any thread.
   std::optional<std::string> TextOf(const std::string& kind, const std::string& name) const;
 
-  /// The first sentence of the comment at the head of a file: lines with #, or the first of XML that is not
+  /// The first sentence of the leading comment of a file: lines with #, or the first XML comment that is not
   /// about a licence.
   static std::string TitleOf(const std::string& text);
 

@@ -86,10 +86,9 @@ std::string LogText(const RunInfo& info) {
   return info.log + " is not part of the file yet" + why + ": copy both";
 }
 
-constexpr std::size_t kMaxEventBytes = 4000;  // the file has the whole text
+constexpr std::size_t kMaxEventBytes = 4000;  // longer texts are cut
 
-/// A line of an event: further lines of its text stand below the first, and nothing in it drives the
-/// terminal.
+/// Adds an event; indents further lines of its text, and makes it printable.
 void AddEvent(std::string& text, const Event& event) {
   text += fmt::format("    {:>10.3f} s  {:<8}", event.time_s, event.level);
   const std::string below(26, ' ');
@@ -261,10 +260,10 @@ int Info(const InfoOptions& options, std::ostream& out, std::ostream& errors) {
 
 void AddInfo(CLI::App& app, Chosen& chosen) {
   auto given = std::make_shared<InfoOptions>();
-  CLI::App* sub = app.add_subcommand("info", "Tell what recordings hold; mends one that a crash has left");
+  CLI::App* sub = app.add_subcommand("info", "Print the contents of recordings; mends one left by a crash");
   sub->footer("Example: coopdyn info lesson1.run --events");
   sub->add_option("run", given->files, "Recordings")->required();
-  sub->add_flag("--events", given->events, "List all events, not the notes alone");
+  sub->add_flag("--events", given->events, "List all events, not only notes");
   sub->add_flag("--json", given->json, "One JSON array, an object per recording, with all events");
   sub->add_flag(
       "--count-commands", given->count_commands,

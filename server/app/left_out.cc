@@ -11,7 +11,7 @@ namespace coopdyn {
 
 namespace {
 
-/// The module that stands for a plug-in; empty if the robot has none.
+/// Finds the module that replaces a plug-in; empty if the robot has none.
 using FindModule = std::string (*)(const RobotModel& robot);
 
 template <typename Kind>
@@ -38,15 +38,15 @@ std::string ThrustersOf(const RobotModel& robot) {
 
 /// A kind of plug-in.
 struct PluginRow {
-  std::vector<std::string_view> words;  // one of these begins a word of its name
-  FindModule module;                    // null: nothing stands for it
-  std::string_view without;             // why it matters that nothing does; empty: it does not matter
-  std::string_view harmless = {};       // why it does not
+  std::vector<std::string_view> words;  // matches if one is the start of a word in its name
+  FindModule module;                    // null: no module replaces it
+  std::string_view without;             // why it matters without that module; empty: it does not matter
+  std::string_view harmless = {};       // why it does not matter
 };
 
 const std::vector<PluginRow>& PluginRows() {
-  constexpr std::string_view kNoSensor = "there is no such sensor here; module 'pose' tells the truth";
-  constexpr std::string_view kOnlyTells = "it only publishes what any client can read here";
+  constexpr std::string_view kNoSensor = "there is no such sensor here; module 'pose' has the true values";
+  constexpr std::string_view kOnlyTells = "it only publishes data that any client can read here";
   static const std::vector<PluginRow> rows = {
       {{"joint state", "joint pose pub"}, nullptr, "", kOnlyTells},
       {{"pose publisher", "p3d", "p3 d", "ground truth", "odometry publisher", "world odometry", "tf ",
@@ -59,12 +59,12 @@ const std::vector<PluginRow>& PluginRows() {
         "ros api", "ros factory", "ros state", "ros properties", "factory"},
        nullptr,
        "",
-       "coopdyn does itself what it did, or clients do"},
+       "coopdyn itself, or its clients, do this"},
       {{"led", "light", "visual", "particle", "projector", "color", "material", "label", "plot",
         "camera video", "video"},
        nullptr,
        "",
-       "it changes looks alone"},
+       "it only changes appearance"},
       {{"gps", "navsat", "nav sat", "magnetometer", "mag ", "barometer", "altimeter", "altitude", "air speed",
         "airspeed", "air pressure", "sonar altitude"},
        nullptr,
@@ -85,7 +85,7 @@ const std::vector<PluginRow>& PluginRows() {
       {{"sonar", "range"},
        SensorOf<SonarModel>,
        "the robot has no range finder here: give a link <sensor type=\"sonar\">"},
-      {{"battery"}, SensorOf<BatteryModel>, "it runs on forever: no battery empties here"},
+      {{"battery"}, SensorOf<BatteryModel>, "it never runs out: no battery empties here"},
       {{"diff drive", "skid", "ackermann", "tricycle", "planar move", "mecanum", "omni", "velocity control",
         "force based move", "object controller", "differential"},
        DriveOf,
@@ -106,7 +106,7 @@ const std::vector<PluginRow>& PluginRows() {
       {{"mimic"}, nullptr, "its joint does not follow: write <mimic> in the joint"},
       {{"gripper", "grasp", "vacuum", "suction", "attach", "detachable"},
        nullptr,
-       "things are held by friction alone"},
+       "only friction holds things"},
       {{"control", "joint", "actuator", "effort", "yarp", "position", "velocity", "hardware"},
        BoardOf,
        "no joint has a motor here: write <effort> and <velocity> in their <limit>s"},
@@ -116,7 +116,7 @@ const std::vector<PluginRow>& PluginRows() {
 
 constexpr const char* kTunes = "it tunes another solver: contacts and stops are stiff here";
 
-/// What an element does not change, or does.
+/// The consequence of leaving out an element.
 struct ElementRow {
   std::vector<std::string_view> names;
   std::string_view why;
@@ -161,7 +161,7 @@ const std::vector<ElementRow>& ElementRows() {
         "projector",
         "road",
         "meta"},
-       "it changes looks alone",
+       "it only changes appearance",
        false},
       {{"gui",
         "audio",
@@ -239,27 +239,27 @@ const std::vector<ElementRow>& ElementRows() {
         "inertia_scaling"},
        kTunes,
        false},
-      {{"gravity", "turnGravityOff"}, "its links fall like all others", true},
+      {{"gravity", "turnGravityOff"}, "its links fall like all other links", true},
       {{"self_collide", "selfCollide", "self_collision_checking"},
        "links of one robot go through each other here",
        true},
       {{"velocity_decay", "dampingFactor", "linear_damping", "angular_damping", "velocityDecay"},
        "its links are not slowed down by the air",
        true},
-      {{"kinematic"}, "it is moved by forces, as all that moves", true},
+      {{"kinematic"}, "forces move it, like everything that moves", true},
       {{"enable_wind", "wind"}, "there is no wind here", true},
-      {{"actor"}, "nobody walks here", true},
-      {{"population"}, "what it would place is not there", true},
+      {{"actor"}, "there are no actors here", true},
+      {{"population"}, "the things that it would place are missing", true},
       {{"loop_joint"}, "the loop stays open", true},
       {{"force_element"}, "its force is missing", true},
       {{"collision_filter_group", "drake:collision_filter_group"},
-       "links of one robot never collide here, and with all else they do",
+       "links of one robot never collide with each other here, but with all else",
        false},
-      {{"battery"}, "it runs on forever: no battery empties here", true},
+      {{"battery"}, "it never runs out: no battery empties here", true},
       {{"fluid_added_mass", "buoyancy"}, "there is no water here", true},
-      {{"mujoco"}, "it is for MuJoCo's reader of URDF alone", false},
+      {{"mujoco"}, "only MuJoCo's URDF reader uses it", false},
       {{"mu_viscous", "mu_coulomb", "command_effort", "current", "gear_velocity", "K", "D"},
-       "its maker's programs alone read it; URDF has <dynamics damping friction>",
+       "only its maker's programs read it; URDF has <dynamics damping friction>",
        false},
   };
   return rows;
@@ -282,7 +282,7 @@ std::string WordsOf(std::string_view name) {
   return words + " ";
 }
 
-/// What stands between the first `open` and the next `close`.
+/// The text between the first `open` and the next `close`.
 std::string Between(const std::string& text, char open, char close) {
   const std::size_t first = text.find(open);
   if (first == std::string::npos) return {};
@@ -301,10 +301,10 @@ Consequence OfPlugin(const std::string& file, const RobotModel* robot) {
     if (!module.empty()) return {false, "module '" + module + "' is there anyway"};
     return {true, std::string(row.without)};
   }
-  return {true, "coopdyn runs no plug-ins of others, so what it does is missing"};
+  return {true, "coopdyn runs no third-party plug-ins, so its effect is missing"};
 }
 
-/// URDF's own <sensor>: the same mostly stands in <gazebo>, too.
+/// URDF's own <sensor>, which <gazebo> usually repeats.
 Consequence OfUrdfSensor(const RobotModel* robot) {
   const bool has_sensor = robot != nullptr && std::ranges::any_of(robot->sensors, [](const SensorModel& one) {
                             return one.type() != PoseModel::kType;
@@ -317,7 +317,7 @@ Consequence OfUrdfSensor(const RobotModel* robot) {
 
 Consequence ConsequenceOf(const std::string& what, const RobotModel* robot) {
   if (what.starts_with("plug-in ")) return OfPlugin(Between(what, '\'', '\''), robot);
-  if (what.starts_with("a second")) return {true, "the robot drives by the first one alone"};
+  if (what.starts_with("a second")) return {true, "the robot uses only the first one"};
   if (!what.starts_with('<')) return {true, ""};
   const std::string element = Between(what, '<', '>');
   const std::string name = element.substr(0, element.find(' '));
@@ -338,16 +338,16 @@ Consequence ConsequenceOf(const std::string& what, const RobotModel* robot) {
 Consequence ConsequenceOf(const Diagnostic& warning, const RobotModel* robot) {
   if (!warning.what.empty()) return ConsequenceOf(warning.what, robot);
   constexpr std::pair<std::string_view, const char*> kSaid[] = {
-      {"is not used beside a damper", "it moves more easily than it was meant to"},
+      {"is not used beside a damper", "it moves more easily than intended"},
       {"has no motor", "nothing can drive it here"},
       {"give it no motor", "nothing can drive it here"},
-      {"it has no stops", "it turns further than it was meant to"},
+      {"it has no stops", "it turns further than intended"},
       {"it turns freely", "nothing holds or drives it here"},
       {"has no module 'motors'", "nothing can drive it here"},
-      {"does not steer", "it drives straight on alone"},
+      {"does not steer", "it only drives straight ahead"},
   };
   constexpr std::pair<std::string_view, const char*> kHarmless[] = {
-      {"what only decorates the world is left out", "it changes looks alone"},
+      {"what only decorates the world is left out", "it only changes appearance"},
       {"' of 'integrator' of <option>", "coopdyn has an integrator of its own"},
   };
   for (const auto& [text, why] : kHarmless) {

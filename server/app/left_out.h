@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Why it matters that coopdyn leaves something of a model out, or why it does not. Pure; any thread.
+// Explains why it matters, or not, that coopdyn leaves out some element of a model. Pure; any thread.
 #pragma once
 
 #include <string>
@@ -10,13 +10,13 @@
 namespace coopdyn {
 
 struct Consequence {
-  bool matters = true;  // it moves, senses or is driven other than it was meant
-  std::string why;      // half a sentence; may be empty if it was said already
+  bool matters = true;  // the model moves, senses or is driven differently
+  std::string why;      // half a sentence; empty if the warning says it already
 };
 
-/// Of a warning. `robot`: what was read of the model, null if it is a world.
+/// The consequence of a warning. `robot`: the model as read; null for a world.
 Consequence ConsequenceOf(const Diagnostic& warning, const RobotModel* robot);
-/// Of its `what`, as "<gravity> in <link>" or "plug-in 'libgazebo_ros_imu.so'".
+/// The consequence of leaving out `what`, e.g. "<gravity> in <link>" or "plug-in 'libgazebo_ros_imu.so'".
 Consequence ConsequenceOf(const std::string& what, const RobotModel* robot);
 
 }  // namespace coopdyn

@@ -10,11 +10,11 @@
 
 int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow any more is an error of writing
-  // Small blocks that are freed join their neighbours at once: put off, as glibc does it, that takes a second
-  // when 100,000 robots end. Steps do not notice.
+  std::signal(SIGXFSZ, SIG_IGN);  // writing beyond the file size limit is an error, not the end
+  // Disable fastbins, so that freed small blocks merge at once. Deferred merging, glibc's default, takes a
+  // second when 100,000 robots are destroyed. Steps are not affected.
   mallopt(M_MXFAST, 0);
-  sigset_t report;  // waits until `serve` can answer it: it shall not end one that is just starting
+  sigset_t report;  // blocked until `serve` can answer it, so that it does not kill a starting daemon
   sigemptyset(&report);
   sigaddset(&report, SIGUSR1);
   pthread_sigmask(SIG_BLOCK, &report, nullptr);

@@ -12,7 +12,7 @@ namespace coopdyn {
 void AddModelFolders(SearchPath& path) {
   namespace fs = std::filesystem;
   const auto add = [&path](fs::path folder) {
-    if (!folder.has_filename()) folder = folder.parent_path();  // it ended in /
+    if (!folder.has_filename()) folder = folder.parent_path();  // without a trailing slash
     std::error_code code;
     if (fs::is_directory(folder, code) &&
         std::ranges::find(path.model_folders, folder) == path.model_folders.end())
@@ -33,7 +33,7 @@ void AddModelFolders(SearchPath& path) {
     path.fuel_folders.emplace_back(cache);
   const char *home = std::getenv("HOME"), *caches = std::getenv("XDG_CACHE_HOME");
   const bool has_home = home != nullptr && *home != '\0';
-  // Relative ones do not count (XDG Base Directory Specification).
+  // Ignore relative paths (XDG Base Directory Specification).
   if (caches != nullptr && *caches == '/') {
     path.parts_folder = fs::path(caches) / "coopdyn/parts";
   } else if (has_home) {

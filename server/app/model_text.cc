@@ -85,7 +85,7 @@ std::string SummaryOf(const RobotModel& model) {
 std::vector<std::string> PartTexts(const RobotModel& model) {
   std::vector<std::string> lines;
   for (const LinkModel& link : model.links) {
-    std::map<int, std::size_t> parts;  // by the mesh's place among the collisions
+    std::map<int, std::size_t> parts;  // by index of the mesh among the collisions
     for (const LinkShape& shape : link.collisions) {
       if (shape.piece_of >= 0) ++parts.try_emplace(shape.piece_of, 1).first->second;
     }

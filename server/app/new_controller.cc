@@ -22,7 +22,7 @@ bool IsControllerName(const std::string& name) {
          name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
 }
 
-/// `name` with what is not allowed in it replaced; empty if nothing is left.
+/// `name` with invalid characters replaced or removed; empty if nothing remains.
 std::string NearestName(const std::string& name) {
   std::string near;
   for (const char c : name) {
@@ -82,7 +82,7 @@ int NewController(const std::string& name, const fs::path& folder, bool supervis
     if (!stream) return Refuse(kExitErrors, path.string() + " cannot be written");
   }
   Print(
-      "wrote {0}; go on with\n  cd {0}\n  cmake -B build && cmake --build build\n  coopdyn serve "
+      "wrote {0}; continue with\n  cd {0}\n  cmake -B build && cmake --build build\n  coopdyn serve "
       "{1}.scenario\n",
       target.string(), name);
   return kExitOk;
@@ -94,9 +94,9 @@ void AddNewController(CLI::App& app, Chosen& chosen) {
     bool supervisor = false;
   };
   auto given = std::make_shared<Given>();
-  CLI::App* sub = app.add_subcommand("new-controller", "Write a controller to begin with, ready to build");
+  CLI::App* sub = app.add_subcommand("new-controller", "Write a starter controller, ready to build");
   sub->footer("Example: coopdyn new-controller wander && cd wander && cmake -B build && cmake --build build");
-  sub->add_option("name", given->name, "Of the controller: a to z, 0 to 9 and _")->required();
+  sub->add_option("name", given->name, "Name of the controller: a to z, 0 to 9 and _")->required();
   sub->add_option("--folder", given->folder, "Where to put its folder")->capture_default_str();
   sub->add_flag("--supervisor", given->supervisor, "A supervisor of the world, not a robot's controller");
   sub->callback([&chosen, given] {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What `coopdyn serve` and `play` are asked for. Flags override COOPDYN_* variables, which override the
-// config file.
+// The options of `coopdyn serve` and `play`. Flags override COOPDYN_* variables, which override the config
+// file.
 #pragma once
 
 #include <cstdint>
@@ -17,13 +17,13 @@
 
 namespace coopdyn {
 
-/// What is recorded, and where.
+/// The parts to record, and the files.
 struct RecordOptions {
-  std::string file;                // from the start; empty: not
-  std::string folder = ".";        // of recordings that are started later
-  std::optional<RecordWhat> what;  // empty: as many robots there are
+  std::string file;                // recording from the start; empty: none
+  std::string folder = ".";        // folder of recordings started later
+  std::optional<RecordWhat> what;  // nullopt: depends on the number of robots
   bool durable = false;            // each step is on the disk before it is answered
-  Nanoseconds every = 0;           // of poses and readings; 0: each step
+  Nanoseconds every = 0;           // interval of poses and readings; 0: each step
   bool force = false;
   bool stop_on_failure = false;
 };
@@ -38,27 +38,26 @@ struct PlayRun {
 
 struct ServeOptions {
   std::string scenario = "classroom";        // path, bare name or pipe
-  std::optional<std::string> scenario_text;  // what came through the pipe
-  Settings settings;                         // of it
+  std::optional<std::string> scenario_text;  // read from the pipe
+  Settings settings;                         // of the scenario
   std::string from;                          // RUN@TIME, instead of the scenario
   PlayRun play;                              // instead of both
   RecordOptions record;
   RunOptions run;
   int port = 10000;
-  bool any_port = false;  // other free ones if those are in use
+  bool any_port = false;  // use other free ports if those are in use
   std::optional<int> name_port, http_port;
-  std::optional<int> channel_port;  // the first for clients of YARS
-  std::string channel_ports_file;   // begins the names of files with these ports; empty: none
-  bool channel_quits = false;       // they may end the daemon
+  std::optional<int> channel_port;  // first port for clients of YARS
+  std::string channel_ports_file;   // prefix of files that list these ports; empty: none
+  bool channel_quits = false;       // clients of YARS may end the daemon
   std::vector<std::string> hosts;   // empty: loopback
   std::string advertise;
   std::string token;
-  bool weak_token = false;            // may be short
-  std::string yarp_server;            // HOST:PORT; empty: our own name server
-  std::string yarp_dialect = "auto";  // of readers: "3", "4", or each is asked
-  std::string
-      seat;  // path of the socket by which `coopdyn host` passes connections; empty: it listens itself
-  std::string seat_url;  // of its page, as the host shows it
+  bool weak_token = false;            // accept a short token
+  std::string yarp_server;            // HOST:PORT; empty: own name server only
+  std::string yarp_dialect = "auto";  // of readers: "3", "4", or "auto" to ask each reader
+  std::string seat;                   // the socket by which `coopdyn host` passes connections; empty: none
+  std::string seat_url;               // of the page, as the host serves it
   bool private_robots = false;
   bool read_only = false;
   bool no_render = false, no_http = false, no_net = false;
@@ -72,31 +71,31 @@ struct ServeOptions {
   std::string log_level = "info";
   std::string log_file;  // empty: only stderr
   std::string summary_file;
-  std::optional<int> with_process;  // the daemon ends with it
+  std::optional<int> with_process;  // end with this process
   std::vector<std::string> scenario_folders;
-  bool strict = false;       // a mesh that is not there is an error
-  std::string command_line;  // as given; a recording says it
+  bool strict = false;       // a missing mesh is an error
+  std::string command_line;  // as given; stored in recordings
 };
 
 /// Runs the daemon until something ends it. Returns the exit code.
 int Serve(ServeOptions options);
 
-/// Threads that share out a step: more than there are cores would only take turns; the results are the same.
+/// The number of threads that share a step, at most the number of cores. Results do not depend on it.
 int ThreadsOf(const ServeOptions& options);
 /// RUN and TIME of RUN@TIME, split at the last @; two empty texts if either is missing.
 std::pair<std::string, std::string> SplitMoment(const std::string& from);
 ControllerOptions ControllersOf(const ServeOptions& options);
 bool IsLoopback(const std::string& host);
-/// Whether others than this machine can reach the daemon.
+/// Whether other machines can reach the daemon.
 bool BeyondLoopback(const ServeOptions& options);
-/// Ports from --port on that belong to names, page and modules: so many, unless modules take any free one.
+/// Number of ports from --port on that belong to names, page and modules, unless modules use any free port.
 inline constexpr int kOwnPorts = 2000;
 bool IsOwnPort(const ServeOptions& options, int port);
 
-/// Folders to look for files in: the given ones, COOPDYN_PATH, then the data beside the program; of models'
-/// files also those of AddModelFolders().
+/// The search path: the given folders, COOPDYN_PATH, then the data beside the program; for models' files also
+/// those of AddModelFolders().
 SearchPath DataPath(const std::vector<std::string>& given);
-/// Where the environment says that Gazebo and ROS have models, and where Gazebo keeps what it has fetched.
+/// Adds the model folders that the environment names for Gazebo and ROS, and Gazebo's download folders.
 void AddModelFolders(SearchPath& path);
 
 inline constexpr const char* kStrictHelp =

@@ -23,9 +23,9 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr int kNice = 10;  // the run goes before
+constexpr int kNice = 10;  // the run has priority
 
-/// Calls `done` with what `work` gives; what it throws becomes an answer.
+/// Calls `done` with the result of `work`; turns exceptions into error answers.
 template <typename Work>
 void Answer(const WebFiles::Done& done, const Work& work) {
   try {
@@ -35,8 +35,8 @@ void Answer(const WebFiles::Done& done, const Work& work) {
   }
 }
 
-/// {"ok":…,"summary":…,"errors":…,"warnings":…,"diagnostics":[{"file","line","severity","text"}]}; `file` is
-/// called `name`.
+/// {"ok":…,"summary":…,"errors":…,"warnings":…,"diagnostics":[{"file","line","severity","text"}]}; `name`
+/// replaces `file` in it.
 json::object Report(const Checked& checked, const Diagnostics& diagnostics, const std::string& file,
                     const std::string& name) {
   json::array list;
@@ -59,7 +59,8 @@ DrawImage DrawerOn(ImageBoard* images) {
   return [images](ImageRequest request) { return images->Draw(std::move(request)); };
 }
 
-/// What load_scenario takes after an upload: a name, or a robot on an empty floor.
+/// The text for load_scenario after an upload: a world's name, or a scenario with the robot on an empty
+/// floor.
 std::string LoadOf(const Upload& upload) {
   if (upload.kind == "world") return upload.name;
   return "[ROBOT_1]\ntype      " + upload.name + "\nposition  0 0\n";
@@ -80,7 +81,7 @@ PageServices::PageServices(const SearchPath& path, const std::filesystem::path& 
       drawings_("gallery", logger),
       views_("run views", logger) {
   for (IoThread* thread : {&checks_, &drawings_, &views_})
-    thread->Post([] { ::setpriority(PRIO_PROCESS, 0, kNice); });  // on Linux, of this thread alone
+    thread->Post([] { ::setpriority(PRIO_PROCESS, 0, kNice); });  // on Linux, affects only this thread
 }
 
 PageServices::~PageServices() {
@@ -127,7 +128,7 @@ WebFiles PageServices::files() {
       });
     });
   };
-  // Not behind the pictures: somebody waits for a text.
+  // Texts do not queue behind pictures: a user waits for them.
   files.text = [this](const std::string& kind, const std::string& name, WebFiles::Done done) {
     checks_.Post([this, kind, name, done = std::move(done)] {
       Answer(done, [&] {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the page asks of files, done on threads that give way to the run: texts are checked, uploads kept, the
-// gallery drawn, recordings looked into. Calls on the UI thread.
+// Handles the page's file requests on low-priority threads: checks texts, keeps uploads, draws the gallery,
+// reads recordings. Called on the UI thread.
 #pragma once
 
 #include <atomic>
@@ -21,39 +21,39 @@ namespace coopdyn {
 
 class PageServices {
  public:
-  static constexpr int kMaxWaiting = 8;     // texts to be checked or kept
-  static constexpr int kMaxPictures = 256;  // of the gallery that wait
+  static constexpr int kMaxWaiting = 8;     // queued texts to check or keep
+  static constexpr int kMaxPictures = 256;  // queued pictures of the gallery
 
-  static constexpr int kMaxViews = 8;  // of recordings that wait
+  static constexpr int kMaxViews = 8;  // queued views of recordings
 
-  /// `uploads`: the folder for them, the last of `path`. `images`: null without pictures. `run` knows what is
-  /// played. All outlive it.
+  /// `uploads`: the upload folder, the last of `path`. `images`: null without pictures. `run` knows the
+  /// recording being played. All must outlive it.
   PageServices(const SearchPath& path, const std::filesystem::path& uploads, ImageBoard* images,
                RunFolder& runs, const RunControl& run, const ReplayServices& replay, Logger logger);
-  /// Ends what is being done, or waits for it. `runs` has stopped.
+  /// Stops or finishes the current work. @pre `runs` has stopped
   ~PageServices();
   PageServices(const PageServices&) = delete;
   PageServices& operator=(const PageServices&) = delete;
 
-  /// For the web server, which stops before this ends.
+  /// The handlers for the web server, which must stop before this is destroyed.
   WebFiles files();
 
  private:
   void Check(const WebFile& file, const WebFiles::Done& done);
   void Keep(const WebFile& file, const WebFiles::Done& done);
-  /// On views_: what is asked of the recording in `file`, and for a parting of that in `other`.
+  /// Answers `view` of the recording in `file`; `other`: the second recording, for a parting. Runs on views_.
   HttpAnswer View(const RunView& view, const std::string& file, const std::string& other);
 
   const SearchPath& path_;
-  Uploads uploads_;  // checks_
-  Gallery gallery_;  // drawings_; its texts: checks_
+  Uploads uploads_;  // used on checks_
+  Gallery gallery_;  // used on drawings_; TextOf() on checks_
   RunFolder& runs_;
   const RunControl& run_;
-  WorkerPool pool_{1};  // of views_: the daemon's own is the stepping thread's
+  WorkerPool pool_{1};  // for views_: the daemon's pool belongs to the stepping thread
   const ReplayServices replay_;
   std::atomic<int> waiting_{0}, pictures_{0}, viewing_{0};
   std::stop_source stopping_;
-  // Last: what they run uses the rest.
+  // Last: their tasks use the other members.
   IoThread checks_, drawings_, views_;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// All that the commands print goes through here, to stdout what was asked for, to stderr the rest: no text of
-// a file, a peer or a library can steer a terminal, and what stands in a line stays in it. Main thread.
+// The commands print only with these functions: results to stdout, all else to stderr. They make texts of
+// files, peers and libraries printable, so none can control the terminal or break a line. Main thread.
 #pragma once
 
 #include <spdlog/fmt/fmt.h>
@@ -15,7 +15,7 @@
 
 namespace coopdyn {
 
-/// Texts of several lines, each ended by '\n'.
+/// Prints text of several lines, each ending with '\n'.
 inline void PrintLines(std::string_view text, std::FILE* to = stdout) {
   const std::string shown = PrintableLines(text);
   std::fwrite(shown.data(), 1, shown.size(), to);
@@ -25,7 +25,7 @@ inline void PrintErrorLines(std::string_view text) {
   PrintLines(text, stderr);
 }
 
-/// A value for fmt: texts become printable, in one line, and are cut if they are very long.
+/// A value for fmt: makes texts printable on one line, and cuts very long ones.
 template <typename T>
 decltype(auto) Shown(const T& value) {
   if constexpr (std::is_convertible_v<const T&, std::string_view>) {
@@ -37,7 +37,7 @@ decltype(auto) Shown(const T& value) {
 template <typename T>
 using ShownAs = decltype(Shown(std::declval<const T&>()));
 
-/// As fmt::print(), with Shown() values.
+/// Like fmt::print(), with Shown() values.
 template <typename... Values>
 void Print(fmt::format_string<ShownAs<Values>...> format, const Values&... values) {
   PrintLines(fmt::format(format, Shown(values)...));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A bar on stderr for what takes longer than a second; nothing where stderr is no terminal. One thread.
+// A progress bar on stderr for work that takes longer than a second; shows nothing if stderr is no terminal.
+// One thread.
 #pragma once
 
 #include <string>
@@ -11,14 +12,14 @@ namespace coopdyn {
 
 class ProgressBar {
  public:
-  /// Below the lines of `logger`, that of a LogBackend. `clock` outlives it.
+  /// Shows the bar below the lines of `logger`, a LogBackend's. `clock` must outlive it.
   ProgressBar(const Clock& clock, Logger logger);
-  /// Wipes the bar.
+  /// Erases the bar.
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// Draws it now and then. `share` done: 0…1.
+  /// Redraws the bar at most five times a second. `share`: completed share, 0…1.
   void Show(double share);
 
  private:
@@ -29,12 +30,12 @@ class ProgressBar {
   Nanoseconds next_;
 };
 
-// The pieces that progress is told with. Pure functions.
-/// "[####....]", 40 characters wide; `share` done: 0…1.
+// Parts of a progress line. Pure functions.
+/// "[####....]", 40 characters wide; `share`: completed share, 0…1.
 std::string BarText(double share);
 /// "45 s left", "12 min left" or "3.1 h left".
 std::string LeftText(double seconds);
-/// "[####....]  42 %  12 s left"; `elapsed_s` is what the share took.
+/// "[####....] 42 % 12 s left"; `elapsed_s`: time taken for `share`.
 std::string ProgressText(double share, double elapsed_s);
 
 }  // namespace coopdyn

@@ -28,13 +28,13 @@ namespace json = boost::json;
 
 struct RemoteOptions {
   std::string verb;                // list, status, run, …, call
-  std::vector<std::string> words;  // what follows it
+  std::vector<std::string> words;  // the following words
   std::shared_ptr<ServerOptions> at;
 };
 
 struct Verb {
   const char* name;
-  std::int32_t command;  // of /simulation; 0 of list and call
+  std::int32_t command;  // command of /simulation; 0 if the verb is not one
   const char* help;
   const char* example;
   std::size_t min_words, max_words;
@@ -42,17 +42,17 @@ struct Verb {
 
 constexpr Verb kVerbs[] = {
     {"list", 0, "List the names of all modules", "coopdyn list", 0, 0},
-    {"status", command::kGetStatus, "How the run stands", "coopdyn status", 0, 0},
-    {"run", command::kRun, "Let the run go on", "coopdyn run", 0, 0},
+    {"status", command::kGetStatus, "Show the state of the run", "coopdyn status", 0, 0},
+    {"run", command::kRun, "Continue the run", "coopdyn run", 0, 0},
     {"pause", command::kPause, "Pause the run", "coopdyn pause", 0, 0},
     {"step", command::kStep, "Run N steps while paused", "coopdyn step 10", 0, 1},
-    {"reset", command::kReset, "Back to the start, with another seed if given", "coopdyn reset 7", 0, 1},
+    {"reset", command::kReset, "Reset to the start, with another seed if given", "coopdyn reset 7", 0, 1},
     {"reload", command::kReload, "Read the scenario's file again", "coopdyn reload", 0, 0},
     {"load", command::kLoadScenario,
      "Load another scenario: a bare name, a file of this machine, or - (standard input)",
      "coopdyn load corridor", 1, 1},
     {"world", 0,
-     "Look at what stands in the world, or edit it: list, insert, remove, move, set, rename, undo, redo, "
+     "Show or edit the world: list, insert, remove, move, set, rename, undo, redo, "
      "save",
      "coopdyn world insert \"[BOX_*] | type box | size 0.5 0.5 0.5 | position 2 1\"    coopdyn world move "
      "BOX_1 2 "
@@ -65,7 +65,7 @@ constexpr Verb kVerbs[] = {
      1 << 20},
 };
 
-/// A word of the shell as it stands in a line of the text encoding.
+/// A shell word as written in a line of the text encoding.
 std::string Quoted(const std::string& word) {
   if (word.find_first_of(" \t\r\n\"\\") == std::string::npos && !word.empty()) return word;
   std::string out;
@@ -82,7 +82,7 @@ std::string Moment(const Message& reply) {
   return out.str();
 }
 
-/// The number that `word` is.
+/// Parses `word`; throws RemoteError with `wanted` if it is not a number from `least` on.
 std::int32_t WholeNumber(const std::string& word, std::int32_t least, const std::string& wanted) {
   std::int32_t value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -90,7 +90,7 @@ std::int32_t WholeNumber(const std::string& word, std::int32_t least, const std:
   throw RemoteError(kExitWrongUse, wanted);
 }
 
-// Parts of a status; a key that is missing or has another type reads as nothing.
+// Fields of a status; a key that is missing or has another type reads as a default.
 double NumberAt(const json::object& object, const char* key) {
   const json::value* value = object.if_contains(key);
   return value != nullptr && value->is_number() ? value->to_number<double>() : 0.0;
@@ -104,7 +104,7 @@ json::array ArrayAt(const json::object& object, const char* key) {
   return value != nullptr && value->is_array() ? value->as_array() : json::array();
 }
 
-/// `, silent for 12 s, stopped until its next command`; empty if its client talks.
+/// `, silent for 12 s, stopped until its next command`; empty if the client is active.
 std::string SilenceOf(const json::object& robot) {
   const double silent_s = std::floor(NumberAt(robot, "silent_s"));
   std::string text = silent_s < 1 ? "" : fmt::format(", silent for {:.0f} s", silent_s);
@@ -183,7 +183,7 @@ void List(RemoteConnection& connection) {
   }
 }
 
-/// The request of a verb that is one command of /simulation.
+/// The request for a verb that is a command of /simulation.
 Message MakeRequest(const RemoteOptions& options, std::int32_t command) {
   Message request;
   request.command = command;
@@ -206,7 +206,7 @@ Message MakeRequest(const RemoteOptions& options, std::int32_t command) {
   return request;
 }
 
-/// `words` of `coopdyn world` as a request to /world.
+/// The request to /world for the `words` of `coopdyn world`.
 Message WorldMessageOf(const std::vector<std::string>& words) {
   const std::string& verb = words.front();
   const CommandTable& table = *FindModuleTable("world");
@@ -215,7 +215,7 @@ Message WorldMessageOf(const std::vector<std::string>& words) {
     throw RemoteError(
         kExitWrongUse,
         verb +
-            " is nothing that coopdyn world does: write list, insert, remove, move, set, rename, "
+            " is not a command of coopdyn world: write list, insert, remove, move, set, rename, "
             "undo, redo or save");
   }
   Message request;
@@ -269,13 +269,13 @@ void SayHello(RemoteConnection& connection, const std::string& token) {
     throw RemoteError(kExitErrors, reply.text);
 }
 
-/// What an error reply says to somebody at a shell. `text`: instead of its own.
+/// The message for an error reply: a hint if the token is missing, else `text`.
 std::string Refusal(const Message& reply, std::string text) {
   const bool wants_token = reply.text == ModuleCore::NotAllowed(reply).text;
   return wants_token ? "this needs the daemon's token: give it with --token, or in COOPDYN_TOKEN" : text;
 }
 
-/// `coopdyn world`.
+/// Runs `coopdyn world`.
 void CallWorld(RemoteConnection& connection, const RemoteOptions& options, const Message& request) {
   connection.Open("/world");
   SayHello(connection, options.at->token);
@@ -292,7 +292,7 @@ void CallWorld(RemoteConnection& connection, const RemoteOptions& options, const
   Print("saved as {}\n", options.words[1]);
 }
 
-/// Diagnostics of a file that was sent as a text carry its name again.
+/// Puts the file's name back into diagnostics of a file that was sent as text.
 std::string WithFileName(std::string text, const RemoteOptions& options) {
   constexpr std::string_view kText = "(text):";
   if (options.verb != "load") return text;
@@ -302,7 +302,7 @@ std::string WithFileName(std::string text, const RemoteOptions& options) {
   return text;
 }
 
-/// An error reply, the line that the daemon sent: its text, and what its code means.
+/// Explains `reply`, the line of an error reply: its text and the meaning of its code.
 std::string InWords(const std::string& reply) {
   constexpr std::array kMeanings = {"ok",           "unknown command", "wrong params", "wrong data",
                                     "out of range", "not possible",    "owned",        "malformed",
@@ -331,11 +331,12 @@ void CallModule(RemoteConnection& connection, const RemoteOptions& options) {
   const std::string reply = connection.CallLine(line);
   if (!reply.starts_with("0 ")) throw RemoteError(kExitErrors, InWords(reply));
   PrintLines(reply + "\n");
-  // A robot stops when the program that said hello ends; what a single command sets is to stay.
+  // A robot stops when a client that said hello disconnects. Release it, so that a single command stays in
+  // force.
   if (!token.empty()) connection.CallLine("release");
 }
 
-/// One command of /simulation.
+/// Sends one command to /simulation.
 void CallSimulation(RemoteConnection& connection, const RemoteOptions& options, const Message& request) {
   connection.Open("/simulation");
   SayHello(connection, options.at->token);
@@ -377,7 +378,7 @@ void AddRemote(CLI::App& app, Chosen& chosen) {
   for (const Verb& verb : kVerbs) {
     CLI::App* sub = app.add_subcommand(verb.name, verb.help);
     sub->footer(std::string("Example: ") + verb.example);
-    // Numbers may be negative: what is not an option of ours is a word.
+    // Numbers may be negative: treat unknown options as words.
     if (verb.max_words > 0) sub->allow_extras();
     sub->callback([sub, at = AddServerOptions(*sub), &verb, &chosen] {
       const RemoteOptions options{verb.name, sub->remaining(), at};

@@ -14,9 +14,9 @@ namespace coopdyn {
 namespace {
 
 constexpr std::chrono::seconds kConnectTime{3};
-constexpr std::chrono::seconds kAnswerTime{10};  // for names, which a daemon knows at once
-constexpr std::size_t kMostShown = 200;          // of a line that is none of ours
-constexpr std::size_t kOfEachLine = 32;          // bytes that keep it
+constexpr std::chrono::seconds kAnswerTime{10};  // for the name server, which answers at once
+constexpr std::size_t kMostShown = 200;          // characters of an unexpected line
+constexpr std::size_t kOfEachLine = 32;          // overhead per stored line, bytes
 
 }  // namespace
 
@@ -90,8 +90,8 @@ RemoteError RemoteConnection::NoAnswer() const {
   if (stream_.error() != boost::asio::error::timed_out)
     return {kExitErrors, "the daemon closed the connection"};
   return {kExitNoDaemon,
-          "something takes connections there and does not answer: a daemon that starts answers when it is "
-          "ready; anything else is no coopdyn"};
+          "a program accepts connections there but does not answer: a starting daemon answers when it is "
+          "ready; any other program is not coopdyn"};
 }
 
 RemoteError RemoteConnection::Unreadable() {
@@ -153,7 +153,7 @@ std::string RemoteConnection::CallLine(const std::string& line) {
 }
 
 std::string RemoteConnection::AskComments(const std::string& line) {
-  Send(line + "\nping\n");  // its reply tells where they end
+  Send(line + "\nping\n");  // the reply to ping marks the end of the comments
   std::string comments, reply = ReadLine();
   for (; reply.starts_with('#'); reply = ReadLine()) comments += reply + "\n";
   if (!reply.starts_with("0 ")) throw RemoteError(kExitErrors, reply);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A plain blocking connection to a running daemon, for the commands that talk to one. One thread.
+// A blocking connection to a running daemon, for client commands. One thread.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -13,48 +13,48 @@
 
 namespace coopdyn {
 
-/// A command that talks to a daemon ends with this exit code and text.
+/// Ends a client command with this exit code and text.
 struct RemoteError : std::runtime_error {
   RemoteError(int exit_code, const std::string& text) : std::runtime_error(text), code(exit_code) {}
   int code;
 };
 
-/// Where the daemon is.
+/// The daemon's address and token.
 struct ServerOptions {
   std::string server;  // HOST[:PORT]; empty: this machine, port 10000
   std::string token;
 };
-/// Adds --server and --token to a command. The result lives as long as somebody holds it.
+/// Adds --server and --token to a command.
 std::shared_ptr<ServerOptions> AddServerOptions(CLI::App& command);
 
-/// "lab:10100", "[::1]:10000", "10.0.0.5", "10100" or "" in its parts. Throws RemoteError.
+/// Parses "lab:10100", "[::1]:10000", "10.0.0.5", "10100" or "". Throws RemoteError.
 struct ServerAddress {
   explicit ServerAddress(const std::string& text);
   std::string host = "127.0.0.1";
   int port = 10000;
 };
 
-/// Each function throws RemoteError with a text that says what is wrong and what to do.
+/// All functions throw RemoteError with a text that says what is wrong and what to do.
 class RemoteConnection {
  public:
-  /// Connects to the name port; gives up after 3 s, and 10 s later if it does not answer to a name.
+  /// Connects to the name port. Times out after 3 s; requests to the name server time out 10 s later.
   explicit RemoteConnection(const ServerAddress& server);
 
   /// Sends one line to the name server and returns the lines of its answer, without the end line.
   std::vector<std::string> AskNames(const std::string& line);
-  /// Turns this connection into one of module `name`.
+  /// Turns this connection into a connection to module `name`.
   void Open(const std::string& name);
-  /// Binary from the first Call on: sends `request`, waits for its reply.
+  /// Sends `request` and waits for its reply. Binary from the first Call() on.
   Message Call(const Message& request);
-  /// Text from the first CallLine on: sends `line`, waits for the reply line.
+  /// Sends `line` and waits for the reply line. Text from the first CallLine() on.
   std::string CallLine(const std::string& line);
-  /// The # lines that answer a line which nothing else answers: help, verbose, an empty one.
+  /// Returns the # lines that answer a line without a reply line: help, verbose, an empty line.
   std::string AskComments(const std::string& line);
 
  private:
   void Send(const std::string& bytes);
   std::string ReadLine();
-  /// Why nothing more comes.
+  /// The error for a missing answer.
   RemoteError NoAnswer() const;
   static RemoteError Unreadable();
 

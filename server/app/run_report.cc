@@ -24,7 +24,7 @@ namespace {
 
 namespace json = boost::json;
 
-/// Simulated over wall time of the whole run.
+/// Simulated time divided by wall time, over the whole run.
 double Factor(const RunReport& run) {
   return run.wall_s > 0 ? ToSeconds(run.status.simulated) / run.wall_s : 0;
 }
@@ -45,7 +45,7 @@ std::vector<std::string> FailedControllers(const RunReport& run) {
   return robots;
 }
 
-/// Bodies that exploded, whatever was reset or loaded since.
+/// All bodies that exploded, including those before a reset or load.
 std::vector<std::string> Frozen(const RunReport& run) {
   std::vector<std::string> names = run.status.frozen;
   for (const std::string& name : run.status.frozen_before) {
@@ -153,14 +153,14 @@ int ExitCode(const RunReport& run) {
 }
 
 std::string WriteSummary(const std::string& file, const std::string& text) {
-  constexpr int kMaxLinks = 40;  // as many as the kernel follows
+  constexpr int kMaxLinks = 40;  // the kernel's limit
   std::error_code ignored;
   if (std::filesystem::is_other(file, ignored)) {  // /dev/stdout, a pipe
     std::ofstream device(file);
     device << text;
     return device.flush() ? "" : file + " cannot be written";
   }
-  std::filesystem::path target(file);  // what a link means, not the link
+  std::filesystem::path target(file);  // write to the link's target, not over the link
   for (int i = 0; i < kMaxLinks && std::filesystem::is_symlink(target, ignored); ++i) {
     target = target.parent_path() / std::filesystem::read_symlink(target, ignored);
   }

@@ -37,12 +37,12 @@ HttpAnswer Damaged(const RunReader& run) {
   return ErrorAnswer(409, run.error());
 }
 
-/// A text of bytes that nobody keeps.
+/// An answer that must not be cached.
 HttpAnswer Bytes(std::string body, const char* type) {
   return {.body = std::move(body), .type = type, .headers = {{"Cache-Control", "no-store"}}};
 }
 
-/// The sensors of a robot whose readings always have the same number of values.
+/// The robot's sensors with a fixed number of values.
 std::vector<std::string> SensorsOf(const Scene& scene, const std::string& robot) {
   std::vector<std::string> names;
   for (const SceneRobot& one : scene.robots) {
@@ -67,7 +67,7 @@ HttpAnswer TimelineOf(RunReader& run) {
   if (!run.error().empty()) return Damaged(run);
   for (const Event& event : run.Events()) {
     if (events.size() >= kMaxMarks) break;
-    if (event.level == kLogLevel) continue;  // a plot, not a mark
+    if (event.level == kLogLevel) continue;  // shown as a plot, not as a mark
     events.push_back({{"time_s", event.time_s}, {"level", event.level}, {"text", event.text}});
   }
   return JsonAnswer(JsonText(json::object{{"name", fs::path(run.file()).filename().string()},
@@ -112,7 +112,7 @@ HttpAnswer PosesOf(RunReader& run, double rate_hz, const std::stop_token& stop) 
     const std::shared_ptr<Frame> frame = frames.Make(*step);
     if (frame == nullptr) return Damaged(run);
     if (scene == nullptr) scene = frame->scene.get();
-    if (frame->scene.get() != scene) break;  // things came or went: the ghost ends there
+    if (frame->scene.get() != scene) break;  // the scene changed: the ghost ends here
     const std::string message = stream.Next(*frame, 0);
     for (unsigned shift = 0; shift < 32; shift += 8)
       bytes += static_cast<char>(message.size() >> shift & 255U);

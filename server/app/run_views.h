@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the page shows of a recording besides playing it: its timeline, where it parts from another one, its
+// The page's views of a recording besides playback: its timeline, where it diverges from another one, its
 // ghost, and its numbers (docs/protocol.md). Pure functions of open recordings; each may take seconds. Any
 // thread.
 #pragma once
@@ -13,16 +13,16 @@
 
 namespace coopdyn {
 
-/// {"name","begin_s","end_s","steps","keyframes":[s],"events":[{"time_s","level","text"}]}; a run with more
-/// has the first 10,000 of each.
+/// {"name","begin_s","end_s","steps","keyframes":[s],"events":[{"time_s","level","text"}]}; at most the first
+/// 10,000 of each.
 HttpAnswer TimelineOf(RunReader& run);
-/// Where two runs part, as `coopdyn verify` finds it:
+/// Where two runs diverge, as `coopdyn verify` finds it:
 /// {"equal","steps","time_s","step","what","field","one","other","text"}.
 HttpAnswer PartingOf(RunReader& one, RunReader& other, const ReplayServices& services);
-/// The first scene, as /api/scene; its number is 0.
+/// The first scene, in the format of /api/scene, with number 0.
 HttpAnswer SceneOf(RunReader& run);
-/// Poses of the first scene for about `rate` moments a second: each as a u32 length and a pose message.
-/// 503 if `stop` is asked for meanwhile, as TableOf() says then.
+/// Poses of the first scene, about `rate_hz` per simulated second, each as a u32 length and a pose message.
+/// 503 if `stop` is requested meanwhile, like TableOf().
 HttpAnswer PosesOf(RunReader& run, double rate_hz, const std::stop_token& stop);
 /// The columns of `coopdyn export` for one robot, sensors included, or, if `robot` is empty, the scores and
 /// logged numbers; thinned to about `points` rows; CSV.

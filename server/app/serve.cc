@@ -20,7 +20,7 @@ constexpr Nanoseconds kTick = kNanosecondsPerSecond;
 constexpr Nanoseconds kBarTick = kNanosecondsPerSecond / 5;
 constexpr Nanoseconds kProgressEvery = 60 * kNanosecondsPerSecond;
 
-/// The run of a daemon that has started, and what is told about it.
+/// The run of a started daemon and its reports.
 class ServedRun {
  public:
   ServedRun(Daemon& daemon, const Clock& clock, const Logger& logger, const std::string& summary_file)
@@ -34,7 +34,7 @@ class ServedRun {
     return run;
   }
 
-  /// Until the daemon is to end, telling now and then how the run goes on.
+  /// Waits until the daemon must end and reports progress meanwhile.
   void WaitForEnd(Shutdown& shutdown) {
     const bool terminal = ::isatty(STDERR_FILENO) == 1;
     bool bar = false;
@@ -60,16 +60,16 @@ class ServedRun {
     PrintError("{}\n", ProgressWithBar(report()));
   }
 
-  /// False, and it is said, if there is to be a summary and it cannot be written.
+  /// Writes the summary, if requested. On failure prints an error and returns false.
   bool WriteSummaryOf(const RunReport& run) const {
     if (summary_file_.empty()) return true;
     const std::string error = WriteSummary(summary_file_, SummaryJson(run));
-    if (!error.empty()) PrintError("coopdyn: the summary is lost: {}\n", error);
+    if (!error.empty()) PrintError("coopdyn: the summary cannot be written: {}\n", error);
     return error.empty();
   }
 
  private:
-  /// SIGUSR1: the run goes on.
+  /// Answers SIGUSR1; the run continues.
   void Report() const {
     const RunReport run = report();
     logger_->info("so far: {}", SummaryLine(run));
@@ -89,7 +89,7 @@ class ServedRun {
 int Serve(ServeOptions options) {
   SetRendererDefaults();
   if (IsPipe(options.scenario)) {
-    // Now, as signals will be held back: Ctrl-C ends the wait for the writer.
+    // Read it before signals are blocked, so that Ctrl-C ends the wait for the writer.
     Diagnostics diagnostics;
     options.scenario_text = ReadPipe(options.scenario, diagnostics);
     if (!options.scenario_text) {

@@ -43,7 +43,7 @@ std::string CheckSeed(const std::string& text) {
   return digits ? "" : "--seed must be a whole number from 0, not " + text;
 }
 
-/// `yarp.conf` becomes the server in it.
+/// Replaces `yarp.conf` by the server that the file names.
 std::string TakeYarpServer(std::string& text) {
   if (text != "yarp.conf") return {};
   const std::string name = YarpConfFile([](const char* variable) {
@@ -69,7 +69,7 @@ std::string CheckPlaySpeed(const std::string& text) {
   return CLI::detail::lexical_cast(text, value) && IsPlaySpeed(value) ? "" : "--speed " + text + kNoPlaySpeed;
 }
 
-/// Makes the folder if there is none.
+/// Makes the folder if it is missing.
 void MakeRecordingsFolder(const std::string& folder) {
   if (folder.empty()) throw CLI::ValidationError("--recordings takes a folder, e.g. --recordings runs");
   std::error_code failed, ignored;
@@ -81,7 +81,7 @@ void MakeRecordingsFolder(const std::string& folder) {
                              ": write a folder that you may write to, e.g. --recordings runs");
 }
 
-/// Asks the system, so that a file that is there stays as it is, and none is made yet.
+/// Throws if `file` cannot be written. Changes or makes no file.
 void CheckWritable(const std::string& option, const std::string& file, const std::string& example) {
   if (file.empty()) return;
   std::error_code ignored;
@@ -92,11 +92,11 @@ void CheckWritable(const std::string& option, const std::string& file, const std
   if (!CheckFree(file, true).empty()) {
     throw CLI::ValidationError(
         option + " " + file +
-        " is a scenario, a world, a model or a recording, which it never replaces: write "
+        " is a scenario, a world, a model or a recording, which is never replaced: write "
         "another file, e.g. " +
         option + " " + example);
   }
-  // The summary is written beside it and put in its place.
+  // The summary is written beside the file and renamed.
   const std::filesystem::path folder = std::filesystem::weakly_canonical(file, ignored).parent_path();
   const std::string written = std::filesystem::is_other(file, ignored) ? file : folder.string() + "/";
   if (::access(written.c_str(), W_OK) == 0) return;
@@ -119,8 +119,8 @@ RecordWhat ReadRecordWhat(const std::string& given) {
                              "': write some of poses,channels,distances,targets,controllers,images, or all");
 }
 
-/// Each option but those in `only_flags` may also be given by a variable: --robot-threads by
-/// COOPDYN_ROBOT_THREADS.
+/// Lets environment variables set all options except those in `only_flags`: COOPDYN_ROBOT_THREADS sets
+/// --robot-threads.
 void TakeVariables(CLI::App* sub, const std::set<std::string>& only_flags) {
   for (CLI::Option* option : sub->get_options()) {
     if (option->get_lnames().empty() || only_flags.contains(option->get_lnames().front())) continue;
@@ -136,7 +136,7 @@ void AddStopOrContinue(CLI::App* sub, const std::string& name, bool& stop, const
       ->check(OneOf({"continue", "stop"}));
 }
 
-/// How the daemon is reached, and what it shows.
+/// Options of the network, the page and pictures.
 void AddNetwork(CLI::App* sub, ServeOptions& serve) {
   sub->add_option("--port", serve.port, "Names on P, page on P+1, modules from P+2; 0: any free ports")
       ->check(WholeIn(0, 65000))
@@ -151,8 +151,9 @@ void AddNetwork(CLI::App* sub, ServeOptions& serve) {
       ->check(WholeIn(0, 65535));
   sub->add_option("--host", serve.hosts,
                   "Address to listen at (default: this machine only); 0.0.0.0: everybody");
-  sub->add_option("--advertise", serve.advertise, "Address that the name server tells");
-  sub->add_option("--token", serve.token, "What changing commands from other machines must show")
+  sub->add_option("--advertise", serve.advertise, "Address that the name server reports");
+  sub->add_option("--token", serve.token,
+                  "Token that commands from other machines must present to change the world")
       ->check(CLI::Validator(CheckToken, ""));
   sub->add_flag("--weak-token", serve.weak_token, "Let --token be shorter than 12 characters");
   // Without a group they do not stand in --help: for `coopdyn host`.
@@ -160,8 +161,7 @@ void AddNetwork(CLI::App* sub, ServeOptions& serve) {
       ->group("");
   sub->add_option("--seat-url", serve.seat_url, "The address of the page, as the host shows it")->group("");
   sub->add_flag("--private", serve.private_robots, "Robots' modules need the token too");
-  sub->add_flag("--read-only", serve.read_only,
-                "Clients and the page may read and watch, and change nothing");
+  sub->add_flag("--read-only", serve.read_only, "Clients and the page may only read and watch");
   sub->add_option("--yarp-server", serve.yarp_server,
                   "Register the names at this name server, HOST:PORT, or at that of yarp.conf")
       ->transform(CLI::Validator(TakeYarpServer, ""));
@@ -219,7 +219,7 @@ void AddRecording(CLI::App* sub, ServeOptions& serve) {
       ->capture_default_str();
 }
 
-/// Others shall not find the token by trying.
+/// Throws if the token is short enough to be guessed by other machines.
 void CheckStrength(const ServeOptions& serve) {
   constexpr std::size_t kStrongToken = 12;
   const std::size_t characters = CharacterCount(serve.token);
@@ -232,7 +232,7 @@ void CheckStrength(const ServeOptions& serve) {
   }
 }
 
-/// A channel would take a port from under a module, or from the page.
+/// Throws if --channel-port would take a port of a module or of the page.
 void CheckChannelPort(const ServeOptions& serve) {
   if (!serve.channel_port || serve.no_net || !IsOwnPort(serve, *serve.channel_port)) return;
   throw CLI::ValidationError(fmt::format(
@@ -242,7 +242,7 @@ void CheckChannelPort(const ServeOptions& serve) {
       serve.port > kOwnPorts ? serve.port - 100 : serve.port + kOwnPorts));
 }
 
-/// What does not go together.
+/// Throws if options contradict each other or files cannot be written.
 void CheckServe(const CLI::App& sub, const ServeOptions& serve) {
   if (sub.count("--record") > 0 && serve.record.file.empty()) {
     throw CLI::ValidationError("--record takes the name of a file, e.g. --record lesson1.run");
@@ -257,18 +257,18 @@ void CheckServe(const CLI::App& sub, const ServeOptions& serve) {
       throw CLI::ValidationError("--from uses the seed of the recording: leave --seed out");
     }
     if (!serve.settings.empty()) {
-      throw CLI::ValidationError("--from goes on with the scenario of the recording: leave --set out");
+      throw CLI::ValidationError("--from continues with the scenario of the recording: leave --set out");
     }
     if (sub.count("scenario") > 0) {
-      throw CLI::ValidationError("--from takes the scenario out of the recording: leave " + serve.scenario +
+      throw CLI::ValidationError("--from uses the scenario of the recording: leave " + serve.scenario +
                                  " out");
     }
   }
   CheckStrength(serve);
   CheckChannelPort(serve);
   if (sub.count("--recordings") > 0)
-    MakeRecordingsFolder(serve.record.folder);  // last: nothing else is wrong
-  // These may lie in that folder.
+    MakeRecordingsFolder(serve.record.folder);  // only after all other checks
+  // These files may be in that folder.
   CheckWritable("--summary", serve.summary_file, "run.json");
   CheckWritable("--log-file", serve.log_file, "night.log");
 }
@@ -280,14 +280,14 @@ void AddPlay(CLI::App& app, const std::string& command_line, Chosen& chosen) {
   CLI::App* sub = app.add_subcommand("play", "Play a recording: its robots, pictures and page as in the run");
   sub->footer("Example: coopdyn play lesson1.run --speed 2 --at 12.5");
   sub->add_option("run", serve.play.file, "A recording, e.g. lesson1.run")->required();
-  sub->add_option("--speed", serve.play.speed, "Times the wall clock, -4 to 64; below 0: backwards")
+  sub->add_option("--speed", serve.play.speed, "Multiple of real time, -4 to 64; negative: backwards")
       ->check(CLI::Validator(CheckPlaySpeed, ""));
   sub->add_option_function<double>(
          "--at", [&serve](double given_s) { serve.play.start = std::llround(given_s * 1e9); },
-         "Begin at this simulated time, s (default: its begin)")
+         "Begin at this simulated time, s (default: the start)")
       ->check(NumberIn(-kMaxDuration_s, kMaxDuration_s));
   sub->add_flag("--loop", serve.play.loop, "Start again at the end");
-  sub->add_flag("--paused", serve.play.paused, "Stand at the first frame");
+  sub->add_flag("--paused", serve.play.paused, "Start paused at the first frame");
   AddNetwork(sub, serve);
   TakeVariables(sub, {"help", "scenarios", "speed", "at", "loop", "paused"});
   sub->callback([given, &chosen] {
@@ -321,9 +321,9 @@ void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
       "Example: coopdyn serve classroom --mode lockstep --port 10000\n"
       "Exit codes: 0 ok; 1 errors; 2 wrong use; 4 a controller failed, a body was frozen or the recording\n"
       "failed; 5 a signal or quit came before --duration.\n"
-      "A run that ends by its scenario stands until it is reset; with --duration, --steps, --summary or\n"
+      "A run that its scenario ends stands until it is reset; with --duration, --steps, --summary or\n"
       "--no-net the program ends with it. SIGTERM, SIGINT and SIGHUP end the run in order;\n"
-      "SIGUSR1 logs how it stands, writes --summary and goes on.");
+      "SIGUSR1 logs the current state, writes --summary and continues.");
   sub->add_option("scenario", serve.scenario,
                   "A .scenario, .world, .sdf, .urdf or .xml file, a bare name on the search path, or - "
                   "(standard input)")
@@ -336,25 +336,24 @@ void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
          "--step", [&serve](double step_s) { serve.run.step = std::llround(step_s * 1e6) * 1000; },
          "Step in seconds, 0.0005 to 0.1")
       ->check(CLI::Validator(CheckStep, ""));
-  sub->add_option("--speed", serve.run.speed, "Times the wall clock; 0 or less: no limit")
+  sub->add_option("--speed", serve.run.speed, "Multiple of real time; 0 or less: no limit")
       ->check(NumberIn(-kMaxSpeed, kMaxSpeed));
   sub->add_option("--seed", serve.run.seed, "Of noise and solver")->check(CLI::Validator(CheckSeed, ""));
   CLI::Option* duration =
       sub->add_option("--duration", serve.run.duration_s, "End the run at this simulated time, s")
           ->check(NumberIn(0, kMaxDuration_s, true));
-  sub->add_option("--steps", serve.run.steps, "End the run with this step, instead of --duration")
+  sub->add_option("--steps", serve.run.steps, "End the run after this step, instead of --duration")
       ->check(WholeIn(1, 1'000'000'000))
       ->excludes(duration);
   AddSettings(sub, serve.settings);
   sub->add_option("--with-process", serve.with_process,
-                  "End when the process of this number ends, however it ends")
+                  "End when the process with this number ends, however it ends")
       ->check(WholeIn(1, std::numeric_limits<int>::max()));
   sub->add_flag("--paused", serve.run.paused, "Start paused");
   sub->add_flag("--no-net", serve.no_net, "No sockets at all");
-  sub->add_option(
-         "--threads", serve.threads,
-         "Threads that share out sensing, controllers and physics, at most one a core; worth it from some "
-         "hundred robots on; the results stay the same")
+  sub->add_option("--threads", serve.threads,
+                  "Threads for sensing, controllers and physics, at most one per core; useful from some "
+                  "hundred robots on; the results stay the same")
       ->check(WholeIn(1, 256))
       ->capture_default_str();
   sub->add_option_function<std::string>(
@@ -369,12 +368,13 @@ void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
       ->check(WholeIn(0, 1 << 30));
   AddStopOrContinue(
       sub, "--on-controller-failure", serve.run.stop_on_controller_failure,
-      "When a loaded controller fails: continue (its robot stands, the rest goes on) or stop (the "
+      "When a loaded controller fails: continue (its robot stands, the run continues) or stop (the "
       "run ends); the exit code is 4 either way (default: continue)");
-  sub->add_option("--summary", serve.summary_file,
-                  "Write a summary of the run to this file (JSON) at its end, and on SIGUSR1 how it stands");
+  sub->add_option(
+      "--summary", serve.summary_file,
+      "Write a summary of the run to this file (JSON) at its end, and its current state on SIGUSR1");
   sub->add_option("--from", serve.from,
-                  "Go on from a moment of a recording instead of a scenario: RUN@SECONDS, RUN@#STEP, "
+                  "Continue from a moment of a recording instead of a scenario: RUN@SECONDS, RUN@#STEP, "
                   "RUN@start or RUN@end");
   sub->add_flag("--strict", serve.strict, kStrictHelp);
   AddRecording(sub, serve);

@@ -35,8 +35,7 @@ Shutdown::Shutdown() {
   sigset_t set = SetOf({SIGINT, SIGTERM, SIGHUP, SIGUSR1});
   struct sigaction at_hangup {};
   ::sigaction(SIGHUP, nullptr, &at_hangup);
-  if (at_hangup.sa_handler == SIG_IGN) sigdelset(&set, SIGHUP);  // under nohup, we outlive the terminal
-  // A shell lets what it starts in the background take no notice of Ctrl-C; we end all the same.
+  if (at_hangup.sa_handler == SIG_IGN) sigdelset(&set, SIGHUP);  // under nohup, outlive the terminal
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   signals_ = ::signalfd(-1, &set, SFD_CLOEXEC);
@@ -60,7 +59,7 @@ std::string Shutdown::Follow(int process) {
 }
 
 Shutdown::Wake Shutdown::Wait(Nanoseconds timeout) {
-  // A process that there is none of is never waited for: poll takes no notice of -1.
+  // Without a process to follow, poll ignores the descriptor -1.
   std::array<pollfd, 3> waiting{pollfd{signals_, POLLIN, 0}, pollfd{request_, POLLIN, 0},
                                 pollfd{process_, POLLIN, 0}};
   const timespec limit{timeout / kNanosecondsPerSecond, timeout % kNanosecondsPerSecond};
@@ -78,7 +77,7 @@ Shutdown::Wake Shutdown::Wait(Nanoseconds timeout) {
 EndsAtOnce::EndsAtOnce()
     : takes_signals_([](const std::stop_token& stop) {
         pthread_setname_np(pthread_self(), "signals");
-        // The only thread that does not hold them back: it gets them.
+        // The only thread that does not block these signals, so it receives them.
         const sigset_t ends = SetOf({SIGINT, SIGTERM, SIGHUP});
         pthread_sigmask(SIG_UNBLOCK, &ends, nullptr);
         std::mutex mutex;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the main thread waits for: SIGINT, SIGTERM, SIGHUP, `quit` and the end of the run end the daemon;
-// SIGUSR1 asks how the run stands. Under nohup SIGHUP does nothing.
+// The events that the main thread waits for: SIGINT, SIGTERM, SIGHUP, `quit` and the end of the run end the
+// daemon; SIGUSR1 requests a report. Under nohup SIGHUP does nothing.
 #pragma once
 
 #include <csignal>
@@ -15,18 +15,19 @@ class Shutdown {
  public:
   enum class Wake { kTimeout, kEnd, kReport };
 
-  /// Blocks the four signals in this thread and in all that it starts afterwards: construct before any
-  /// thread.
+  /// Blocks the four signals in this thread and in all threads that it starts afterwards: construct it before
+  /// any thread.
   Shutdown();
   ~Shutdown();
   Shutdown(const Shutdown&) = delete;
   Shutdown& operator=(const Shutdown&) = delete;
 
-  /// Ends the wait. Any thread.
+  /// Makes Wait() return kEnd. Any thread.
   void Request();
-  /// Ends the wait, too, when this process ends, however it ends. An error text; empty: it is there.
+  /// Makes Wait() return kEnd also when `process` ends, however it ends. Returns an error text, empty if the
+  /// process exists.
   std::string Follow(int process);
-  /// Waits at most `timeout` (negative: for ever).
+  /// Waits at most `timeout` (negative: forever).
   Wake Wait(Nanoseconds timeout);
 
  private:
@@ -35,8 +36,8 @@ class Shutdown {
   int process_ = -1;  // pidfd; -1: none
 };
 
-/// While it lives, SIGINT, SIGTERM and SIGHUP end the process at once, as if nobody held them back: for the
-/// start, when nobody relies on the daemon yet. Construct after the Shutdown.
+/// During its lifetime, SIGINT, SIGTERM and SIGHUP kill the process at once, as if they were not blocked: for
+/// the start, when nothing depends on the daemon yet. Construct it after the Shutdown.
 class EndsAtOnce {
  public:
   EndsAtOnce();

@@ -29,7 +29,7 @@ bool IsNameCharacter(char c) {
   return IsDigit(c) || IsLower(c) || IsUpper(c) || c == '-' || c == '_' || c == '.';
 }
 
-/// Folders that only this user may look into.
+/// Makes a folder that only this user can access.
 bool MakeFolder(const fs::path& folder) {
   std::error_code failed;
   if (fs::is_directory(fs::symlink_status(folder, failed))) return true;
@@ -57,15 +57,15 @@ std::string Uploads::Objection(const std::string& name, const std::string& text)
                     std::all_of(name.begin(), name.end(), IsNameCharacter);
   if (!bare) {
     return fmt::format(
-        "a file that is sent has a name of letters, digits, _, - and ., without folders, at most {} "
+        "an uploaded file needs a name of letters, digits, _, - and ., without folders, at most {} "
         "characters: not '{}'",
         kMaxName, Printable(name));
   }
   Diagnostics ignored;
-  const std::string read = DecodeText(text, {}, ignored).value_or(text);  // as its reader will
-  if (IsMjcf(read))  // it may name any file of this machine
+  const std::string read = DecodeText(text, {}, ignored).value_or(text);  // decoded as its reader will
+  if (IsMjcf(read))  // could name any file of this machine
     return kNoMjcfUploads;
-  if (IsXacro(read, name))  // likewise
+  if (IsXacro(read, name))  // could too
     return kNoXacroUploads;
   if (extension == ".world" || extension == ".sdf" || extension == ".urdf") return {};
   if (extension == ".scenario" || extension == ".xml")

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Worlds and robot models that came over the page: kept in a folder of their own on the search path, which
-// goes when the daemon ends. One thread, but for folder().
+// Worlds and robot models uploaded through the page, kept in their own folder on the search path until the
+// daemon ends. One thread.
 #pragma once
 
 #include <cstdint>
@@ -11,25 +11,25 @@
 
 namespace coopdyn {
 
-/// What became of an upload.
+/// The result of an upload.
 struct Upload {
-  unsigned status = 200;  // of HTTP
-  std::string text = {};  // why it was refused
+  unsigned status = 200;  // HTTP status
+  std::string text = {};  // why it was rejected
   std::string kind = {};  // world or robot
-  std::string name = {};  // of the file, or the type of the robot; not always as it was sent
+  std::string name = {};  // file name or robot type; may differ from the sent name
   std::filesystem::path file = {};
 };
 
 class Uploads {
  public:
   static constexpr std::size_t kMaxFiles = 200;
-  static constexpr std::uint64_t kMaxBytes = std::uint64_t{256} << 20;  // all together
+  static constexpr std::uint64_t kMaxBytes = std::uint64_t{256} << 20;  // total
   static constexpr std::size_t kMaxName = 63;
 
-  /// A folder that nobody can guess; it is made with the first upload.
+  /// A folder name that nobody can guess. The first upload makes the folder.
   static std::filesystem::path ChooseFolder();
 
-  /// `folder`: the last one of `path`.
+  /// `folder` is the last one of `path`.
   Uploads(std::filesystem::path folder, SearchPath path)
       : folder_(std::move(folder)), path_(std::move(path)) {}
   /// Removes the folder.
@@ -37,14 +37,14 @@ class Uploads {
   Uploads(const Uploads&) = delete;
   Uploads& operator=(const Uploads&) = delete;
 
-  /// Keeps the text of a .world, .sdf or .urdf. It gets another name if its own is taken on the path.
+  /// Keeps the text of a .world, .sdf or .urdf, under another name if its name is taken on the path.
   Upload Keep(const std::string& name, const std::string& text);
-  /// Forgets what Keep() has kept.
+  /// Removes an upload kept by Keep().
   void Remove(const Upload& upload);
-  /// Writes `text` into a file called `name` outside the path, to be looked into; empty: it cannot be.
+  /// Writes `text` to a file called `name` outside the path, for checking; empty on failure.
   std::filesystem::path Scratch(const std::string& name, const std::string& text);
 
-  /// Why a file `name` with this text is not taken; empty if it is.
+  /// Why a file `name` with this text is rejected; empty if it is accepted.
   static std::string Objection(const std::string& name, const std::string& text);
 
  private:

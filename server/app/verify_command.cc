@@ -19,7 +19,7 @@ struct GivenRuns {
   std::vector<std::string> scenario_folders;
 };
 
-/// Null, and said, if it cannot be opened.
+/// Opens a recording; prints the error and returns null on failure.
 std::unique_ptr<RunReader> Open(const std::string& file) {
   std::string error;
   auto reader = RunReader::Open(file, error);
@@ -68,17 +68,17 @@ void AddVerify(CLI::App& app, Chosen& chosen) {
   CLI::App* sub = app.add_subcommand("verify", "Repeat a recorded run and compare it, or two runs");
   sub->footer(
       "Prints 'equal, N steps', exit code 0; or the first step, body and value that differ, exit code 1.\n"
-      "With OTHER it compares two recordings: where they part, and by what; or, if they are\n"
+      "With OTHER it compares two recordings: where they diverge, and how; or, if they are\n"
       "equal, whether one was changed after it was written, exit code 1.\n"
       "Examples: coopdyn verify lesson1.run\n"
       "          coopdyn verify monday.run tuesday.run");
   sub->add_option("run", given->run, "A recorded run, NAME.run")->required();
-  sub->add_option("other", given->other, "Another, to be compared with it");
+  sub->add_option("other", given->other, "Another recorded run to compare with");
   sub->add_option("--threads", given->threads, "Threads of sensing, controllers and physics")
       ->capture_default_str()
       ->check(WholeIn(1, 64));
   sub->add_option("--scenarios", given->scenario_folders, "A folder with controllers that the run names")
-      ->allow_extra_args(false);  // what follows is a run
+      ->allow_extra_args(false);  // the next word is a run
   sub->callback([&chosen, given] { chosen = [given] { return RunVerify(*given); }; });
 }
 

@@ -59,7 +59,7 @@ std::optional<YarsDesk::FileStamp> YarsDesk::StampOf(const std::string& file) {
   struct stat status {};
   if (::stat(file.c_str(), &status) != 0) return std::nullopt;
   const auto ns = [](const timespec& time) { return time.tv_sec * kNanosecondsPerSecond + time.tv_nsec; };
-  constexpr std::time_t kCoarse_s = 2;  // some file systems count seconds
+  constexpr std::time_t kCoarse_s = 2;  // some file systems have a resolution of seconds
   if (std::time(nullptr) - status.st_ctim.tv_sec <= kCoarse_s) return std::nullopt;
   return FileStamp{status.st_dev, status.st_ino, status.st_size, ns(status.st_mtim), ns(status.st_ctim)};
 }
@@ -74,7 +74,7 @@ bool YarsDesk::IsEdited(const std::shared_ptr<const Scenario>& scenario) {
   Diagnostics told_by_reload;
   const std::optional<std::string> text = ReadTextFile(file, {file, 0}, told_by_reload);
   if (!text || !scenario->text.starts_with(*text)) return true;
-  // Settings of the command line may follow the file's own text.
+  // Settings from the command line may follow the file's text.
   std::string_view rest = std::string_view(scenario->text).substr(text->size());
   rest.remove_prefix(std::min(rest.find_first_not_of('\n'), rest.size()));
   if (!rest.empty() && !rest.starts_with("[SET]\n")) return true;
@@ -121,7 +121,7 @@ void YarsDesk::Take(const YarsOrder& order, std::function<void(const Message&)> 
   if (job.requests.empty()) return job.done(ReplyTo(0));
   jobs_.push_back(std::move(job));
   if (jobs_.size() > 1) return;
-  // A client as long as it has something to ask.
+  // The desk is a client only while it has requests.
   id_ = net_.NextClient();
   simulation_->OnOpen(*this);
   Begin();
@@ -130,14 +130,14 @@ void YarsDesk::Take(const YarsOrder& order, std::function<void(const Message&)> 
 void YarsDesk::Begin() {
   Message request = std::move(jobs_.front().requests.front());
   jobs_.front().requests.pop_front();
-  // Posted, so that a reply that comes at once does not come within the call.
+  // Post the reply, so that an immediate reply does not arrive within the call.
   simulation_->OnRequest(*this, std::move(request),
                          [this](const Message& reply) { control_.Post([this, reply] { OnReply(reply); }); });
 }
 
 void YarsDesk::OnReply(const Message& reply) {
   if (jobs_.empty()) return;
-  // A file with mistakes is said, and the world stays as it was.
+  // If a reload fails, log the errors and continue: the world is unchanged.
   const bool was_reload = reply.command == command::kReload;
   if (was_reload && reply.error == 0) KeepSeed(jobs_.front());
   if (reply.error != 0) net_.logger()->warn("asked by a client of YARS: {}", reply.text);

@@ -20,14 +20,14 @@ namespace {
 
 enum class Takes { kNothing, kMayTake, kValue };
 
-/// A flag of YARS: what it takes, and what it is here. `serve` with %: its value; empty: it changes nothing,
-/// or is an error.
+/// A flag of YARS and its meaning here. `serve`: options of `serve`, with % for the value; empty: the flag
+/// has no effect or is an error.
 struct YarsFlag {
   std::string_view name;
   Takes takes = Takes::kNothing;
   std::string_view serve = {};
-  std::string_view note = {};     // why it changes nothing
-  std::string_view instead = {};  // what to write, as it would change much
+  std::string_view note = {};     // why it has no effect
+  std::string_view instead = {};  // what to write instead; then the flag is an error
 };
 
 constexpr std::string_view kPage = "the page shows the simulation: open the URL that the program prints";
@@ -77,7 +77,7 @@ constexpr std::array kFlags = {
              "options"},
     YarsFlag{
         "--writeConfig", Takes::kMayTake, {}, "coopdyn serve --config reads a file of coopdyn's own options"},
-    YarsFlag{"--printTime", Takes::kNothing, {}, "coopdyn status tells the time"},
+    YarsFlag{"--printTime", Takes::kNothing, {}, "coopdyn status shows the time"},
     YarsFlag{"--printConfig", Takes::kNothing, {}, "coopdyn describe scenario FILE prints what it is"},
     YarsFlag{
         "--printRobotConfiguration", Takes::kNothing, {}, "coopdyn describe robot FILE prints what it is"},
@@ -90,7 +90,7 @@ std::optional<double> PositiveOf(const std::string& text) {
   return value && *value > 0 ? value : std::nullopt;
 }
 
-/// What is told by a flag with which YARS tells something and ends; empty: it is none.
+/// The output of a flag with which YARS prints something and exits; empty for other flags.
 std::string ToldBy(const std::string& flag) {
   if (flag == "--help" || flag == "-h") return YarsHelp();
   if (flag == "--version") return std::string("coopdyn ") + kVersion + "\n";
@@ -156,7 +156,7 @@ class YarsLine {
     iterations_ = FormatNumber(*steps);
   }
 
-  /// As `frequency` of an experiment.
+  /// Same rules as `frequency` of an experiment.
   void ReadFrequency(const std::string& text) {
     if (!out_.error.empty()) return;
     constexpr double kLeast_hz = 10, kMost_hz = 2000, kMicro = 1e6;
@@ -168,11 +168,12 @@ class YarsLine {
     const double step_us = std::round(kMicro / *frequency_hz);
     if (std::abs(step_us * *frequency_hz / kMicro - 1) > 1e-9)
       out_.notes.push_back("--simfreq " + FormatNumber(*frequency_hz) +
-                           ": a step has whole microseconds: it is " + FormatNumber(step_us) + " µs");
+                           ": a step is a whole number of microseconds: it is " + FormatNumber(step_us) +
+                           " µs");
     step_s_ = step_us / kMicro;
   }
 
-  /// Its level may be left out.
+  /// The level is optional.
   void ReadDebug() {
     const auto is_level = [](const std::string& word) {
       return word == "debug" || word == "info" || word == "silent";
@@ -195,7 +196,7 @@ class YarsLine {
       return;
     }
     if (!flag->instead.empty()) {
-      out_.error = name + " of YARS is not read: " + std::string(flag->instead);
+      out_.error = name + " of YARS is not supported: " + std::string(flag->instead);
       return;
     }
     std::string value;
@@ -203,7 +204,7 @@ class YarsLine {
     const bool has_next = at_ + 1 < words_.size() && !words_[at_ + 1].starts_with("-");
     if (flag->takes == Takes::kMayTake && !given_ && has_next && !file_.empty()) ++at_;
     if (flag->serve.empty()) {
-      out_.notes.push_back(name + " changes nothing here: " + std::string(flag->note));
+      out_.notes.push_back(name + " has no effect here: " + std::string(flag->note));
       return;
     }
     for (std::string& word : SplitWords(flag->serve))
@@ -229,13 +230,13 @@ class YarsLine {
       return;
     }
     std::vector<std::string> first = {file_, "--channel-quits"};
-    // As YARS: several run side by side.
+    // Like YARS: several programs can run at once.
     if (std::ranges::find(out_.serve, "--port") == out_.serve.end()) first.emplace_back("--any-port");
     const auto add = [&first](std::string name, std::string value) {
       first.push_back(std::move(name));
       first.push_back(std::move(value));
     };
-    // As YARS: as fast as it goes, and robots wait for their programs.
+    // Like YARS: as fast as possible, and the world waits for the robots' programs.
     add("--mode", realtime_ ? "realtime" : "lockstep");
     add("--speed", realtime_ ? FormatNumber(*realtime_) : "0");
     if (step_s_) add("--step", FormatNumber(*step_s_));
@@ -245,7 +246,7 @@ class YarsLine {
 
   const std::vector<std::string>& words_;
   std::size_t at_ = 0;
-  std::optional<std::string> given_;  // by NAME=VALUE
+  std::optional<std::string> given_;  // value of NAME=VALUE
   std::string file_;
   std::optional<std::string> iterations_;
   std::optional<double> step_s_, realtime_;
@@ -267,14 +268,14 @@ std::string YarsHelp() {
       "  --realtime [FACTOR]        As fast as the wall clock, or FACTOR times; without it as fast as it "
       "goes\n"
       "  --simfreq HZ               Steps a second, instead of the file's\n"
-      "  --debug [LEVEL]            What the log tells: debug, info or silent\n";
+      "  --debug [LEVEL]            Level of the log: debug, info or silent\n";
   for (const YarsFlag& flag : kFlags) {
     if (flag.serve.empty()) continue;
     const std::string name = std::string(flag.name) + (flag.takes == Takes::kValue ? " VALUE" : "");
     text += fmt::format("  {:<26} As coopdyn serve {}\n", name, flag.serve);
   }
   return text +
-         "\nOptions of YARS for its window and its films are read and change nothing.\n"
+         "\nOptions of YARS for its window and its films are accepted without effect.\n"
          "--noctrl and --config are errors that say what to write instead.\n";
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The words of YARS's own command line as those of `coopdyn serve`. Pure.
+// Translates YARS's command line to that of `coopdyn serve`. Pure.
 #pragma once
 
 #include <string>
@@ -8,15 +8,15 @@
 namespace coopdyn {
 
 struct YarsWords {
-  std::vector<std::string> serve;  // what stands behind `coopdyn serve`
-  std::vector<std::string> notes;  // words that change nothing here, and what to use instead
-  std::string error;               // what is wrong, and what to write; empty: nothing
-  std::string told;                // what is told instead of a run; empty: it runs
+  std::vector<std::string> serve;  // arguments of `coopdyn serve`
+  std::vector<std::string> notes;  // words without effect here, and what to use instead
+  std::string error;               // what is wrong, and what to write; empty if nothing
+  std::string told;                // text to print instead of a run; empty: run
 };
 
 YarsWords ReadYarsWords(const std::vector<std::string>& words);
 
-/// What --help says.
+/// The text of --help.
 std::string YarsHelp();
 
 }  // namespace coopdyn

@@ -66,7 +66,7 @@ void BranchDesk::Branch(std::optional<double> time_s, Done done) {
       busy_ = false;
       return done({Error::kNotPossible, error});
     }
-    logger_->info("goes on live from step {} of {}", made->frame->step, file);
+    logger_->info("continues live from step {} of {}", made->frame->step, file);
     auto state = std::make_shared<SavedState>(*made);
     state->paused = paused;
     Restore(std::move(state), done);
@@ -101,7 +101,7 @@ void BranchDesk::Resume(Done done) {
     live = live_;
   }
   if (live == nullptr) {
-    return done({Error::kNotPossible, "no live run was put aside: branch goes on live from the step shown"});
+    return done({Error::kNotPossible, "no live run is suspended: branch continues live from the step shown"});
   }
   if (!Begin(done)) return;
   Restore(std::move(live), std::move(done));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// From a live run to a recording that is played, and back, or on from a step of the recording: reads files
-// and makes the exact state of a recorded step on a thread of its own, which can take seconds, then hands it
-// to the stepping thread.
+// Switches between a live run and a playback, and continues live from a step of a recording. Reading files
+// and computing the exact state of a recorded step can take seconds, so both happen on the desk's own thread.
+// The stepping thread then receives the result.
 #pragma once
 
 #include <atomic>
@@ -21,25 +21,25 @@
 
 namespace coopdyn {
 
-/// Makes the exact state after step `step` of the recording `file` or, if `time_s` is given, after the newest
-/// step at or before that time. Null with `error`.
+/// Computes the exact state after step `step` of the recording `file` or, with `time_s`, after the newest
+/// step at or before that time. Null with `error` on failure.
 using MakeBranchState = std::function<SavedStatePtr(const std::string& file, std::uint64_t step,
                                                     std::optional<double> time_s, std::string& error)>;
 
-/// The real one: opens the file again and repeats its steps since the last keyframe.
+/// The standard implementation: opens the file again and repeats its steps since the last keyframe.
 MakeBranchState BranchStateMaker(ReplayServices services);
 
-/// Opens a recording and its scenario. Null with `error`.
+/// Opens a recording and its scenario. Null with `error` on failure.
 using OpenRecording = std::function<std::shared_ptr<RunReader>(const std::string& file, std::string& error)>;
 
-/// The real one; loaded controllers are found on `path`.
+/// The standard implementation; looks for loaded controllers on `path`.
 OpenRecording OpenOn(SearchPath path);
 
-/// Any thread.
+/// Thread-safe.
 class BranchDesk {
  public:
   using Done = std::function<void(const EditResult&)>;
-  /// What is called on the desk's thread.
+  /// Functions called on the desk's thread.
   struct Work {
     MakeBranchState make;
     OpenRecording open;
@@ -47,22 +47,21 @@ class BranchDesk {
 
   /// Starts its thread. `edits` and `run` outlive it.
   BranchDesk(Work work, EditQueue& edits, const RunControl& run, Logger logger);
-  /// Waits for a branch that is being made. While `edits` still answers, or is closed.
+  /// Waits for a running branch. Destroy it while `edits` still answers or is closed.
   ~BranchDesk();
   BranchDesk(const BranchDesk&) = delete;
   BranchDesk& operator=(const BranchDesk&) = delete;
 
-  /// Ends the playback: the run goes on live from the step shown or from `time_s`, paused if the recording
-  /// stood. `done` is called once, on any thread: with error 5 at once if nothing is played or a branch is
-  /// under way.
+  /// Ends the playback and continues live from the step shown or from `time_s`, paused if the playback was.
+  /// Calls `done` once, on any thread: at once with error 5 if nothing is played or a branch is running.
   void Branch(std::optional<double> time_s, Done done) EXCLUDES(mutex_);
-  /// Plays the recording `file`. A live run is put aside for Resume(). `done` as in Branch().
+  /// Plays the recording `file`. Keeps a live run for Resume(). `done` as in Branch().
   void Play(const std::string& file, Done done) EXCLUDES(mutex_);
-  /// Ends the playback: the run that was put aside goes on. `done` as in Branch().
+  /// Ends the playback and resumes the kept run. `done` as in Branch().
   void Resume(Done done) EXCLUDES(mutex_);
 
  private:
-  /// Takes the right to change what runs; false, and `done` has been called, if another has it.
+  /// Starts a switch. Returns false, after calling `done`, if another one is running.
   bool Begin(const Done& done);
   void Restore(SavedStatePtr state, Done done) EXCLUDES(mutex_);
 
@@ -72,7 +71,7 @@ class BranchDesk {
   const Logger logger_;
   std::atomic<bool> busy_{false};
   Mutex mutex_;
-  SavedStatePtr live_ GUARDED_BY(mutex_);  // the run that was put aside; null: none
+  SavedStatePtr live_ GUARDED_BY(mutex_);  // the run kept for Resume(); null: none
   IoThread thread_;
 };
 

@@ -73,7 +73,7 @@ std::function<void(const EditResult&)> GlobalModule::LaterAllServe(const Peer& p
 }
 
 void GlobalModule::OnEditDone(ClientId client, const EditResult& result, const AfterEdit& after) {
-  const FramePtr newest = inbox_.Current();  // makes the pushes up to now, before the reply
+  const FramePtr newest = inbox_.Current();  // makes the pushes so far, before the reply
   const FramePtr& frame = result.frame != nullptr ? result.frame : newest;
   if (after) after(result);
   Peer* const peer = FindWaiting(client);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the modules that concern the whole simulation do alike: readings open to all, edits between two steps.
-// Free of sockets. The control thread only.
+// The part shared by the modules of the whole simulation: readings open to all, edits between two steps. Free
+// of sockets. The control thread only.
 #pragma once
 
 #include <functional>
@@ -20,23 +20,22 @@
 
 namespace coopdyn {
 
-/// What every global module acts on; all outlives it.
+/// The services of every global module; all outlive it.
 struct GlobalServices {
   CommandBoard& board;
   const FrameBoard& frames;
   EditQueue& edits;
   ConnectionRoster& roster;
-  const TokenGuard& guard;  // required
+  const TokenGuard& guard;  // requires the token; /swarm uses the robots' guard
   const Clock& clock;
   std::string version;
-  /// Brings the robots' modules into line with a scene, then calls `done` on the control thread. Null: there
-  /// are none.
+  /// Brings up the robots' modules of a scene, then calls `done` on the control thread. Null: there are none.
   std::function<void(std::shared_ptr<const Scene>, std::function<void()> done)> apply_scene = nullptr;
 };
 
 class GlobalModule : public PeerModule<ModulePeer> {
  public:
-  /// On the control thread, or when it has stopped.
+  /// On the control thread, or after it has stopped.
   ~GlobalModule() override;
 
  protected:
@@ -47,19 +46,19 @@ class GlobalModule : public PeerModule<ModulePeer> {
   /// Any thread. `post` runs a function on the control thread.
   GlobalModule(GlobalServices services, CommandTable table, StepInbox::Post post);
 
-  /// Answers a command that only reads, and so needs no right; nothing if the reply comes later.
+  /// Answers a command that only reads and so needs no token; nullopt if the reply comes later.
   virtual std::optional<Message> ReadLater(Peer& peer, const Message& request);
-  /// Acts on one of the module's own commands that change something, from a client who may: answers at once,
-  /// or nothing if the reply comes later.
+  /// Executes one of the module's own commands that change state, for a client with that right. Returns the
+  /// answer; nullopt if the reply comes later.
   virtual std::optional<Message> Change(Peer& peer, const Message& request) = 0;
 
-  /// Hands the edit to the stepping thread; the reply follows: empty, or the peer's text.
+  /// Passes the edit to the stepping thread. The reply follows: empty, or the peer's text.
   std::optional<Message> Push(Peer& peer, EditAction action, AfterEdit after = nullptr);
-  /// What to call, once, from any thread, with the result of something that takes its time: the reply
-  /// follows, after `after`.
+  /// A callback for the result of a slow operation. Call it once, from any thread: it calls `after`, then
+  /// replies.
   std::function<void(const EditResult&)> Later(const Peer& peer, AfterEdit after = nullptr);
-  /// Later(), for what may bring other robots: when all of them serve comes `then`, also after an error, and
-  /// the reply.
+  /// Later() for edits that may change the robots: waits until all robots serve, then calls `then`, also
+  /// after an error, and replies.
   std::function<void(const EditResult&)> LaterAllServe(const Peer& peer,
                                                        std::function<void()> then = nullptr);
   EditQueue& edits() { return edits_; }

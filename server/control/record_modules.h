@@ -14,10 +14,11 @@
 
 namespace coopdyn {
 
-/// Begins and ends recordings of the run.
+/// Starts and ends recordings of the run.
 class RecorderModule final : public GlobalModule {
  public:
-  /// Any thread. `page` tells the page's URL with a slash at its end, empty: none. All outlives the module.
+  /// Any thread. `page` returns the page's URL with a trailing slash, empty: none. All arguments outlive the
+  /// module.
   RecorderModule(GlobalServices services, RecordingDesk& desk, RunFolder& runs,
                  std::function<std::string()> page, StepInbox::Post post);
 
@@ -32,10 +33,10 @@ class RecorderModule final : public GlobalModule {
   const std::function<std::string()> page_;
 };
 
-/// Drives a recording that is played. In a live run all its commands but `open` are refused.
+/// Controls a playback. In a live run refuses all its commands but `open`.
 class PlaybackModule final : public GlobalModule {
  public:
-  /// Any thread. All outlives the module.
+  /// Any thread. All arguments outlive the module.
   PlaybackModule(GlobalServices services, const RunControl& run, BranchDesk& branches, RunFolder& runs,
                  StepInbox::Post post);
 

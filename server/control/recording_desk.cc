@@ -75,7 +75,7 @@ std::string RecordingDesk::MakeRecorder(const fs::path& file, bool force,
   const double left_s = duration_s > 0 ? std::max(0.0, duration_s - frame->time_s()) : 0;
   const SpaceNeeded space = EstimateSpace(*frame, what, options_.pose_every, left_s, file.string());
   logger_->info("a recording to {} takes {}", file.string(), ToString(space));
-  // A run without an end needs room for its first seconds at least.
+  // A run without end needs room for at least its first seconds.
   constexpr double kLeast_s = 10;
   const double needed =
       space.bytes_in_all > 0 ? space.bytes_in_all : std::max(1e6, space.bytes_per_s * kLeast_s);
@@ -169,7 +169,7 @@ void RecordingDesk::Start(const std::string& name, Done done) {
   std::shared_ptr<Recorder> recorder;
   std::string error =
       fs::exists(path, ignored)
-          ? file_name + " is there already: take another name, e.g. start " + path.stem().string() + "b"
+          ? file_name + " exists already: choose another name, e.g. start " + path.stem().string() + "b"
           : MakeRecorder(path, false, recorder);
   if (!error.empty()) {
     Set(State::kIdle);
@@ -184,7 +184,7 @@ void RecordingDesk::Start(const std::string& name, Done done) {
                  } else {
                    Set(State::kIdle);
                  }
-                 // It may have failed by now.
+                 // The recorder may have failed by now.
                  if (std::shared_ptr<Recorder> broken = TakeToStop(true)) PutAway(broken, {}, nullptr);
                  done({result.error, good ? path.filename().string() : result.text, result.frame});
                }});
@@ -196,7 +196,7 @@ void RecordingDesk::Stop(std::string page, Done done) {
     std::string text = kNothing;
     {
       const MutexLock lock(mutex_);
-      if (!failure_.empty()) text = "nothing is being recorded any more: " + failure_;
+      if (!failure_.empty()) text = "nothing is being recorded: " + failure_;
     }
     return done({Error::kNotPossible, std::move(text)});
   }
@@ -206,7 +206,7 @@ void RecordingDesk::Stop(std::string page, Done done) {
 void RecordingDesk::PutAway(std::shared_ptr<Recorder> recorder, std::string page, Done done) {
   edits_.Push({edit::SetJournal{nullptr}, [this, recorder = std::move(recorder), page = std::move(page),
                                            done = std::move(done)](const EditResult& result) {
-                 // The journal is not in use any more: taken away, or nothing steps any more.
+                 // The journal is no longer used: it was removed, or stepping has ended.
                  if (result.error != Error::kOk) {
                    if (done) done(result);
                    return;  // Close() follows
@@ -245,13 +245,13 @@ void RecordingDesk::Fail(const std::string& text) {
     broken_ = true;
     failure_ = text;
   }
-  // Not while it is being started or stopped: Start() and PutAway() look for a failure themselves.
+  // While starting or stopping, Start() and PutAway() check for the failure themselves.
   if (std::shared_ptr<Recorder> broken = TakeToStop(true)) PutAway(std::move(broken), {}, nullptr);
   if (options_.on_failure) options_.on_failure();
 }
 
 void RecordingDesk::Close() {
-  thread_.Call([] {});  // what waits to be closed
+  thread_.Call([] {});  // waits for files being closed
   std::shared_ptr<Recorder> recorder;
   {
     const MutexLock lock(mutex_);
@@ -274,7 +274,7 @@ RecordingStatus RecordingDesk::status() const {
   if (present == nullptr) return status;
   status.recording = true;
   status.file = present->status();
-  if (status.file.file.empty()) status.file.file = file.string();  // it is about to be made
+  if (status.file.file.empty()) status.file.file = file.string();  // not created yet
   status.name = fs::path(status.file.file).filename().string();
   return status;
 }

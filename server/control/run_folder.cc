@@ -24,7 +24,7 @@ namespace json = boost::json;
 
 constexpr std::string_view kMatExtension = ".mat";
 
-/// Why `name` alone cannot be copied, after a reader has tried to merge its log into it.
+/// The refusal to copy `name` alone, after a reader failed to merge its log.
 std::string TwoFilesText(const std::string& name, const fs::path& log) {
   return fmt::format(
       "{0} alone is not the whole recording: its log {1} could not be made part of it; the disk is full, its "
@@ -132,7 +132,7 @@ void RunFolder::Open(const std::string& name, std::function<void(const RunToCopy
 bool RunFolder::IsPresent(const fs::path& file) const {
   const fs::path present = present_();
   std::error_code ignored;
-  // It may be about to be made.
+  // The file may not exist yet.
   return !present.empty() && (present == file || fs::equivalent(file, present, ignored));
 }
 
@@ -167,8 +167,7 @@ RunToCopy RunFolder::Export(const fs::path& run) {
   }
   std::error_code failed;
   if (exports_.empty() || !fs::is_directory(exports_, failed)) {
-    // A folder of its own, which others cannot look into: what a run holds is not for all who use this
-    // machine.
+    // A private folder, unreadable for other users of this machine, because runs may be confidential.
     std::string folder = (fs::temp_directory_path(failed) / "coopdyn-mat-XXXXXX").string();
     if (failed || ::mkdtemp(folder.data()) == nullptr) {
       return {Error::kNotPossible, "no temporary file can be made: set TMPDIR to a folder with room", {}};

@@ -18,7 +18,7 @@ json::array ScoresJson(const Frame& frame) {
          {"value", std::isfinite(score.value) ? json::value(score.value) : json::value(nullptr)},
          {"unit", UnitOf(entries[i].kind)},
          {"met", until ? json::value(score.met) : json::value(nullptr)},
-         // The first score that is met ends the run: the frame that says so is the one that met it.
+         // The first score that is met ends the run, in the frame that met it.
          {"met_s", score.met ? json::value(frame.time_s()) : json::value(nullptr)},
          {"until", until ? json::value(ToString(*until)) : json::value(nullptr)},
          {"limit_s", entries[i].limit_s ? json::value(*entries[i].limit_s) : json::value(nullptr)}});

@@ -23,7 +23,7 @@ namespace {
 struct ScenarioRead {
   std::shared_ptr<const Scenario> scenario;  // null: error
   Error error = Error::kOk;
-  std::string text;  // the diagnostics, one a line; warnings if it could be read
+  std::string text;  // diagnostics, one per line; only warnings on success
 };
 
 constexpr std::size_t kMaxNames = 40;
@@ -56,7 +56,7 @@ std::string KnownNames(const RobotLibrary& robots) {
   return list.empty() ? "there are none on the search path" : "there are " + list;
 }
 
-/// What `read` gives; what it throws is an error.
+/// The result of `read`; an exception becomes an error.
 template <typename Function>
 ScenarioRead Guarded(Function read) {
   try {
@@ -66,8 +66,8 @@ ScenarioRead Guarded(Function read) {
   }
 }
 
-/// `text`: a bare name on the search path, or the text of a file if it has a line end, a '[' or a '<'. Reads
-/// files, which can take seconds. `seed`: of `--seed`, if it was given.
+/// `text`: a bare name on the search path, or a file's text if it contains a line end, a '[' or a '<'. Reads
+/// files, which can take seconds. `seed`: of `--seed`, if given.
 ScenarioRead ReadRequestedScenario(const std::string& text, RobotLibrary& robots,
                                    std::optional<std::uint64_t> seed) {
   return Guarded([&] {
@@ -89,7 +89,7 @@ ScenarioRead ReadRequestedScenario(const std::string& text, RobotLibrary& robots
   });
 }
 
-/// The file of `current` again, from disk.
+/// Reads the file of `current` again from disk.
 ScenarioRead ReadScenarioAgain(const Scenario& current, RobotLibrary& robots,
                                std::optional<std::uint64_t> seed) {
   return Guarded([&] {
@@ -106,7 +106,7 @@ ScenarioRead ReadScenarioAgain(const Scenario& current, RobotLibrary& robots,
 
 }  // namespace
 
-/// Reads a scenario with random keys again, from what it carries, not from disk: a reset is no reload.
+/// Reads a scenario with random keys again, from the texts it carries, not from disk: a reset is no reload.
 class DrawnScenario {
  public:
   /// On the thread that reads scenarios.
@@ -132,7 +132,7 @@ class DrawnScenario {
 
   std::string text_;
   std::vector<SourceText> sources_;
-  std::unique_ptr<RobotLibrary> library_;  // keeps parsed models from one reset to the next
+  std::unique_ptr<RobotLibrary> library_;  // keeps parsed models between resets
 };
 
 std::string SavedStates::Objection(const std::string& name) const {
@@ -260,13 +260,13 @@ std::optional<Message> SimulationModule::Release(Peer& peer, const Message& requ
     if (owner.robot != robot) continue;
     if (owner.driven) return Push(peer, unload);
     if (owner.is_team) {
-      // The team goes on without it, and is told with its next step.
+      // The team continues without the robot, and learns of the loss with its next step.
       const SlotId slot = services_.board.FindSlot(robot);
       services_.board.InputEnded(slot, owner.id);
       services_.board.Closed(slot, owner.id);
     } else if (owner.id != 0) {
       const Client& by = peer.client.client;
-      // Free at once; what the policy for a lost client says acts when the connection has closed.
+      // Frees the robot at once; the policy for a lost client applies when the connection has closed.
       services_.board.InputEnded(services_.board.FindSlot(robot), owner.id);
       services_.actions.CloseClient(robot, owner.id, "released by " + (by.name.empty() ? by.peer : by.name));
     }
@@ -285,7 +285,7 @@ std::optional<Message> SimulationModule::Save(Peer& peer, const Message& request
     return ErrorReply(request.command, Error::kNotPossible, std::move(objection));
   }
   return Push(peer, edit::Save{}, [this, name](const EditResult& result) {
-    // Others may have saved meanwhile.
+    // Other clients may have saved meanwhile.
     if (result.error == Error::kOk && saved_.Objection(name).empty()) saved_.Keep(name, result.saved);
   });
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// /simulation: how the run stands and goes on. Free of sockets. The control thread only.
+// /simulation: the state of the run, and control of it. Free of sockets. The control thread only.
 #pragma once
 
 #include <cstdint>
@@ -20,47 +20,47 @@
 
 namespace coopdyn {
 
-/// The states that `save` has kept, by name.
+/// The states kept by `save`, by name.
 class SavedStates {
  public:
   static constexpr std::size_t kMaxStates = 100;
   static constexpr std::size_t kMaxName = 63;
-  /// The name of the start, which is always there.
+  /// The name of the start, which always exists.
   static constexpr std::string_view kStart = "start";
 
-  /// Why nothing can be kept under `name`; empty if it can.
+  /// The reason why `name` cannot be used; empty if it can.
   std::string Objection(const std::string& name) const;
-  /// @pre no Objection(). Replaces what is called the same.
+  /// Replaces a state of the same name. @pre no Objection()
   void Keep(const std::string& name, SavedStatePtr state);
-  /// Null if there is none of that name.
+  /// Null if there is no such state.
   SavedStatePtr Find(std::string_view name) const;
-  /// In the order in which they were first kept, without the start.
+  /// In the order of first saving, without the start.
   const std::vector<std::pair<std::string, SavedStatePtr>>& all() const { return states_; }
-  /// All names with that of the start, separated by blanks.
+  /// All names including the start's, separated by blanks.
   std::string Names() const;
 
  private:
   std::vector<std::pair<std::string, SavedStatePtr>> states_;
 };
 
-/// What only the program as a whole can do. Called on the control thread.
+/// Actions of the program as a whole. Called on the control thread.
 class ControlActions {
  public:
   virtual ~ControlActions() = default;
   /// Closes a connection to `robot` with a notice.
   virtual void CloseClient(const std::string& robot, ClientId client, const std::string& reason) = 0;
-  /// Begins to end the daemon; returns at once.
+  /// Starts to shut down the daemon; returns at once.
   virtual void Quit() = 0;
-  /// The name of the file that is being recorded, and the page's URL; empty: none.
+  /// The name of the file being recorded, and the page's URL; empty: none.
   virtual std::string recording() const = 0;
-  /// Steps that the recording had to leave out so far.
+  /// Number of steps that the recording has left out so far.
   virtual std::uint64_t recording_lost() const { return 0; }
-  /// Why nothing is recorded for now; empty: it is, or nothing is to be.
+  /// Why recording is stalled; empty if it is not.
   virtual std::string recording_stall() const { return {}; }
   virtual std::string http() const = 0;
 };
 
-/// What /simulation acts on. All that it refers to outlives the module.
+/// The services of /simulation. All referenced objects outlive the module.
 struct SimulationServices : GlobalServices {
   const RunControl& run;
   NameTable& names;
@@ -68,26 +68,26 @@ struct SimulationServices : GlobalServices {
   ControlActions& actions;
   /// Runs a function on the thread that reads scenarios, which can take seconds.
   std::function<void(std::function<void()>)> run_loader = {};
-  std::optional<std::uint64_t> seed = std::nullopt;  // `--seed`: of every scenario that is loaded
+  std::optional<std::uint64_t> seed = std::nullopt;  // `--seed`, for every loaded scenario
 };
 
 class DrawnScenario;
 
 class SimulationModule final : public GlobalModule {
  public:
-  static constexpr std::size_t kMaxListed = 256;  // robots and clients in one status
+  static constexpr std::size_t kMaxListed = 256;  // robots and clients per status
   static constexpr std::size_t kMaxAwaited = 20;
 
   /// Any thread. `post` runs a function on the control thread.
   SimulationModule(SimulationServices services, StepInbox::Post post);
   ~SimulationModule() override;
 
-  /// Tells those who have subscribed to get_clock the time once more if it stands still, so that programs
-  /// that wait for the next one see that it is alive. To be called now and then.
+  /// If the time stands still, pushes it again to the subscribers of get_clock, so that waiting programs see
+  /// that the daemon is alive. Call it periodically.
   void RepeatClock();
 
  private:
-  /// The text of get_status: robots `first` (from 1) and on, at most `count`.
+  /// The text of get_status: at most `count` robots from `first` (from 1) on.
   std::string StatusText(const Frame& frame, std::size_t first, std::size_t count) const;
   Message Read(const Message& request, const Frame& frame) override;
   command::Id first_reading() const override { return command::kGetStatus; }
@@ -98,25 +98,25 @@ class SimulationModule final : public GlobalModule {
   std::optional<Message> Save(Peer& peer, const Message& request);
   std::optional<Message> Restore(Peer& peer, const Message& request, const RestoreRequest& restore);
   Message ReadSaved(const Message& request) const;
-  /// What `stop_all` has to say about robots that loaded controllers drive.
+  /// The note of `stop_all` about robots driven by loaded controllers.
   std::string GoOnText() const;
-  /// A number that a client logs.
+  /// Stores a number that a client logs.
   std::optional<Message> Log(Peer& peer, const Message& request);
   std::optional<Message> Release(Peer& peer, const Message& request, const edit::UnloadController& unload);
-  /// Back to the start; a scenario with random keys is drawn anew for another seed.
+  /// Returns to the start; redraws a scenario with random keys for another seed.
   std::optional<Message> Reset(Peer& peer, const edit::Reset& reset);
-  /// Push() for an edit after which the robots may be others.
+  /// Push() for an edit that may change the robots.
   std::optional<Message> PushNewScene(Peer& peer, EditAction action);
 
-  /// Hands the first of loads_ to the thread that reads scenarios.
+  /// Passes the first of loads_ to the thread that reads scenarios.
   void BeginLoad();
-  /// It is done; the next one.
+  /// The first load is done; starts the next one.
   void EndLoad();
 
   const SimulationServices services_;
-  std::deque<std::function<void()>> loads_;  // one after the other: the first is under way
+  std::deque<std::function<void()>> loads_;  // run one after the other: the first is in progress
   SavedStates saved_;
-  std::optional<std::uint64_t> repeated_step_;  // when RepeatClock() was called last
+  std::optional<std::uint64_t> repeated_step_;  // at the last RepeatClock()
   std::shared_ptr<DrawnScenario> drawn_;
 };
 

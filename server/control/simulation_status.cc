@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What /simulation tells: get_status is one JSON object (docs/protocol.md). Every object of a list has the
-// same keys; what is absent or not finite is null.
+// Readings of /simulation. get_status is one JSON object (docs/protocol.md). All objects of a list have the
+// same keys; absent or non-finite values are null.
 #include <algorithm>
 #include <boost/json.hpp>
 #include <filesystem>
@@ -24,7 +24,7 @@ json::value Text(const std::string& text) {
   return text.empty() ? json::value(nullptr) : json::value(json::string(text));
 }
 
-/// `owner`: of the robot; null: the board has no such robot.
+/// `owner`: the robot's; null: the board has no such robot.
 json::object RobotJson(const SceneRobot& robot, const Owner* owner, const NameTable& names, Nanoseconds now) {
   json::array modules;
   for (const ModuleModel& module : robot.entry.model->modules()) {

@@ -24,7 +24,7 @@ const SwarmEntry* FindSwarm(const Scenario& scenario, const std::string& word) {
 }
 
 std::string NoSuch(const Scene& scene, const std::string& word) {
-  constexpr std::size_t kShown = 63;  // no name is longer
+  constexpr std::size_t kShown = 63;  // longest name
   constexpr std::size_t kListed = 20;
   std::vector<std::string> known;
   for (const SwarmEntry& swarm : scene.scenario->swarms) known.push_back(swarm.name);
@@ -38,9 +38,9 @@ std::string NoSuch(const Scene& scene, const std::string& word) {
   return text + ": there are " + (all ? JoinNames(known) : JoinNames(known) + " and more (list shows all)");
 }
 
-/// The robots (indices into the scene, increasing, each once) that the words of `text` name: each is a robot,
-/// or the NAME of a [SWARM_n], or `swarm1` for [SWARM_1]; in a scenario no two are called the same. A leading
-/// / is dropped. `error`: for error 10, if a word is neither.
+/// The robots (indices into the scene, increasing, each once) named by the words of `text`. A word is a
+/// robot's name, the NAME of a [SWARM_n], or `swarm1` for [SWARM_1]; a scenario's names are unique. A leading
+/// / is ignored. `error` is set, for error 10, if a word is unknown.
 std::vector<int> FindNamedRobots(const Scene& scene, std::string_view text, std::string& error) {
   std::unordered_map<std::string_view, int> index;
   index.reserve(scene.robots.size());
@@ -183,7 +183,7 @@ std::optional<Message> SwarmModule::StepAll(Peer& peer, const Message& request) 
   }
   if (limited > 0) peer.text = fmt::format("limited {} robot{}", limited, limited == 1 ? "" : "s");
   const std::vector<SlotId> slots = SlotsOf(peer.rows);
-  // The step may run before this returns; the reply is made after it, as PeerModule says.
+  // The step may run before this returns; PeerModule then makes the reply.
   const Verdict verdict = board().StepAll({slots, setpoints_, others}, peer.client.client, 1, Waiter(peer));
   if (verdict.error != Error::kOk) return ErrorReply(request.command, verdict.error, verdict.text);
   if (!peer.lost.empty()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// /swarm: one connection drives many robots, one step of all of them per round trip. Free of sockets. The
+// /swarm: one connection drives many robots, with one step of all per round trip. Free of sockets. The
 // control thread only.
 #pragma once
 
@@ -28,22 +28,22 @@ struct TeamPeer : ModulePeer {
 
   TeamReadings readings;
 
-  std::vector<int> team;               // what it owns: indices into `scene`, increasing
-  std::size_t sensors = 0;             // distance sensors of the team's robot with the most
+  std::vector<int> team;               // robots that it owns: indices into `scene`, increasing
+  std::size_t sensors = 0;             // largest number of distance sensors of a robot in the team
   std::shared_ptr<const Scene> scene;  // of `team`
-  std::uint64_t team_revision = 0;     // of the board, when `team` was asked for
+  std::uint64_t team_revision = 0;     // of the board, at the last update of `team`
   std::uint64_t layout_revision = 0;
-  std::vector<std::string> lost;  // robots that others took away, not told yet
+  std::vector<std::string> lost;  // robots lost to other clients, not yet reported
   std::vector<int> rows;          // of the reply to step_all
   std::shared_ptr<const Scene> rows_scene;
 };
 
 class SwarmModule final : public PeerModule<TeamPeer> {
  public:
-  /// Any thread. The guard of `services` is that of the robots' own modules; `threads` compute readings;
-  /// `post` runs a function on the control thread.
+  /// Any thread. The guard of `services` is that of the robots' own modules. `threads`: number of threads
+  /// that compute readings. `post` runs a function on the control thread.
   SwarmModule(const GlobalServices& services, int threads, StepInbox::Post post);
-  /// On the control thread, or when it has stopped.
+  /// On the control thread, or after it has stopped.
   ~SwarmModule() override;
 
  private:
@@ -69,25 +69,25 @@ class SwarmModule final : public PeerModule<TeamPeer> {
   Message Select(Peer& peer, const Message& request, const Frame& frame);
   Message ReadAll(Peer& peer, const Message& request, const Frame& frame);
   Message Team(const Peer& peer, command::Id command) const;
-  /// mode, rows, columns and the readings of `rows` in `frame`; or error 8.
+  /// Mode, rows, columns and the readings of `rows` in `frame`; or error 8.
   Message Table(const Peer& peer, command::Id command, const Frame& frame, Mode mode,
                 std::span<const int> rows);
 
-  /// Brings the peer's team up to date with board and scene. `quiet`: what is missing was given up by the
-  /// peer itself.
+  /// Updates the peer's team from board and scene. `quiet`: the peer itself gave up missing robots.
   void Refresh(Peer& peer, const Frame& frame, bool quiet = false);
-  /// Notes which robots of `old` are not in the team any more.
+  /// Records the robots of `old` that are no longer in the team.
   static void NoteLost(Peer& peer, std::span<const int> old, const std::shared_ptr<const Scene>& old_scene);
-  /// `no longer in the team: robot3`; empty if there are none.
+  /// `no longer in the team: robot3`; empty if none.
   static std::string LostText(std::span<const std::string> lost);
-  /// The rows of the reply in the scene of `frame`.
+  /// Converts the reply's rows to the scene of `frame`.
   static void MoveRows(Peer& peer, const Frame& frame);
-  /// The robots that the params name, or the whole team without; an error reply if they cannot be told.
+  /// The robots that the params name; without params the whole team. Returns an error reply if they are not
+  /// valid.
   std::optional<Message> FindRows(const Peer& peer, const Message& request, std::vector<int>& rows);
-  /// What wants room for more than a reply may have gets error 8.
+  /// Error 8 if the reply would be too large.
   static std::optional<Message> RefuseSize(const Peer& peer, command::Id command, const Scene& scene,
                                            std::span<const int> rows);
-  /// Distance sensors of the robot with the most, but not less than `at_least`.
+  /// The largest number of distance sensors of a robot, but at least `at_least`.
   static std::size_t MostSensors(const Scene& scene, std::span<const int> rows, std::size_t at_least);
   /// The slots of all actuators of these robots.
   std::vector<SlotId> SlotsOf(std::span<const int> robots) const;
@@ -95,16 +95,16 @@ class SwarmModule final : public PeerModule<TeamPeer> {
 
   const CommandTable table_;
   WorkerPool pool_;
-  const Peer* pushed_to_ = nullptr;  // whose subscriptions are served
+  const Peer* pushed_to_ = nullptr;  // the peer whose subscriptions are being served
 
-  std::shared_ptr<const Scene> scene_;  // the newest seen
-  std::uint64_t layout_revision_ = 0;   // of the board, when slots_ was asked for
+  std::shared_ptr<const Scene> scene_;  // newest scene seen
+  std::uint64_t layout_revision_ = 0;   // of the board, at the last update of slots_
   std::vector<SlotId> slots_;           // of the actuators of scene_
   std::vector<int> robot_of_slot_;      // SlotId → index into scene_, −1: none
-  std::vector<std::uint32_t> marks_;    // by robot of scene_: named by the request number mark_
+  std::vector<std::uint32_t> marks_;    // by robot of scene_: mark_ of the last request that named it
   std::uint32_t mark_ = 0;
-  TeamCommands commands_;            // of the present request
-  std::vector<Setpoint> setpoints_;  // likewise
+  TeamCommands commands_;            // of the current request
+  std::vector<Setpoint> setpoints_;  // of the current request
   StepInbox inbox_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which robots a request of /swarm is about.
+// Finds the robots of a /swarm request.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -77,7 +77,7 @@ std::optional<Message> SwarmModule::FindRows(const Peer& peer, const Message& re
   const std::vector<SceneRobot>& robots = scene_->robots;
   rows.reserve(request.params.size());
   for (const std::int32_t id : request.params) {
-    // Ids count from 1, and have gaps only once robots have been removed.
+    // Ids count from 1; there are gaps only after robots have been removed.
     std::size_t index = static_cast<std::size_t>(id) - 1;
     if (index >= robots.size() || robots[index].id.value != static_cast<std::uint32_t>(id)) {
       const auto found = std::lower_bound(
@@ -122,7 +122,7 @@ void SwarmModule::AddSlots(int robot, std::vector<SlotId>& slots) const {
 
 void SwarmModule::Refresh(Peer& peer, const Frame& frame, bool quiet) {
   const CommandBoard& board = this->board();
-  // Read before what they stand for: what changes meanwhile is noticed next time.
+  // Read first: a change during the update is noticed the next time.
   const std::uint64_t layout = board.layout_revision();
   const std::uint64_t revision = board.team_revision();
   if (scene_ != frame.scene || layout_revision_ != layout) {

@@ -35,7 +35,7 @@ TeamCommands::Refusal NoSuchWord(const std::string& word) {
                                    DidYouMean(word.size() > kShown ? "" : word, names)};
 }
 
-/// The groups of joints of these robots, `arm, legs`.
+/// The names of these robots' groups of joints: `arm, legs`.
 std::string GroupsOf(const Scene& scene, std::span<const int> robots) {
   std::vector<std::string> groups;
   for (const int robot : robots) {
@@ -54,8 +54,8 @@ TeamCommands::Refusal NotFinite(const std::string& word, const std::string& robo
           fmt::format("step_all takes finite numbers, {} of {} are {} {}", word, robot, row[0], row[1])};
 }
 
-/// Forward and turn, or the speeds of the wheels, as set-points; whether they were beyond the limits.
-/// @pre finite
+/// Converts forward and turn speed, or wheel speeds, to set-points. Returns true if limits applied. @pre
+/// finite
 [[gnu::always_inline]] inline bool SetWheels(const DriveModel& drive, bool wheels, const WheelSpeeds& pair,
                                              Setpoint* own) {
   double factor = 1;
@@ -123,7 +123,7 @@ std::optional<TeamCommands::Refusal> TeamCommands::Add(const Word& word, const S
         return Refusal{
             Error::kWrongParams,
             fmt::format(
-                "step_all: {} are a second command for the wheels of {}: tell them one, nan nan in the other",
+                "step_all: {} are a second command for the wheels of {}: give one, and nan nan for the other",
                 word.name, robot.entry.name)};
       limited |= SetWheels(*drive, word.wheels, {row[0], row[1]}, own.data());
       continue;
@@ -135,9 +135,9 @@ std::optional<TeamCommands::Refusal> TeamCommands::Add(const Word& word, const S
         return Refusal{
             error, fmt::format("step_all: {} of {}, {} {}", joint.name, robot.entry.name, word.name, why)};
       };
-      if (std::isinf(row[0])) return refuse(Error::kOutOfRange, "is not finite; nan: it goes on as it does");
+      if (std::isinf(row[0])) return refuse(Error::kOutOfRange, "is not finite; nan keeps its set-point");
       if (own[i].mode != ControlMode::kKeep)
-        return refuse(Error::kWrongParams, "is its second command: tell each joint one, nan for the others");
+        return refuse(Error::kWrongParams, "is its second command: give one, and nan for the other");
       own[i] = Limit(joint, {row[0], word.mode});
       limited |= own[i].reference != row[0];
     }
@@ -200,7 +200,7 @@ std::optional<TeamCommands::Refusal> TeamCommands::TranslateWheels(const Scene& 
   Setpoint* own = setpoints.data();
   const RobotModel* last = nullptr;  // most robots of a team are of one type
   const DriveModel* drive = nullptr;
-  std::size_t before = 0;  // channels of the robot before those of its drive
+  std::size_t before = 0;  // channels before the drive's
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const SceneRobot& robot = scene.robots[static_cast<std::size_t>(robots[i])];
     const RobotModel* const model = robot.entry.model.get();

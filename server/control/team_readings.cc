@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-/// Robots that one thread takes at a time.
+/// Robots per work unit of a thread.
 constexpr std::size_t kGrain = 64;
 
 struct Reading {
@@ -54,7 +54,7 @@ void FillTargets(const Frame& frame, int robot, std::span<double> columns) {
 void FillNeighbours(const Frame& frame, int robot, std::span<double> columns) {
   std::vector<Sighting> near = Neighbours(frame, robot);
   const std::size_t kept = std::min(near.size(), columns.size() / 3);
-  // They come by increasing id, which is the order of their indices.
+  // Sightings arrive by increasing id, i.e. index.
   std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(kept), near.end(),
                     [](const Sighting& a, const Sighting& b) {
                       return a.distance_m != b.distance_m ? a.distance_m < b.distance_m : a.index < b.index;
@@ -128,13 +128,13 @@ constexpr std::array<Reading, 8> kReadings{
      {"joints", JointColumns, FillJoints}}};
 constexpr std::size_t kDistances = 1;
 
-/// The sensor of `model` whose module is `name`; sensors.size() if it has none.
+/// The sensor of `model` with module `name`; sensors.size() if there is none.
 std::size_t FindSensor(const RobotModel& model, const std::string& name) {
   const auto found = std::ranges::find(model.sensors, name, &SensorModel::name);
   return static_cast<std::size_t>(found - model.sensors.begin());
 }
 
-/// Of the robot in `scene` whose module `name` has the longest reading; 0: there is none of a fixed length.
+/// Length of the longest reading of a module `name` in `scene`; 0: there is none of fixed length.
 std::size_t ModuleColumns(const Scene& scene, const std::string& name) {
   std::size_t most = 0;
   const RobotModel* before = nullptr;
@@ -147,7 +147,7 @@ std::size_t ModuleColumns(const Scene& scene, const std::string& name) {
   return most;
 }
 
-/// All that ModuleColumns() finds.
+/// The names of all modules with readings of fixed length.
 std::vector<std::string> ModuleNames(const Scene& scene) {
   std::vector<std::string> names;
   for (const SceneRobot& robot : scene.robots) {

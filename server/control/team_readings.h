@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The readings of many robots as one array: a row per robot, the columns that a client has chosen. Units and
-// frames are those of the robots' own modules. The control thread; computing uses the pool's threads too.
+// The readings of many robots as one array: a row per robot, with the columns that a client has selected.
+// Units and frames are those of the robots' own modules. The control thread; also computes on the pool's
+// threads.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +17,7 @@
 
 namespace coopdyn {
 
-/// What one connection has chosen with select_readings.
+/// The readings selected by one connection's select_readings.
 class TeamReadings {
  public:
   static constexpr int kDefaultNearest = 8;
@@ -25,15 +26,15 @@ class TeamReadings {
   /// pose distances
   TeamReadings() = default;
 
-  /// Chooses by words in any order; without words pose distances. What is wrong with them, or empty. Besides
-  /// those below the sensors' modules of the robots in `scene` may be named.
+  /// Selects readings by words in any order; no words mean pose and distances. Words may also name sensor
+  /// modules of the robots in `scene`. Returns an error text.
   std::string Select(std::string_view text, int nearest, const Scene& scene);
   /// `pose distances`
   std::string Names() const;
-  /// Columns of each reading in order. `sensors`: of the robot with the most distance sensors.
+  /// Number of columns of each selected reading. `sensors`: largest number of distance sensors of a robot.
   std::vector<std::int32_t> Columns(const Scene& scene, std::size_t sensors) const;
-  /// Writes the rows of `robots` (indices into the scene; −1: gone, nan) one after the other into `data`,
-  /// which has room for as many times the sum of Columns().
+  /// Writes the rows of `robots` (indices into the scene; −1: removed, NaN) one after the other into `data`,
+  /// which has room for a row of the sum of Columns() per robot.
   ///   pose        x m, y m, heading rad, world frame
   ///   distances   one range m per sensor, right to left; nan beyond the robot's own sensors
   ///   targets     distance m, bearing rad per target by id; inf, nan if unseen
@@ -48,7 +49,7 @@ class TeamReadings {
             std::span<double> data) const;
 
  private:
-  /// A place in the list above, or a module's name.
+  /// An index into the list above, or a module's name.
   using Kind = std::variant<std::size_t, std::string>;
   static std::string NameOf(const Kind& kind);
 

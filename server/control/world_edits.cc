@@ -15,7 +15,7 @@ namespace coopdyn {
 
 namespace {
 
-/// All that stands there now, as a scenario.
+/// Everything in the world now, as a scenario.
 Scenario Surroundings(const Frame& frame) {
   const Scene& scene = *frame.scene;
   Scenario around;
@@ -29,7 +29,7 @@ Scenario Surroundings(const Frame& frame) {
   return around;
 }
 
-/// [NAME_*] with the next number that is free, each of them.
+/// Replaces each [NAME_*] by the next free number.
 std::string WithNumbers(std::string text, const Scene& scene) {
   std::unordered_set<std::string> taken;
   for (const SceneObject& thing : scene.objects) taken.insert(ToLower(thing.object.name));
@@ -145,7 +145,7 @@ ResolvedEdit ResolveSetPose(const Frame& frame, const std::string& name, std::sp
         "0.25 0");
   }
   const std::span<const double> turn = values.subspan(std::min<std::size_t>(3, values.size()));
-  // What is not said stays as it is.
+  // Values that are not given stay unchanged.
   Pose X_W;
   if (found.object >= 0) X_W = ObjectNow(frame, ObjectAt(scene, found.object)).X_WO;
   if (found.robot >= 0) X_W = RobotNow(frame, found.robot).X_WR;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What requests to /world mean: changes of the world as it stands in a frame, and what it is as text. Pure
-// but for files that texts name; any thread.
+// Converts requests to /world into changes of the world in a frame, and the world into text. Pure, except
+// that texts may name files to read; any thread.
 #pragma once
 
 #include <cstdint>
@@ -17,16 +17,16 @@
 
 namespace coopdyn {
 
-/// A change, or why there is none.
+/// A change, or an error.
 struct ResolvedEdit {
   WorldChange change = {};
   Error error = Error::kOk;
-  std::string text = {};  // of the error; else warnings
+  std::string text = {};  // the error's text; else warnings
 };
 
-/// The sections of `text`, in which " | " may stand for a line end, and [NAME_*] for the next free number.
+/// Inserts the sections of `text`; " | " may replace a line end, and [NAME_*] gets the next free number.
 ResolvedEdit ResolveInsert(const Frame& frame, const std::string& text, RobotLibrary& robots);
-/// Names in `text` and WorldIds; a name may be an id.
+/// Removes the things with these names in `text` and these WorldIds; a name may be an id.
 ResolvedEdit ResolveRemove(const Frame& frame, const std::string& text, std::span<const std::int32_t> ids);
 /// `values`: x y, x y z, x y z yaw, or x y z and w x y z.
 ResolvedEdit ResolveSetPose(const Frame& frame, const std::string& name, std::span<const std::int32_t> ids,
@@ -35,13 +35,13 @@ ResolvedEdit ResolveSetPose(const Frame& frame, const std::string& name, std::sp
 ResolvedEdit ResolveSet(const Frame& frame, const std::string& text, RobotLibrary& robots);
 ResolvedEdit ResolveRename(const Frame& frame, const std::string& text);
 
-/// WorldIds of what `change` puts there or takes away, and their names in `scene`, the one after it.
+/// WorldIds of the things that `change` adds, replaces or removes; names of those that it adds or replaces.
 std::vector<std::int32_t> IdsOf(const WorldChange& change);
 std::string NamesOf(const WorldChange& change);
 
-/// The world as a scenario's text, with the places of `frame`.
+/// The world as a scenario's text, with the poses of `frame`.
 std::string WorldText(const Frame& frame, const RunStatus& status);
-/// All that stands there (docs/protocol.md).
+/// Everything in the world (docs/protocol.md).
 std::string WorldJson(const Frame& frame, const RunStatus& status);
 
 }  // namespace coopdyn

@@ -25,7 +25,7 @@ ResolvedEdit Resolve(const Message& request, const Frame& frame, RobotLibrary& r
       default:
         return ResolveRename(frame, request.text);
     }
-  } catch (const std::exception& exception) {  // e.g. no more memory
+  } catch (const std::exception& exception) {  // e.g. out of memory
     return {{}, Error::kInternal, std::string("the text cannot be read: ") + exception.what()};
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// /world: what stands in the world, edited live. Free of sockets. The control thread only.
+// /world: live edits of the world. Free of sockets. The control thread only.
 #pragma once
 
 #include <deque>
@@ -13,7 +13,7 @@
 
 namespace coopdyn {
 
-/// What /world acts on; all outlives the module.
+/// The services of /world; all outlive the module.
 struct WorldServices : GlobalServices {
   const RunControl& run;
   RobotLibrary& robots;  // reads models
@@ -31,11 +31,12 @@ class WorldModule final : public GlobalModule {
   command::Id first_reading() const override { return command::kGetWorld; }
   std::optional<Message> Change(Peer& peer, const Message& request) override;
 
-  /// Hands the first of requests_ to the thread that reads files.
+  /// Passes the first of requests_ to the thread that reads files.
   void Begin();
 
   const WorldServices services_;
-  /// One after the other, so that each sees what the one before has changed; the first is under way.
+  /// Run one after the other, so that each request sees the changes of the one before; the first is in
+  /// progress.
   std::deque<std::function<void()>> requests_;
 };
 

@@ -35,7 +35,7 @@ Found FindName(const Scene& scene, std::string_view word) {
   if (found.any()) return found;
   found.light = place(scene.lights, [](const PointLight& light) { return light.name; });
   if (found.any()) return found;
-  // A target alone of its colour needs no number.
+  // A colour alone is enough for the only target of that colour.
   const auto is_it = [&name](const Target& target) { return target.color_name == name; };
   if (std::ranges::count_if(scene.targets, is_it) == 1) {
     found.target = static_cast<int>(std::ranges::find_if(scene.targets, is_it) - scene.targets.begin());
@@ -61,7 +61,7 @@ std::string WithLines(std::string text) {
     const bool alone = (bar == 0 || text[bar - 1] == ' ') && (bar + 1 == text.size() || text[bar + 1] == ' ');
     if (alone) text[bar] = '\n';
   }
-  // [BOX_1] type box: the rest of the line is a line of its own.
+  // "[BOX_1] type box": puts the rest on its own line.
   std::string lines;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());

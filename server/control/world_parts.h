@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the edits of /world share: names that requests use, refusals, and lines. Pure; any thread.
+// Helpers for the edits of /world: names in requests, refusals, and lines. Pure; any thread.
 #pragma once
 
 #include <cstdint>
@@ -15,16 +15,16 @@ namespace coopdyn {
 
 ResolvedEdit Refuse(Error error, std::string text);
 
-/// A name, or an id in digits.
+/// Looks up a name, or an id in digits.
 Found FindName(const Scene& scene, std::string_view word);
-/// The refusal of an unknown word; it names what is near.
+/// The refusal of an unknown word; suggests a similar name.
 ResolvedEdit NoSuchThing(const Scene& scene, std::string_view word);
 
-/// `text` with " | " as line ends, and what follows a [SECTION] on a line of its own.
+/// `text` with " | " as line ends, and the text after a [SECTION] on its own line.
 std::string WithLines(std::string text);
-/// All diagnostics, one a line.
+/// All diagnostics, one per line.
 std::string Lined(const Diagnostics& diagnostics);
-/// Adds one name more, after a space.
+/// Appends a name, separated by a space.
 void AddTo(std::string& names, const std::string& name);
 
 }  // namespace coopdyn

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The edit `set`: other values of some keys of what stands there.
+// The edit `set`: changes the values of some keys of a thing.
 #include <algorithm>
 #include <utility>
 
@@ -12,12 +12,12 @@ namespace coopdyn {
 
 namespace {
 
-/// `object` after its section was changed: what stood on something still does.
+/// Keeps the height of the bottom after a change of `object`: it still stands on what is below it.
 void KeepBottom(const WorldObject& was, WorldObject& object) {
   object.X_WO.p.z() += HalfExtents(object.shape, object.X_WO.q).z() - HalfExtents(was.shape, was.X_WO.q).z();
 }
 
-/// A section's text with other values of some keys.
+/// New values for some keys of a section.
 struct Keys {
   std::vector<std::pair<std::string, std::string>> values;
   bool Has(std::string_view key) const {
@@ -42,7 +42,7 @@ struct Keys {
 
 ResolvedEdit SetObject(const Frame& frame, const SceneObject& thing, const Keys& keys, RobotLibrary& robots) {
   WorldObject now = ObjectNow(frame, thing);
-  now.v_WO = now.w_WO = Vector3::Zero();  // what is put somewhere rests, unless the keys say otherwise
+  now.v_WO = now.w_WO = Vector3::Zero();  // at rest unless the keys say otherwise
   Scenario nothing;
   Diagnostics diagnostics;
   const auto read = ReadInsertion(keys.Replace(WriteObject(now)), robots, nothing, diagnostics);
@@ -114,7 +114,7 @@ ResolvedEdit SetTarget(Target target, const Keys& keys, RobotLibrary& robots) {
 ResolvedEdit SetLight(const Scene& scene, int place, const Keys& keys, RobotLibrary& robots) {
   std::vector<PointLight> lights = scene.lights;
   PointLight& light = lights[static_cast<std::size_t>(place)];
-  // By a name that every reader takes for a light's.
+  // Uses a name that every reader recognises as a light's.
   PointLight named = light;
   named.name = "LIGHT_1";
   Scenario nothing;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The world as it stands: WorldText(), a scenario that loads to the same, and WorldJson(), what `list` of
-// /world answers (docs/protocol.md). Every object of a list has the same keys.
+// The current world: WorldText(), a scenario that loads to the same world, and WorldJson(), the answer to
+// `list` of /world (docs/protocol.md). All objects of a list have the same keys.
 #include <boost/json.hpp>
 #include <utility>
 

@@ -14,15 +14,15 @@ namespace coopdyn {
 namespace {
 
 constexpr Nanoseconds kMillisecond = 1'000'000;
-constexpr Nanoseconds kLongestSlice = 20 * kMillisecond;  // between two looks at how the child is
-constexpr Nanoseconds kEndTime = 200 * kMillisecond;      // for the instances to be destroyed
-constexpr Nanoseconds kLastWait = 100 * kMillisecond;     // for a step when the daemon ends
-constexpr int kMaxLosses = 8;                             // of the process with nobody to blame,
+constexpr Nanoseconds kLongestSlice = 20 * kMillisecond;  // longest interval between checks of the child
+constexpr Nanoseconds kEndTime = 200 * kMillisecond;      // for the child to destroy the instances
+constexpr Nanoseconds kLastWait = 100 * kMillisecond;     // for a step when the daemon shuts down
+constexpr int kMaxLosses = 8;                             // losses of the process without a culprit,
 constexpr int kCalmSteps = 100;                           // with fewer steps in between
-constexpr std::uint64_t kChangesAround = 3;               // of a worker's word, before and after its items
-constexpr std::size_t kFew = 512;  // steps of this many robots are taken in turns with the child on one core
+constexpr std::uint64_t kChangesAround = 3;               // of a worker's word, besides its items
+constexpr std::size_t kFew = 512;  // up to this many robots, step in turns on one core with the child
 
-/// It said so itself, or it crashed near its limit: few programs check malloc() for NULL.
+/// True if the child reported it, or crashed near its limit: few programs check malloc() for NULL.
 bool RanOutOfMemory(const ChildEnd& end, std::uint64_t memory_bytes) {
   if (memory_bytes == 0) return false;
   if (end.signal == 0) return end.exit_code == kOutOfMemoryExit;
@@ -30,7 +30,7 @@ bool RanOutOfMemory(const ChildEnd& end, std::uint64_t memory_bytes) {
   return crashed && end.memory_bytes >= memory_bytes / 10 * 9;
 }
 
-/// The item that a worker has in hand, + 1; 0: none.
+/// The item that a worker is running, + 1; 0: none.
 std::uint32_t ItemOf(std::uint64_t word) {
   return static_cast<std::uint32_t>(word);
 }
@@ -47,8 +47,8 @@ ChildBackend::~ChildBackend() {
   areas_.header().yields.store(0);
   areas_.header().go.store(++ticket_, std::memory_order_release);
   FutexWake(areas_.header().go);
-  // After its answer the controllers are destroyed and unloaded. The process itself takes longer to end than
-  // all the rest of a reset.
+  // The reply means that the controllers are destroyed and unloaded. Do not wait for the process to exit:
+  // that takes longer than the rest of a reset.
   const std::atomic<std::uint32_t>& reply = areas_.out_header().reply;
   for (Nanoseconds waited = 0; waited < kEndTime; waited += kMillisecond) {
     const std::uint32_t seen = reply.load(std::memory_order_acquire);
@@ -76,7 +76,7 @@ std::vector<Casualty> ChildBackend::Run(Operation operation, std::span<const std
     const std::optional<Loss> loss = runs ? Send(operation_, open_, trial_ ? 1 : options_.threads) : Start();
     if (runs && !loss) break;
     if (loss && IsInterrupted()) {
-      StopAll("was ended with the daemon");
+      StopAll("was stopped with the daemon");
     } else if (loss) {
       Judge(*loss);
     }
@@ -94,7 +94,7 @@ std::optional<ChildBackend::Loss> ChildBackend::Send(Operation operation,
                                                      std::span<const std::uint32_t> items, int workers) {
   if (items.empty()) return std::nullopt;
   areas_.Order(operation, items, workers);
-  // A few robots' step takes less time than waking another core does.
+  // A step of a few robots takes less time than waking another core.
   if (operation == Operation::kStep && items.size() <= kFew) {
     same_core_->Take();
   } else {
@@ -113,8 +113,8 @@ std::optional<ChildBackend::Loss> ChildBackend::Send(Operation operation,
     if (reply.load(std::memory_order_acquire) == ticket_) return std::nullopt;
     header.yields.store(0);
   }
-  FutexWake(header.go);  // whatever the child says of its sleep
-  // To set a timer that ends before the system's next tick costs 2 µs.
+  FutexWake(header.go);  // do not rely on the child's `sleeps`
+  // A timer that ends before the next system tick costs 2 µs.
   Nanoseconds slice = operation == Operation::kStep ? 8 * kMillisecond : kMillisecond;
   watch_ = {};
   watched_at_ = -1;
@@ -124,7 +124,7 @@ std::optional<ChildBackend::Loss> ChildBackend::Send(Operation operation,
     if (seen == ticket_) return std::nullopt;
     FutexWait(reply, seen, slice);
     if (reply.load(std::memory_order_acquire) == ticket_) return std::nullopt;
-    // It takes longer than a healthy step of a small swarm: see how the process is.
+    // This is longer than a healthy step of a small swarm: check the process.
     if (process_->ended()) return Bury(0);
     const std::uint64_t stuck = StuckWorkers(clock_.Now());
     if (stuck != 0 || idle_for_ > (IsInterrupted() ? kLastWait : options_.silence)) return Bury(stuck);
@@ -133,7 +133,7 @@ std::optional<ChildBackend::Loss> ChildBackend::Send(Operation operation,
 }
 
 std::uint64_t ChildBackend::StuckWorkers(Nanoseconds now) {
-  // A longer pause than we asked for means that we were stopped ourselves, and the child perhaps with us.
+  // A longer pause than requested means that this process was stopped, and perhaps the child too.
   const Nanoseconds passed = watched_at_ < 0 ? 0 : std::min(now - watched_at_, 4 * kLongestSlice);
   watched_at_ = now;
   const Nanoseconds deadline = IsInterrupted() ? kLastWait : options_.deadline;
@@ -143,7 +143,8 @@ std::uint64_t ChildBackend::StuckWorkers(Nanoseconds now) {
     const std::uint64_t word = areas_.out_header().workers[w].word.load(std::memory_order_acquire);
     WorkerWatch& watch = watch_[w];
     if (word != watch.word) ++watch.changes;
-    // It takes up each item once, and lets go of the last. What changes more often tells of no progress.
+    // A worker changes its word once per item and once at the end. More changes are no progress: the word is
+    // being overwritten.
     const bool overwritten = watch.changes > areas_.header().item_count + kChangesAround;
     const bool works = ItemOf(word) != 0 || overwritten;
     idle = idle && !works;
@@ -167,7 +168,7 @@ ChildBackend::Loss ChildBackend::Bury(std::uint64_t stuck_workers) {
   for (std::size_t w = 0; w < kMaxWorkers; ++w) {
     const std::uint32_t item = ItemOf(areas_.out_header().workers[w].word) - 1;
     if (item >= limit || IsDone(header.operation, item)) continue;
-    // When one hangs, what the other workers have in hand is not to blame.
+    // In a hang, items of workers that are not stuck are not to blame.
     if (loss.hung && (stuck_workers >> w & 1) == 0) continue;
     loss.suspects.push_back(item);
   }
@@ -185,7 +186,7 @@ ChildBackend::Loss ChildBackend::Bury(std::uint64_t stuck_workers) {
         "ran out of memory: all controllers together may use {} MiB (serve --controller-memory MIB allows "
         "more)",
         header.memory_bytes >> 20);
-    // Others may have been at work, but it was this one that wanted more.
+    // Other items may have been running, but this one requested the memory.
     const std::uint32_t starved = areas_.out_header().out_of_memory.load(std::memory_order_acquire) - 1;
     if (std::find(loss.suspects.begin(), loss.suspects.end(), starved) != loss.suspects.end()) {
       loss.suspects = {starved};
@@ -212,7 +213,7 @@ std::optional<ChildBackend::Loss> ChildBackend::Start() {
     StopAll(std::string("could not run: its process cannot be started: ") + exception.what());
     return std::nullopt;
   }
-  // What the areas were laid out for.
+  // The facts that the layout of the areas depends on.
   const auto shape = [this](std::uint32_t file) {
     const FileResult& result = areas_.file_result(file);
     return std::array{result.refused, result.readings, result.state_size, result.option_count};
@@ -234,7 +235,7 @@ std::optional<ChildBackend::Loss> ChildBackend::Start() {
     const std::uint64_t done = result.done.load(std::memory_order_acquire);
     if (done == 0 || Once(result.failed) != 0 || robot_out_[robot]) continue;
     robots.push_back(robot);
-    // It goes on from the operation that it finished last, whether that is the present one or not.
+    // Restore the state after the last operation that the robot finished, current or not.
     areas_.setup(robot).restore = static_cast<std::int32_t>(done & 1);
   }
   header.reviving = 1;
@@ -269,8 +270,9 @@ void ChildBackend::Judge(const Loss& loss) {
                     "one of them start its own threads?",
                     loss.why, std::exchange(losses_, 0)));
   }
-  logger_->warn("the controllers' process {}: a new one goes on from where it was", loss.why);
-  // Several were at work, or somebody else killed it: one at a time will show who did it.
+  logger_->warn("the controllers' process {}: a new one continues from its state", loss.why);
+  // Several items were running, or another program killed the process: running one at a time shows the
+  // culprit.
   trial_ = true;
   if (operation == Operation::kStep)
     suspected_.insert(suspected_.end(), loss.suspects.begin(), loss.suspects.end());

@@ -24,17 +24,17 @@ namespace coopdyn {
 
 namespace {
 
-constexpr int kSocketFile = 3;  // that the template gets
+constexpr int kSocketFile = 3;  // file descriptor of the template's socket
 
-// Set for the child. A program that takes `controller-child` for something else and starts all over again
-// would otherwise start children without end.
+// Set for the child. Without it, a program that misinterprets `controller-child` and starts another host
+// would start children endlessly.
 constexpr const char* kMark = "COOPDYN_CONTROLLER_CHILD";
 
 [[noreturn]] void Fail(int error, const std::string& what) {
   throw std::system_error(error, std::generic_category(), what);
 }
 
-/// The environment, with the mark first; where a sanitizer is built in, told to leave crashes to us.
+/// The environment with the mark first. Sanitizers, if built in, are told not to handle crashes.
 std::vector<std::string> Environment() {
   std::vector<std::string> variables = {std::string(kMark) + "=1"};
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -45,9 +45,9 @@ std::vector<std::string> Environment() {
         name, set == nullptr ? "" : set, more));
   };
   add("ASAN_OPTIONS", "");
-  add("TSAN_OPTIONS", ":atexit_sleep_ms=0");  // exit() would take as long as the deadline
+  add("TSAN_OPTIONS", ":atexit_sleep_ms=0");  // else exit() takes as long as the deadline
 #endif
-  // Of a name that is there twice the first counts.
+  // If a name occurs twice, the first counts.
   for (char** variable = environ; *variable != nullptr; ++variable) variables.emplace_back(*variable);
   return variables;
 }
@@ -59,23 +59,23 @@ std::vector<char*> Pointers(std::vector<std::string>& texts) {
   return pointers;
 }
 
-/// In a fork of the daemon: becomes the template.
+/// Turns a fork of the daemon into the template.
 [[noreturn]] void BecomeTemplate(int socket, char* const* arguments, char* const* environment) {
   for (int signal = 1; signal < NSIG; ++signal) std::signal(signal, SIG_DFL);
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
-  setpgid(0, 0);  // the terminal's Ctrl-C is for the daemon, which ends its children in order
+  setpgid(0, 0);  // Ctrl-C in the terminal goes only to the daemon, which ends its children in order
   dup2(socket, kSocketFile);
-  fcntl(kSocketFile, F_SETFD, 0);  // if it had this number before
+  fcntl(kSocketFile, F_SETFD, 0);  // in case the socket already had this number
   dup2(open("/dev/null", O_RDONLY | O_CLOEXEC), STDIN_FILENO);
-  dup2(STDERR_FILENO, STDOUT_FILENO);  // our stdout belongs to the one line `ready ...`
+  dup2(STDERR_FILENO, STDOUT_FILENO);  // the daemon's stdout is for the line `ready ...`
   close_range(kSocketFile + 1, ~0u, 0);
   execve(arguments[0], arguments, environment);
   _exit(127);
 }
 
-/// Asks the template for a copy that serves these files. False: the template is gone.
+/// Requests a copy that serves these files from the template. False if the template has ended.
 bool SendFiles(int socket, const std::array<int, 2>& files) {
   char byte = 0;
   iovec bytes{&byte, 1};
@@ -167,7 +167,7 @@ std::optional<CopyReport> ChildLauncher::Receive() {
 
 pid_t ChildLauncher::Launch(int in_fd, int out_fd) {
   ChildEnd end;
-  // Somebody may have killed the template: then once more with a new one.
+  // If the template was killed, try once more with a new one.
   for (int attempt = 0; attempt < 2; ++attempt) {
     if (template_ < 0) StartTemplate();
     if (SendFiles(socket_, {in_fd, out_fd})) {
@@ -187,7 +187,7 @@ ChildEnd ChildLauncher::AwaitEnd(pid_t pid) {
   std::optional<ChildEnd>& end = copies_[pid];
   while (!end && template_ >= 0 && Receive()) {
   }
-  const ChildEnd known = end.value_or(ChildEnd::Of(SIGKILL));  // it was killed with its template
+  const ChildEnd known = end.value_or(ChildEnd::Of(SIGKILL));  // killed with its template
   Forget(pid);
   return known;
 }
@@ -213,7 +213,7 @@ bool ChildProcess::ended() const {
 }
 
 ChildEnd ChildProcess::End() {
-  // Not by its number, which may be another's once the template is gone.
+  // Do not use the pid: once the template has ended, another process may have it.
   syscall(SYS_pidfd_send_signal, watched_, SIGKILL, nullptr, 0);
   return launcher_.AwaitEnd(std::exchange(pid_, -1));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The template process and its copies, in which controllers run.
+// The template process and its copies, which run controllers.
 #include <poll.h>
 #include <pthread.h>
 #include <sched.h>
@@ -26,7 +26,7 @@ namespace coopdyn {
 
 namespace {
 
-/// Crashes are reported by the daemon; a core file for each would fill the disk.
+/// Disables core files: the daemon reports crashes, and a core file for each would fill the disk.
 void NoCoreFiles() {
   // Not 0: a core_pattern that is a pipe ignores every limit but 1.
   rlimit limit{};
@@ -35,14 +35,14 @@ void NoCoreFiles() {
   setrlimit(RLIMIT_CORE, &limit);
 }
 
-/// Controllers get no more than `bytes` of memory beyond what the process has now. When the system itself
-/// runs out, it ends this process rather than another.
+/// Limits the memory of controllers to `bytes` beyond the process's current memory. If the system runs out of
+/// memory, it kills this process first.
 void LimitMemory([[maybe_unused]] std::uint64_t bytes) {
   if (std::FILE* file = std::fopen("/proc/self/oom_score_adj", "w"); file != nullptr) {
     std::fputs("1000", file);
     std::fclose(file);
   }
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they map terabytes
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // sanitizers map terabytes
   if (bytes == 0) return;
   unsigned long data_pages = 0;
   if (std::FILE* file = std::fopen("/proc/self/statm", "r"); file != nullptr) {
@@ -55,14 +55,14 @@ void LimitMemory([[maybe_unused]] std::uint64_t bytes) {
 #endif
 }
 
-/// The files of the areas `in` and `out`.
+/// File descriptors of the areas `in` and `out`.
 using Files = std::array<int, 2>;
 
-/// Returns when the daemon has sent another operation than number `seen`.
+/// Waits until the daemon has sent an operation with another number than `seen`.
 void AwaitOrder(const Areas& areas, std::uint32_t seen) {
   const InHeader& header = areas.header();
-  // On one core with us the daemon has sent it when this thread runs again. If not, more yields do not help:
-  // the daemon waits for something else, or the kernel gives us the core back because we are owed time.
+  // On a shared core, the daemon has usually sent the operation when this thread runs again. If not, more
+  // yields do not help: the daemon waits for something else, or the scheduler favours this thread.
   if (header.yields.load() != 0 && header.go.load() == seen) sched_yield();
   std::atomic<std::uint32_t>& sleeps = areas.out_header().sleeps;
   while (header.go.load() == seen) {
@@ -90,27 +90,28 @@ void AwaitOrder(const Areas& areas, std::uint32_t seen) {
     const bool last = header.operation == Operation::kEnd;
     runner->Run(areas, *pool);
     if (last) {
-      // Unloads the controllers: after the answer the next set may begin, and nobody waits for this process.
+      // Unload the controllers before the reply: after it the next set may start, and nobody waits for this
+      // process.
       runner.reset();
       std::fflush(nullptr);
     }
     std::atomic<std::uint32_t>& reply = areas.out_header().reply;
     reply.store(seen);
     if (areas.header().yields.load() == 0) FutexWake(reply);
-    if (last) _exit(0);  // to destroy our own static objects takes longer than to start a new process
+    if (last) _exit(0);  // destroying static objects takes longer than starting a new process
   }
 }
 
 /// The main program of a copy.
 int RunCopy(const Files& files, pid_t its_template) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // ends with the template, whatever the controllers are doing
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // dies with the template, whatever the controllers do
   if (getppid() != its_template) return 1;
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
   std::signal(SIGCHLD, SIG_DFL);
-  setpgid(0, 0);  // what a controller does to its process group is its own
-  // A copy that a controller makes of this process would go on as if it were the process itself.
+  setpgid(0, 0);  // a controller that signals its process group reaches only this process
+  // If a controller forks this process, the fork must exit: it would act as this process.
   pthread_atfork(nullptr, nullptr, [] { _exit(0); });
   prctl(PR_SET_NAME, "coopdyn-ctrl");
   try {
@@ -121,7 +122,7 @@ int RunCopy(const Files& files, pid_t its_template) {
   }
 }
 
-/// The files that come with the next message. False: the daemon is gone.
+/// Receives the files of the next message. False if the daemon has ended.
 bool Receive(int socket, Files& files) {
   char byte = 0;
   iovec bytes{&byte, 1};
@@ -140,7 +141,7 @@ bool Receive(int socket, Files& files) {
   return true;
 }
 
-/// Tells the daemon which copies have ended.
+/// Reports ended copies to the daemon.
 void ReportEnds(int socket) {
   CopyReport report;
   report.ended = true;
@@ -168,8 +169,9 @@ int RunControllerChild(int fd) {
     return 2;
   }
   NoCoreFiles();
-  // What a batch system or a terminal sends to all processes is for the daemon, which ends us in order.
-  // Programs that a controller starts are signalled as usual: a handler does not outlive exec().
+  // Ignore signals that a batch system or a terminal sends to all processes: the daemon ends this process in
+  // order. Use handlers, not SIG_IGN: exec() resets handlers, so programs that a controller starts get
+  // signals as usual.
   for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGCHLD}) std::signal(signal, [](int) {});
   prctl(PR_SET_NAME, "coopdyn-ctrl-0");
   sigset_t ends, before;

@@ -21,7 +21,7 @@ const ControllerChoice& ChoiceOf(const SceneRobot& robot) {
   return robot.entry.controller;
 }
 
-/// The shared objects that the supervisor and the robots name, each once, in the order of first use.
+/// The shared objects of the supervisor and the robots, each once, in order of first use.
 template <typename Robots>
 std::vector<std::string> FilesOf(const ControllerChoice& supervisor, const Robots& robots) {
   std::vector<std::string> files;
@@ -36,7 +36,7 @@ std::vector<std::string> FilesOf(const ControllerChoice& supervisor, const Robot
 }
 
 constexpr std::uint32_t kStateVersion = 2;
-constexpr std::size_t kHeldBytes = 9;  // of one channel
+constexpr std::size_t kHeldBytes = 9;  // per channel
 
 }  // namespace
 
@@ -72,10 +72,10 @@ void ControllerHost::Check(const Scenario& scenario, Diagnostics& diagnostics) {
   const ControllerChoice& supervisor = scenario.simulation.supervisor;
   std::vector<std::string> files = FilesOf(supervisor, scenario.robots);
   if (files.empty()) return;
-  // In this process what is loaded already is taken for what is on disk now, until it is let go.
+  // In-process, dlopen() returns a loaded object instead of the new file until it is unloaded.
   stale_ = options_.in_process && set_ && !set_->is_fresh();
   checked_ = SetOf(std::move(files));
-  // All robots of a swarm share a line.
+  // All robots of a swarm share a line: report each text once per line.
   std::set<std::pair<int, std::string>> said;
   const auto check = [&](const ControllerChoice& choice, const char* otherwise, auto faults_of) {
     const int file = checked_->IndexOf(choice.file);
@@ -314,7 +314,7 @@ void ControllerHost::Revise(const FramePtr& frame) {
   stopped_.insert(stopped_.begin(), told.begin(), told.end());
 }
 
-// Save() and Restore(): little-endian; a keyframe holds them.
+// Format of Save() and Restore(), stored in keyframes, little-endian:
 //   u32 version, u32 count, then for each robot with a controller by increasing id:
 //   u32 id, u8 status, u32 size of the controller's name, name, u32 size of the reason, reason, u32 size,
 //   state, since version 2 u32 count, then for each channel that is held f64 reference, u8 mode

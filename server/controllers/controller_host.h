@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Controllers loaded at run time: the one implementation of ControllerDriver. They run in a child process, so
-// that a crash, a hang, a number that is not finite or an exception stops one robot and nothing else; or in
-// the daemon itself, for debugging, with the same results. All calls by the holder of the step baton.
+// Controllers loaded at run time: the only implementation of ControllerDriver. They run in a child process,
+// so that a crash, a hang, a non-finite number or an exception stops only one robot; or, for debugging, in
+// the daemon itself with the same results. Only the holder of the baton calls it.
 #pragma once
 
 #include <atomic>
@@ -25,8 +25,8 @@ namespace coopdyn {
 
 class ControllerHost final : public ControllerDriver {
  public:
-  /// Clock and pool outlive it. No process is started before there is a controller to run. `draw`: for those
-  /// that want pictures.
+  /// `clock` and `pool` must outlive the host. Starts no process before there is a controller to run. `draw`:
+  /// for controllers that want pictures.
   ControllerHost(ControllerOptions options, const Clock& clock, Logger logger, WorkerPool& pool,
                  DrawPictures draw = nullptr);
   ~ControllerHost() override;
@@ -43,65 +43,66 @@ class ControllerHost final : public ControllerDriver {
   ControllerCost slowest() const override;
   double child_cpu_s() const override;
 
-  /// Which drive, which are stopped and why, and what each has saved.
+  /// Saves which controllers drive, which are stopped and why, and the saved state of each.
   std::vector<std::byte> Save() const override;
-  /// A controller whose state has another size by now is stopped; TakeStopped() has those first, then those
-  /// that were stopped when it was saved.
+  /// Stops controllers whose state size has changed. TakeStopped() returns these first, then those that were
+  /// stopped when the state was saved.
   bool Restore(const FramePtr& frame, std::span<const std::byte> saved) override;
   void Revise(const FramePtr& frame) override;
   std::vector<int> Unloaded() const override;
   void Stop(int robot, const std::string& why) override;
 
-  /// The daemon ends: from now on nobody waits long for a controller that hangs. Any thread.
+  /// The daemon shuts down: from now on do not wait long for a hanging controller. Any thread.
   void Interrupt() { interrupted_ = true; }
-  /// The process in which the controllers run; -1: none now.
+  /// The process in which the controllers run; -1 if none.
   int child_pid() const { return set_ ? set_->child_pid() : -1; }
 
  private:
   enum class Status : std::uint8_t { kDrives, kStopped, kUnloaded };
-  /// A robot that has a controller, or what the supervisor has instead.
+  /// A robot with a controller, or the supervisor.
   struct Driven {
-    RobotId id;     // none: of the supervisor
-    int robot = 0;  // index into the scene; -1: it is not there any more, or it is the supervisor's
+    RobotId id;     // 0: the supervisor
+    int robot = 0;  // index into the scene; -1: removed; kSupervisor: the supervisor
     std::string name, controller;
     std::vector<std::pair<std::string, double>> options;  // of the controller
     std::size_t first_channel = 0, channel_count = 0;     // in the scene
-    DriveModel drive;                                     // for forward and turn, if it has one
-    std::size_t wheels = 0;                               // the first channel of its drive, among its own
+    DriveModel drive;                                     // for forward and turn, if the robot has a drive
+    std::size_t wheels = 0;  // first channel of the drive, among the robot's channels
     Status status = Status::kDrives;
-    std::string why;                                 // it is stopped
-    std::uint32_t slot = 0;                          // its number in the set
+    std::string why;                                 // reason of kStopped
+    std::uint32_t slot = 0;                          // number in the set
     std::uint32_t readings = 0;                      // of enum coopdyn_reading
-    std::vector<std::size_t> sensors;                // COOPDYN_SENSORS: index into the model's
-    std::optional<std::vector<std::byte>> restored;  // state to begin with, until it is created
-    std::vector<Setpoint> held;                      // COOPDYN_MAPPED: from one exchange to the next
+    std::vector<std::size_t> sensors;                // COOPDYN_SENSORS: indices into the model's sensors
+    std::optional<std::vector<std::byte>> restored;  // initial state, until Create()
+    std::vector<Setpoint> held;  // COOPDYN_MAPPED: set-points held until the next exchange
 
     bool supervises() const { return id.value == 0; }
-    /// It is not to be stepped: its robot has gone.
+    /// Its robot was removed: do not step it.
     bool gone() const { return robot < 0 && !supervises(); }
   };
 
-  /// The set that Check() has made ready, if it has these files as they are now, else a new one.
+  /// The set that Check() prepared, if it has these files in their current version, else a new one.
   std::unique_ptr<ControllerSet> SetOf(std::vector<std::string> files);
-  /// Forgets all controllers and lists the robots that have one; nobody is told any more what was stopped.
+  /// Drops all controllers and pending reports of stopped ones, and lists the robots that have a controller.
   void List(const Scene& scene);
-  /// Makes the instances of all that are to drive.
+  /// Makes the instances of all controllers that drive.
   void Create(const FramePtr& frame);
-  /// The scene has changed: finds the robots again.
+  /// Finds the robots again after the scene has changed.
   void Rebind(const std::shared_ptr<const Scene>& scene);
   static ControllerOptions WithFlag(ControllerOptions options, const std::atomic<bool>& interrupted);
-  /// What the robot's controller wants of each channel, into `channels`, which are at rest. False: it cannot
-  /// be carried out; nothing is promised of `channels` then.
+  /// Writes the controller's set-points into `channels`, which are at rest. False if one is invalid; then the
+  /// content of `channels` is unspecified.
   bool TakeSetpoints(const Driven& driven, std::span<Setpoint> channels) const;
-  /// The same of the motors of its channel: in an exchange what it gave, then as before.
+  /// Like TakeSetpoints(), for the motors of the robot's channel: takes new values in an exchange and holds
+  /// them until the next one.
   bool TakeMotors(const Frame& frame, Driven& driven, std::span<Setpoint> channels) const;
   const SceneRobot& RobotOf(const Driven& driven) const {
     return driven.supervises() ? world_ : scene_->robots[static_cast<std::size_t>(driven.robot)];
   }
-  /// What the controller has logged, and what the supervisor does. False: it cannot be.
+  /// Take the controller's logged numbers and the supervisor's actions. False if one is invalid.
   bool TakeLogs(const Driven& driven, const coopdyn_command& command);
   bool TakeDoings();
-  /// Which robots are stepped from now on.
+  /// Lists the robots to step.
   void ListItems();
   /// `why` follows "controller NAME ".
   void Stop(Driven& driven, const std::string& why);
@@ -112,21 +113,21 @@ class ControllerHost final : public ControllerDriver {
   const Clock& clock_;
   const Logger logger_;
   WorkerPool& pool_;
-  bool stale_ = false;                      // the running set is older than its files
-  std::unique_ptr<ControllerSet> checked_;  // by Check(), for the Configure() that may follow
+  bool stale_ = false;                      // the files of the running set have changed
+  std::unique_ptr<ControllerSet> checked_;  // by Check(), for a Configure() that may follow
   std::unique_ptr<ControllerSet> set_;
-  std::vector<Driven> driven_;  // by increasing id: a supervisor first
+  std::vector<Driven> driven_;  // by increasing id: the supervisor first
   std::vector<std::uint32_t> driven_of_slot_;
   std::vector<std::uint32_t> items_;    // slots to step
-  std::vector<ReadingsWanted> wanted_;  // as items_
+  std::vector<ReadingsWanted> wanted_;  // parallel to items_
   std::shared_ptr<const Scene> scene_;  // that driven_ is bound to
-  SceneRobot world_;                    // the supervisor's: without parts
+  SceneRobot world_;                    // the supervisor's robot: without parts
   Supervision supervision_;             // not taken yet
   ReadingsWriter readings_;
-  std::string missing_pictures_;            // why, as it was logged
+  std::string missing_pictures_;            // the reason logged last
   std::vector<StoppedController> stopped_;  // not taken yet
   PhaseTimes times_;
-  double ended_cpu_s_ = 0;  // of sets that are gone
+  double ended_cpu_s_ = 0;  // of destroyed sets
 };
 
 }  // namespace coopdyn

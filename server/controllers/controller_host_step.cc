@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// ControllerHost::Step(): what controllers want, looked at once more and made into set-points.
+// ControllerHost::Step(): checks the controllers' commands again and turns them into set-points.
 #include <algorithm>
 #include <cmath>
 #include <variant>
@@ -14,7 +14,7 @@ namespace coopdyn {
 
 namespace {
 
-/// As for forward and turn: both wheels are scaled alike. @pre velocities, which is all that a drive takes
+/// Scales both wheels by the same factor, as for forward and turn. @pre velocities, the only mode of a drive
 void LimitSpeeds(const DriveModel& drive, std::span<Setpoint> wheels) {
   double factor = 1;
   const WheelSpeeds speeds = LimitWheels(drive, {wheels[0].reference, wheels[1].reference}, factor);
@@ -39,7 +39,7 @@ void ControllerHost::Step(const FramePtr& frame, std::span<Setpoint> setpoints,
     const Nanoseconds begun = clock_.Now();
     const std::string missing = readings_.Write(frame, wanted_, *set_);
     if (!missing.empty() && missing != missing_pictures_) {
-      logger_->warn("the pictures of controllers are black: {}", missing);
+      logger_->warn("camera pictures of controllers are black: {}", missing);
       missing_pictures_ = missing;
     }
     const Nanoseconds sensed = clock_.Now();
@@ -53,7 +53,7 @@ void ControllerHost::Step(const FramePtr& frame, std::span<Setpoint> setpoints,
     const std::span<Setpoint> channels = setpoints.subspan(driven.first_channel, driven.channel_count);
     std::ranges::fill(channels, Setpoint{});
     if (driven.status != Status::kDrives) continue;
-    // The child has checked it already, but a controller may write there at any time.
+    // The child has checked the command, but a controller may overwrite it at any time.
     coopdyn_command command{};
     CopyCommand(set_->areas().result(driven.slot).command, command);
     const bool by_setpoints = (driven.readings & COOPDYN_SETPOINTS) != 0;
@@ -117,7 +117,7 @@ bool ControllerHost::TakeMotors(const Frame& frame, Driven& driven, std::span<Se
     for (std::size_t i = 0; i < external.size(); ++i) external[i] = Once(motors[i]);
     if (!std::ranges::all_of(external, [](double value) { return std::isfinite(value); })) return false;
     driven.held = ChannelSetpoints(frame, driven.robot, 0, external);
-    // What no motor has is at rest.
+    // Channels without a motor are at rest.
     std::ranges::replace_if(
         driven.held, [](const Setpoint& one) { return one.mode == ControlMode::kKeep; }, Setpoint{});
   }

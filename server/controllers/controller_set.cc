@@ -25,12 +25,12 @@ namespace {
 
 constexpr std::size_t kPage = 4096;
 
-/// Without a slash dlopen() would look elsewhere.
+/// An absolute path: without a slash dlopen() would search other folders.
 std::string Path(const std::string& file) {
   return std::filesystem::absolute(file).string();
 }
 
-/// When `file` was last written, ns; -1: it is not there.
+/// The modification time of `file`, ns; -1 if it is missing.
 std::int64_t WrittenAt(const std::string& file) {
   struct stat status {};
   if (stat(file.c_str(), &status) != 0) return -1;
@@ -43,7 +43,7 @@ std::vector<std::uint32_t> FirstNumbers(std::size_t count) {
   return numbers;
 }
 
-/// In this process, with as many threads as its pool has.
+/// Runs controllers in this process on the threads of `pool`.
 class InProcessBackend final : public Backend {
  public:
   InProcessBackend(Areas& areas, WorkerPool& pool, int threads)
@@ -62,14 +62,14 @@ class InProcessBackend final : public Backend {
   Runner runner_;
 };
 
-/// The text that another process has left there, printable.
+/// A text written by another process, made printable.
 std::string TextAt(const char* shared, std::size_t size) {
   std::string text(shared, size);
   text.resize(strnlen(text.c_str(), size));
   return Printable(text);
 }
 
-/// From the file's result, which another process has written: nothing in it is trusted to be sound.
+/// Fills `loaded` from the file's result. Another process has written it, so nothing in it is trusted.
 void Describe(const FileResult& result, LoadedController& loaded) {
   if (Once(result.refused) != 0) {
     loaded.why = "cannot be used: " + TextAt(result.why, sizeof(result.why));
@@ -266,7 +266,7 @@ std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> rob
     const std::size_t sensors = model.sector_count();
     const DriveModel drive = model.drive() == nullptr ? DriveModel() : *model.drive();
     const auto channels = static_cast<std::size_t>(robots[i].robot->channel_count);
-    coopdyn_robot& facts = setup[i].robot;  // what follows from the places is added there
+    coopdyn_robot& facts = setup[i].robot;  // the Place…() functions below add the rest
     facts.id = robots[i].robot->id.value;
     facts.radius_m = model.footprint_radius_m;
     facts.wheel_radius_m = drive.wheel_radius_m;
@@ -297,7 +297,7 @@ std::vector<Casualty> ControllerSet::Create(std::span<const ControlledRobot> rob
     for (Place& place : setup[i].states) place = out.AddBytes(size, alignof(std::max_align_t));
   }
   readings_end_ = in.end();
-  // Behind what every step writes: who logs nothing never touches this memory.
+  // After the memory that every step writes: controllers that log nothing never touch these pages.
   for (std::size_t i = 0; i < count; ++i) setup[i].logs = out.Add<coopdyn_logged>(COOPDYN_MAX_LOGS);
   const bool supervised = std::ranges::any_of(
       robots, [this](const ControlledRobot& one) { return loaded_[one.file].description->supervises(); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whether what a controller gave in a step can be carried out, and if not, why.
+// Checks whether a controller's output of a step is valid, and explains why not.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace coopdyn {
 
-/// Whether a command can be carried out. Asked twice for each step of each robot, so without a text.
+/// Whether a command is valid. Called twice per step and robot, so it makes no text.
 inline bool IsFine(const coopdyn_command& command) {
   if (!std::isfinite(command.forward_m_s) || !std::isfinite(command.turn_rad_s)) return false;
   if (command.message_count > COOPDYN_MAX_MESSAGE || command.log_count > COOPDYN_MAX_LOGS) return false;
@@ -19,23 +19,23 @@ inline bool IsFine(const coopdyn_command& command) {
                      [](double value) { return std::isfinite(value); });
 }
 
-/// Whether a channel that takes `modes` can carry it out.
+/// Whether the set-point is valid for a channel that supports `modes`.
 inline bool IsFine(const coopdyn_setpoint& setpoint, std::uint32_t modes) {
   return setpoint.mode <= COOPDYN_PWM && (modes >> setpoint.mode & 1) != 0 &&
          std::isfinite(setpoint.reference);
 }
 
-/// Whether it can be logged, as a client's number.
+/// Whether the name and number can be logged, by the rules for clients.
 bool IsFine(const coopdyn_logged& logged);
-/// Whether the pose is one.
+/// Whether the pose is valid.
 bool IsFine(const coopdyn_move& move);
 
-/// What is wrong with one that is not fine; `joint`: its channel, with texts.
+/// Describes what is invalid in an argument that is not fine; `joint`: the channel, with texts.
 std::string Fault(const coopdyn_command& command);
 std::string Fault(const coopdyn_setpoint& setpoint, const coopdyn_joint& joint);
 std::string Fault(const coopdyn_logged& logged);
 std::string Fault(const coopdyn_move& move);
-/// Of too many moves.
+/// The text for too many moves.
 std::string TooManyMoves(std::size_t count);
 
 }  // namespace coopdyn

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Room for what a controller writes.
+// Memory for a controller's output, with a guard page.
 #pragma once
 
 #include <sys/mman.h>
@@ -12,10 +12,10 @@
 
 namespace coopdyn {
 
-/// Memory that ends where no byte may be touched: what writes past its end crashes at once.
+/// Memory followed by an inaccessible page: a write past the end crashes at once.
 class GuardedBuffer {
  public:
-  /// Room for `bytes`. Throws std::system_error.
+  /// Allocates `bytes`. Throws std::system_error.
   explicit GuardedBuffer(std::size_t bytes) {
     const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
     const std::size_t room = (bytes + page - 1) / page * page;
@@ -29,8 +29,8 @@ class GuardedBuffer {
     }
   }
 
-  /// The last `bytes` of it, aligned to `align` (a power of 2): at most `align` - 1 bytes follow before the
-  /// guard.
+  /// The last `bytes` of the buffer, aligned to `align` (a power of 2): at most `align` - 1 bytes lie between
+  /// them and the guard.
   void* Last(std::size_t bytes, std::size_t align) const {
     return guard_ - (bytes + align - 1) / align * align;
   }

@@ -14,7 +14,7 @@ std::vector<T> CopyOf(const Areas& areas, Place place, std::size_t count) {
   return {values, values + count};
 }
 
-/// Texts that end with 0, one after the other.
+/// Iterates over consecutive texts that end with 0.
 class TextRow {
  public:
   explicit TextRow(const std::string& texts) : next_(texts.c_str()) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A robot's controller in the process where it runs, and the facts that it may point to as long as it lives.
+// A robot's controller in the process where it runs, and the facts that it may point to during its lifetime.
 // One thread at a time.
 #pragma once
 
@@ -13,7 +13,7 @@
 namespace coopdyn {
 
 struct Instance {
-  /// Copies the facts from the `in` area; `made_by` outlives it.
+  /// Copies the facts from the `in` area. `made_by` must outlive the instance.
   Instance(const Plugin& made_by, const RobotSetup& setup, const Areas& areas);
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
@@ -21,7 +21,7 @@ struct Instance {
   const Plugin* const plugin;
   void* state = nullptr;
   std::vector<coopdyn_joint> joints;
-  std::vector<coopdyn_sensor_reading> sensed;  // as the robot's sensors; of the present step
+  std::vector<coopdyn_sensor_reading> sensed;  // by sensor; of the current step
   coopdyn_robot robot;
 
  private:

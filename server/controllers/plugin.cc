@@ -26,7 +26,7 @@ bool IsOptionName(std::string_view name) {
          name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
 }
 
-/// Copies a text into a field; one that does not fit is no name and no line of help.
+/// Copies a text into a field; throws PluginError if it does not fit.
 template <std::size_t kSize>
 void TakeText(char (&to)[kSize], const char* text, const std::string& what) {
   const std::size_t length = text == nullptr ? 0 : strnlen(text, kSize);
@@ -89,7 +89,7 @@ void TakeDescription(const coopdyn_description* raw, FileResult& result) {
       throw PluginError(fmt::format("option {} is described twice", result.options[i].name));
     }
   }
-  // A controller of before has no such field.
+  // The structs of older controllers lack this field.
   if ((raw->readings & COOPDYN_SENSORS) != 0) {
     TakeText(result.sensors, raw->sensors, "sensors in describe()");
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One shared object with a controller, loaded and checked. One thread.
+// A loaded and checked shared object with a controller. One thread.
 #pragma once
 
 #include <cstddef>
@@ -13,26 +13,27 @@
 
 namespace coopdyn {
 
-/// Why a shared object cannot be used, in words for its author.
+/// Why a shared object cannot be used, as a message to its author.
 struct PluginError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Copies a text into a field of this size, printable: what a controller says is shown on terminals.
+/// Copies a text into a field of `size` bytes and makes it printable, because controllers' texts are shown on
+/// terminals.
 void CopyText(char* to, std::size_t size, const std::string& text);
 
 class Plugin {
  public:
-  /// Loads `path` and writes its description into `result`. Throws PluginError. If the object does anything
-  /// else wrong (a crash in a constructor), it happens to this process.
+  /// Loads `path` and writes its description into `result`. Throws PluginError. Any other misbehaviour of the
+  /// object, such as a crash in a constructor, hits this process.
   Plugin(const std::string& path, FileResult& result);
 
   const coopdyn_controller& functions() const { return functions_; }
   std::uint32_t state_size() const { return state_size_; }
-  /// It commands channels by set-points.
+  /// Commands channels by set-points.
   bool gives_setpoints() const { return gives_setpoints_; }
   bool supervises() const { return supervises_; }
-  /// It exchanges the values of the robot's channel.
+  /// Exchanges the values of the robot's channel.
   bool maps() const { return maps_; }
 
  private:

@@ -17,9 +17,9 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::size_t kPicturesAtOnce = ImageBoard::kMaxWaiting / 2;  // the others' requests have room, too
-constexpr std::size_t kListedGrain = 256;                             // robots that a thread takes at a time
-constexpr std::size_t kFixedGrain = 4096;  // if there are no lists: hardly any work
+constexpr std::size_t kPicturesAtOnce = ImageBoard::kMaxWaiting / 2;  // leaves room for other requests
+constexpr std::size_t kListedGrain = 256;  // robots that a thread fetches at a time
+constexpr std::size_t kFixedGrain = 4096;  // without lists there is hardly any work
 constexpr std::uint32_t kListed = COOPDYN_TARGETS | COOPDYN_NEIGHBOURS | COOPDYN_MESSAGES | COOPDYN_WORLD;
 
 coopdyn_sighting FromSighting(const Sighting& sighting, const Frame& frame) {
@@ -27,7 +27,7 @@ coopdyn_sighting FromSighting(const Sighting& sighting, const Frame& frame) {
           sighting.bearing_rad};
 }
 
-/// How R lies in the world, and how it moves, along its own axes.
+/// Orientation of R in the world, and its velocities along its own axes.
 void WriteMotion(const Frame& frame, int robot, RobotReadings& readings) {
   const Pose X_WR = RobotPose(frame, robot);
   const Twist twist = OriginTwist(frame, robot, X_WR);
@@ -41,7 +41,7 @@ void WriteMotion(const Frame& frame, int robot, RobotReadings& readings) {
   std::copy_n(w_R.data(), 3, readings.angular_velocity_rad_s);
 }
 
-/// A name in its field; what does not fit is left out.
+/// Copies `name` into `field`, truncated if it does not fit.
 void SetName(char (&field)[COOPDYN_MAX_NAME], const std::string& name) {
   name.copy(field, COOPDYN_MAX_NAME - 1);
 }
@@ -57,7 +57,7 @@ void SetTwist(const Vector3& v_W, const Vector3& w_W, coopdyn_body& body) {
   std::copy_n(w_W.data(), 3, body.angular_velocity_rad_s);
 }
 
-/// What the robot's channel carries, if this is a step in which there is an exchange.
+/// Writes the values of the robot's channel if this step begins an exchange.
 void WriteMappedValues(const Frame& frame, int robot, const Areas& areas, const RobotSetup& setup) {
   if (frame.step % setup.exchange_steps != 0) return;
   std::vector<double> values;
@@ -95,7 +95,7 @@ std::string ReadingsWriter::Write(const FramePtr& now, std::span<const ReadingsW
       if (listed) Collect(frame, wanted[i], lists_[i]);
     }
   };
-  // By reference: a std::function of what it captures would allocate.
+  // By reference: a std::function with these captures would allocate.
   pool_.For(wanted.size(), listed ? kListedGrain : kFixedGrain, std::cref(work));
   bodies_.clear();
   scores_.clear();
@@ -280,7 +280,7 @@ void ReadingsWriter::PlaceLists(std::span<const ReadingsWanted> wanted, Controll
     one.heard_count = lists_[i].heard.size();
     one.heard = layout.Add<coopdyn_heard>(one.heard_count);
   }
-  // More than is needed now, so that growing is rare.
+  // Grow by more than needed, so that growing is rare.
   if (layout.end() > areas.in.bytes()) areas.Grow(2 * layout.end(), 0);
   const auto copy = [&areas](const auto& list, Place place) {
     if (!list.empty()) std::memcpy(areas.in.At<std::byte>(place), list.data(), list.size() * sizeof(list[0]));

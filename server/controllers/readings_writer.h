@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// From a frame to the readings of controllers: only what each asks for. The stepping thread; the work is
-// shared out to a pool, and does not depend on how many threads it has.
+// Writes controllers' readings of a frame: only those that each controller requests. Stepping thread;
+// distributes the work to a pool, with results independent of its number of threads.
 #pragma once
 
 #include <cstdint>
@@ -18,23 +18,23 @@
 
 namespace coopdyn {
 
-/// A robot whose readings are wanted.
+/// A robot whose readings are requested.
 struct ReadingsWanted {
-  std::uint32_t slot = 0;                     // its number in the set
-  int robot = 0;                              // index into the scene; kSupervisor: of nothing but the world
+  std::uint32_t slot = 0;                     // number in the set
+  int robot = 0;                              // index into the scene; kSupervisor: only the world
   std::uint32_t readings = 0;                 // of enum coopdyn_reading
-  std::span<const std::size_t> sensors = {};  // COOPDYN_SENSORS: index into the model's
+  std::span<const std::size_t> sensors = {};  // COOPDYN_SENSORS: indices into the model's sensors
 };
 
-/// A picture of a camera that is wanted: width × height × 3 bytes.
+/// A requested camera picture: width × height × 3 bytes.
 struct PictureWanted {
   CameraShot shot;
   std::span<std::uint8_t> rgb;
 };
-/// Draws them all, and returns when they are there: why some could not be drawn, and are black. The stepping
-/// thread.
+/// Draws all pictures and waits for them. Pictures that could not be drawn are black; then returns the
+/// reason. Stepping thread.
 using DrawPictures = std::function<std::string(std::span<const PictureWanted> wanted)>;
-/// By the render thread that serves `images`, which outlives it.
+/// Draws on the render thread that serves `images`. `images` must outlive the result.
 DrawPictures DrawOn(ImageBoard& images);
 
 class ReadingsWriter {
@@ -45,7 +45,7 @@ class ReadingsWriter {
   std::string Write(const FramePtr& frame, std::span<const ReadingsWanted> wanted, ControllerSet& set);
 
  private:
-  /// Readings of which there is no fixed number. Kept from step to step for their memory.
+  /// Readings of variable number. Kept between steps to reuse their memory.
   struct Lists {
     std::vector<coopdyn_target> targets;
     std::vector<coopdyn_sighting> neighbours;
@@ -56,16 +56,16 @@ class ReadingsWriter {
                             const Areas& areas);
   void WriteFixed(const Frame& frame, const ReadingsWanted& wanted, const Areas& areas) const;
   static void Collect(const Frame& frame, const ReadingsWanted& wanted, Lists& lists);
-  /// Lists all that a supervisor sees.
+  /// Lists everything that a supervisor sees.
   void CollectWorld(const Frame& frame);
-  /// Gives all lists a place behind what is laid out, and copies them there.
+  /// Places all lists after the fixed layout and copies them there.
   void PlaceLists(std::span<const ReadingsWanted> wanted, ControllerSet& set);
 
   WorkerPool& pool_;
-  const DrawPictures draw_;              // null: there are none
-  std::vector<PictureWanted> pictures_;  // kept for their memory
-  std::vector<int> robots_;              // that need their distances
-  std::vector<Lists> lists_;             // as `wanted`
+  const DrawPictures draw_;              // null: no pictures
+  std::vector<PictureWanted> pictures_;  // kept to reuse memory
+  std::vector<int> robots_;              // robots that need distances
+  std::vector<Lists> lists_;             // parallel to `wanted`
   std::vector<coopdyn_body> bodies_;     // of the world, for a supervisor
   std::vector<coopdyn_score> scores_;
 };

@@ -9,7 +9,7 @@ namespace coopdyn {
 
 namespace {
 
-/// Module and type of some sensors, each ends with 0.
+/// Module and type of `sensors`, each ending with 0.
 std::string SensorTexts(const RobotModel& model, std::span<const std::size_t> sensors) {
   std::string texts;
   for (const std::size_t sensor : sensors) {
@@ -20,7 +20,7 @@ std::string SensorTexts(const RobotModel& model, std::span<const std::size_t> se
   return texts;
 }
 
-/// A sensor without its texts.
+/// The facts of a sensor, without its texts.
 coopdyn_sensor FactsOf(const SensorModel& sensor) {
   coopdyn_sensor of{};
   of.value_count = FixedCount(sensor.kind);
@@ -31,7 +31,7 @@ coopdyn_sensor FactsOf(const SensorModel& sensor) {
   return of;
 }
 
-/// The names of a channel's motors and values, each ends with 0.
+/// The names of a channel's motors and values, each ending with 0.
 std::string LinkTexts(const ChannelModel& channel) {
   std::string texts;
   for (const ChannelModel::Motor& motor : channel.motors)
@@ -41,7 +41,7 @@ std::string LinkTexts(const ChannelModel& channel) {
   return texts;
 }
 
-/// A motor or a value without its name.
+/// The facts of a motor or a value, without its name.
 coopdyn_mapped FactsOf(const ValueMap& map, bool auxiliary) {
   return {.name = nullptr,
           .internal_min = map.internal_min,
@@ -78,7 +78,7 @@ std::string JointTexts(const RobotModel& model) {
 std::vector<coopdyn_joint> JointsOf(const RobotModel& model) {
   std::vector<coopdyn_joint> joints;
   for (const ActuatorModel& actuator : model.actuators) {
-    // What the physics carries out; a joint without a module has no commands.
+    // The modes that physics supports; a joint without a module takes no commands.
     std::uint32_t modes = 1u << COOPDYN_OFF;
     if (actuator.is_board()) {
       modes |= 1u << COOPDYN_POSITION | 1u << COOPDYN_DIRECT | 1u << COOPDYN_EFFORT;
@@ -112,7 +112,7 @@ void PlaceSensors(const RobotModel& model, std::span<const std::size_t> wanted, 
   setup.sensor_text_bytes = SensorTexts(model, wanted).size();
   setup.sensor_texts = in.Add<char>(setup.sensor_text_bytes);
   setup.sensed = in.Add<SensorPlace>(wanted.size());
-  // The readings themselves: WriteSensors() goes the same way.
+  // Places of the readings: WriteSensors() repeats this order.
   setup.readings_begin = in.end();
   for (const std::size_t sensor : wanted) {
     const coopdyn_sensor facts = FactsOf(model.sensors[sensor]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The channels and sensors of a robot, as a controller gets them in create(), and their places in the shared
-// area. The stepping thread.
+// A robot's channels and sensors, as passed to a controller's create(), and their places in the shared area.
+// Stepping thread.
 #pragma once
 
 #include <cstddef>
@@ -16,26 +16,26 @@
 
 namespace coopdyn {
 
-/// Module and name of each joint that is driven, each ends with 0.
+/// Module and name of each driven joint, each ending with 0.
 std::string JointTexts(const RobotModel& model);
 /// The robot's channels, without their texts.
 std::vector<coopdyn_joint> JointsOf(const RobotModel& model);
 
-/// Gives the sensors `wanted` (index into the model's) their places.
+/// Allocates the places of the sensors `wanted` (indices into the model's sensors).
 void PlaceSensors(const RobotModel& model, std::span<const std::size_t> wanted, Layout& in,
                   RobotSetup& setup);
-/// Writes what they are to these places.
+/// Writes the sensors' facts to these places.
 void WriteSensors(const RobotModel& model, std::span<const std::size_t> wanted, const Areas& areas,
                   const RobotSetup& setup);
 
-/// Gives the robot's channel its places.
+/// Allocates the places of the robot's channel.
 void PlaceMapped(const RobotModel& model, Nanoseconds step, Layout& in, Layout& out, RobotSetup& setup);
-/// Writes what it is to these places, if there are any.
+/// Writes the channel's facts to these places, if there are any.
 void WriteMapped(const RobotModel& model, const Areas& areas, const RobotSetup& setup);
 
-/// Gives the names of the options that a scenario gives their place.
+/// Allocates the place for the names of the scenario's options.
 void PlaceOptions(const ControllerChoice& choice, Layout& in, RobotSetup& setup);
-/// Writes them there, if there is one.
+/// Writes the names to this place, if there is one.
 void WriteOptions(const ControllerChoice& choice, const Areas& areas, const RobotSetup& setup);
 
 }  // namespace coopdyn

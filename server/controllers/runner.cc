@@ -24,20 +24,20 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::size_t kStepGrain = 16;       // robots that a worker takes at a time
-constexpr std::size_t kMaxSetpoints = 4096;  // that a controller gives in a step
-/// Reading a clock takes longer than the step of a simple controller: one step in this many is timed. Odd, so
-/// that no rhythm of the controllers hides from it.
+constexpr std::size_t kStepGrain = 16;       // robots that a worker fetches at a time
+constexpr std::size_t kMaxSetpoints = 4096;  // per controller and step
+/// Reading a clock takes longer than the step of a simple controller, so one step in this many is timed. Odd,
+/// to avoid beating with a rhythm of the controllers.
 constexpr std::uint64_t kTimedEvery = 61;
 
-/// What this thread has in hand, for the new-handler, which has no arguments.
+/// The item that this thread is running, for the new-handler, which has no arguments.
 struct InHand {
   std::atomic<std::uint32_t>* out_of_memory = nullptr;
   std::uint32_t item = 0;
 };
 thread_local InHand in_hand;
 
-/// Rounding and traps as they were, whatever a controller (or its -ffast-math) does to them.
+/// Restores rounding and traps that a controller (or its -ffast-math) may have changed.
 class KeepRounding {
  public:
 #if defined(__x86_64__)
@@ -58,8 +58,8 @@ class KeepRounding {
 #endif
 };
 
-/// Calls into a controller; `called` names the function that is called at the moment. Returns why it failed;
-/// empty: it did not.
+/// Calls into a controller; `called` names the function being called. Returns why it failed, empty on
+/// success.
 template <typename Function>
 std::string Guarded(const char* const& called, Function function) {
   const KeepRounding keep;
@@ -188,7 +188,8 @@ void Runner::Create(std::uint32_t robot, Worker& worker) {
 void Runner::StepAll(WorkerPool& pool) {
   const std::size_t count = header().item_count;
   const std::size_t workers = std::clamp<std::size_t>(header().workers, 1, kMaxWorkers);
-  // Waking a thread takes longer than the steps of many controllers. It changes nothing but the time.
+  // Waking a thread takes longer than the steps of many controllers. The choice affects only the time, not
+  // the results.
   const bool shared = item_time_ * static_cast<Nanoseconds>(count) >= header().share_from_ns;
   const std::size_t parts = shared ? std::min(workers, (count + kStepGrain - 1) / kStepGrain) : 1;
   timed_ = header().serial % kTimedEvery == 0;
@@ -235,7 +236,7 @@ void Runner::TimedStep(std::uint32_t robot, Worker& worker) {
 }
 
 void Runner::Step(std::uint32_t robot, Worker& worker) {
-  // A process that was lost left nothing from which this one could bring it back.
+  // The lost process left no state to restore the instance from.
   if (instances_[robot] == nullptr) return Fail(robot, "had its state overwritten by another controller");
   Instance& instance = *instances_[robot];
   const RobotSetup& setup = areas_->setup(robot);
@@ -369,7 +370,7 @@ void Runner::Save(const Instance& instance, Place place, Worker& worker) const {
   const std::size_t size = instance.plugin->state_size();
   if (size == 0) return;
   void* state = worker.state.Last(size, alignof(std::max_align_t));
-  std::memset(state, 0, size);  // what save() leaves out is 0, not another robot's
+  std::memset(state, 0, size);  // bytes that save() does not write are 0, not another robot's
   instance.plugin->functions().save(instance.state, state);
   std::memcpy(areas_->out.At<std::byte>(place), state, size);
 }

@@ -32,7 +32,7 @@ std::size_t FileBytes(int fd) {
 
 }  // namespace
 
-// Once SharedArea(int) is done, the destructor cleans up after what throws.
+// Constructors delegate to SharedArea(int), so the destructor runs if they throw.
 
 SharedArea::SharedArea(std::size_t bytes, Others others)
     : SharedArea(memfd_create("coopdyn-controllers", MFD_CLOEXEC | MFD_ALLOW_SEALING)) {
@@ -62,7 +62,7 @@ void SharedArea::Map(std::size_t bytes, bool writable) {
 
 void SharedArea::Grow(std::size_t bytes) {
   if (bytes <= bytes_) return;
-  // A controller may have made the file larger; it cannot be made smaller again.
+  // A controller may have grown the file; it cannot shrink again.
   if (FileBytes(fd_) < bytes) Require(ftruncate(fd_, static_cast<off_t>(bytes)) == 0, "ftruncate");
   Remap(bytes);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Memory that the daemon shares with the controllers' process: an anonymous file, mapped on both sides. It is
-// sealed: nobody can make it smaller, so what is mapped stays there. One owner.
+// Memory that the daemon shares with the controllers' process: an anonymous file, mapped on both sides. A
+// seal prevents shrinking, so mapped pages stay valid. One owner.
 #pragma once
 
 #include <algorithm>
@@ -16,20 +16,21 @@ namespace coopdyn {
 
 class SharedArea {
  public:
-  /// What other processes that have the file may do.
+  /// The access of other processes that have the file.
   enum class Others { kRead, kWrite };
 
-  /// A new area of `bytes`, zeroed, read and written here. Throws std::system_error.
+  /// Makes a zeroed area of `bytes`, mapped for reading and writing. Throws std::system_error.
   SharedArea(std::size_t bytes, Others others);
-  /// What another process has made: maps all of the file `fd`, which it then owns. Throws std::system_error.
+  /// Maps all of the file `fd`, made by another process, and takes ownership of `fd`. Throws
+  /// std::system_error.
   SharedArea(int fd, bool writable);
   ~SharedArea();
   SharedArea(const SharedArea&) = delete;
   SharedArea& operator=(const SharedArea&) = delete;
 
-  /// Makes it at least this large; pointers into it are void. Throws std::system_error.
+  /// Grows the area to at least `bytes`; invalidates pointers into it. Throws std::system_error.
   void Grow(std::size_t bytes);
-  /// Maps the first `bytes` of the file, which another process has made larger; pointers into it are void.
+  /// Maps the first `bytes` of the file, which another process has grown; invalidates pointers into it.
   void Remap(std::size_t bytes);
 
   int fd() const { return fd_; }
@@ -49,11 +50,11 @@ class SharedArea {
   std::byte* data_ = nullptr;
 };
 
-/// Hands out places one after the other.
+/// Allocates consecutive places.
 class Layout {
  public:
   explicit Layout(Place end = 0) : end_(end) {}
-  /// A place for `count` values of type T, aligned for it, and at least to 8 bytes.
+  /// A place for `count` values of type T, aligned for T and to at least 8 bytes.
   template <typename T>
   Place Add(std::size_t count) {
     return AddBytes(count * sizeof(T), alignof(T) < 8 ? 8 : alignof(T));
@@ -87,14 +88,14 @@ struct Areas {
   }
   char* text(std::uint32_t robot) const { return out.At<char>(header().texts) + robot * kTextSize; }
 
-  /// Makes them at least this large; pointers into them are void. Throws std::system_error.
+  /// Grows both areas to at least these sizes; invalidates pointers into them. Throws std::system_error.
   void Grow(std::size_t in_bytes, std::size_t out_bytes) {
     in.Grow(in_bytes);
     out.Grow(out_bytes);
     header().in_bytes = in.bytes();
     header().out_bytes = out.bytes();
   }
-  /// What is to be done next.
+  /// Writes the next operation to the header.
   void Order(Operation operation, std::span<const std::uint32_t> items, int workers) const {
     header().operation = operation;
     header().item_count = static_cast<std::uint32_t>(items.size());
@@ -103,8 +104,8 @@ struct Areas {
   }
 };
 
-/// Sleeps until somebody wakes waiters of `word`, but not if it is not `value` any more; across processes.
-/// May return early. `at_most` 0: without limit.
+/// Sleeps until a thread of any process wakes waiters of `word`; returns at once if `word` is not `value`.
+/// May return early. `at_most` 0: no limit.
 void FutexWait(const std::atomic<std::uint32_t>& word, std::uint32_t value, Nanoseconds at_most);
 
 /// Wakes one waiter.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures on the wire.
+// Camera pictures as messages.
 #include <array>
 #include <cstring>
 

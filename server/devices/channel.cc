@@ -10,7 +10,7 @@ namespace coopdyn {
 
 namespace {
 
-/// The link on which a joint is placed.
+/// The joint's parent link.
 int ParentOf(const RobotModel& model, const std::string& name) {
   for (const JointModel& joint : model.joints) {
     if (joint.name == name) return joint.parent;
@@ -18,7 +18,7 @@ int ParentOf(const RobotModel& model, const std::string& name) {
   return 0;
 }
 
-/// The link that carries a sensor; of one that has several places that of the first; else the base.
+/// The link that carries the sensor; the first one if it has several mounts; else the base.
 int CarrierOf(const SensorKind& kind) {
   const auto first = [](const auto& places) { return places.empty() ? 0 : places.front().mount.link; };
   return std::visit(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Who is connected to which module, for get_status. Any thread.
+// The connections of all modules, for get_status. Thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -18,13 +18,13 @@ class ConnectionRoster {
     ClientId id = 0;
     std::string module;  // "/robot1/motors"
     std::string peer;    // "127.0.0.1:53120"
-    std::string name;    // of `hello`; empty: none
+    std::string name;    // from `hello`; empty: none
   };
 
   void Add(Entry entry) EXCLUDES(mutex_);
   void SetName(ClientId id, const std::string& name) EXCLUDES(mutex_);
   void Remove(ClientId id) EXCLUDES(mutex_);
-  /// Up to `max` entries by increasing id; the count of all in `total`.
+  /// Up to `max` entries by increasing id; `total` receives the number of all.
   std::vector<Entry> List(std::size_t max, std::size_t& total) const EXCLUDES(mutex_);
 
  private:

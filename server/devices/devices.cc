@@ -11,7 +11,7 @@ namespace coopdyn {
 
 namespace {
 
-// The table of the sensors whose modules have more than one command; all others need no line.
+// Sensors whose modules have more than one command; other sensors need no entry.
 template <typename Kind>
 struct DeviceOf {
   using Type = SensorDevice;
@@ -49,7 +49,7 @@ struct DeviceOf<ChannelModel> {
   using Type = ChannelDevice;
 };
 
-/// 0 and floor, or the id and the name of an object or a robot.
+/// 0 and "floor", or the id and name of an object or a robot.
 std::pair<std::uint32_t, std::string> NameOf(const ContactEnd& end, const Scene& scene) {
   if (end.robot >= 0) {
     const SceneRobot& robot = scene.robots[static_cast<std::size_t>(end.robot)];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The modules of robots. What sensors read is computed by server/sensing: noise is Gaussian with the model's
-// standard deviation, a function of (seed, sensor, step), so that reading twice gives the same. Ranges and
-// distances in m, angles in rad, 0 ahead, left positive, in (−π, π]. Constant; any thread.
+// The modules of robots. server/sensing computes the readings; noise is Gaussian with the model's standard
+// deviation, as a function of (seed, sensor, step): reading twice gives the same value. Ranges and distances
+// in m, angles in rad, 0 ahead, left positive, in (−π, π]. Constant; any thread.
 #pragma once
 
 #include <cstddef>
@@ -16,11 +16,11 @@
 
 namespace coopdyn {
 
-/// Appends what is seen to the reply of a get-command: id, word, distance and bearing.
+/// Appends a sighting to the reply of a get-command: id, word, distance and bearing.
 void AddSighting(Message& reply, std::uint32_t id, const std::string& word, const Sighting& sighting);
 void AddRobot(Message& reply, const Frame& frame, const Sighting& sighting);
 
-/// A module whose only reading is its sensor's, e.g. /R/compass; those with more commands derive from it.
+/// A module whose only reading is its sensor's, e.g. /R/compass. Modules with more commands derive from it.
 class SensorDevice : public Device {
  public:
   /// Reads model.sensors[sensor]. `table` outlives it.
@@ -34,23 +34,23 @@ class SensorDevice : public Device {
  protected:
   /// Index into the model's sensors.
   std::size_t sensor() const { return sensor_; }
-  /// Which of its kind the sensor is.
+  /// The sensor's index among those of its kind.
   std::size_t number() const { return number_; }
 
  private:
   const std::size_t sensor_, number_;
 };
 
-/// /R/distance: the ranges of the sectors, right to left, from the chassis surface; inf = nothing in range.
-/// Of the rays that sample a sector the smallest counts. Noise of the ranges.
+/// /R/distance: the ranges of the sectors, right to left, from the chassis surface; inf: nothing in range. A
+/// sector's range is the smallest of its rays. Noise is added to the ranges.
 class DistanceDevice final : public SensorDevice {
  public:
   using SensorDevice::SensorDevice;
   Message Read(const Message& request, const Frame& frame, int robot) const override;
 };
 
-/// /R/target: distance in the plane from the robot's origin, and bearing, of targets and of other robots.
-/// Range, hiding and noise of both as the model says; get_target: error 10 if no such target is seen.
+/// /R/target: distance in the plane from the robot's origin, and bearing, of targets and of other robots. The
+/// model defines range, occlusion and noise. get_target: error 10 if no such target is seen.
 class TargetDevice final : public SensorDevice {
  public:
   using SensorDevice::SensorDevice;
@@ -60,8 +60,8 @@ class TargetDevice final : public SensorDevice {
   Message ReadTarget(const Message& request, const Frame& frame, int robot) const;
 };
 
-/// /R/pose: where the robot is and how it moves: ground truth in the world frame W, of frame R. get_pose: x,
-/// y, heading, forward speed along the heading (m/s), turn rate about the vertical (rad/s). get_pose_3d:
+/// /R/pose: ground truth of the robot's pose and motion: of frame R, in the world frame W. get_pose: x, y,
+/// heading, forward speed along the heading (m/s), turn rate about the vertical (rad/s). get_pose_3d:
 /// position, quaternion w x y z, velocity of R's origin (m/s), angular velocity (rad/s). No noise.
 class PoseDevice final : public SensorDevice {
  public:
@@ -69,8 +69,8 @@ class PoseDevice final : public SensorDevice {
   Message Read(const Message& request, const Frame& frame, int robot) const override;
 };
 
-/// /R/neighbours: where the robots nearby are, and short broadcasts to them. Distances between the robots'
-/// centres in the plane; seen and heard through obstacles. Noise, loss and delay are the model's.
+/// /R/neighbours: positions of nearby robots, and short broadcasts to them. Distances are between the robots'
+/// centres in the plane; obstacles do not matter. The model defines noise, loss and delay.
 class NeighboursDevice final : public SensorDevice {
  public:
   using SensorDevice::SensorDevice;
@@ -85,14 +85,14 @@ class LidarDevice final : public SensorDevice {
   Message Read(const Message& request, const Frame& frame, int robot) const override;
 };
 
-/// /R/contact: what touches some shapes of the robot.
+/// /R/contact: contacts of some of the robot's shapes.
 class ContactDevice final : public SensorDevice {
  public:
   using SensorDevice::SensorDevice;
   Message Read(const Message& request, const Frame& frame, int robot) const override;
 };
 
-/// /R/camera: its pictures are drawn when they are asked for.
+/// /R/camera: draws its pictures on request.
 class CameraDevice final : public SensorDevice {
  public:
   using SensorDevice::SensorDevice;
@@ -100,7 +100,7 @@ class CameraDevice final : public SensorDevice {
                                       int robot) const override;
 };
 
-/// /R/channel: all motors and values of the robot that its model maps, in one exchange.
+/// /R/channel: all motors and values that the robot's model maps, in one exchange.
 class ChannelDevice final : public SensorDevice {
  public:
   using SensorDevice::SensorDevice;
@@ -111,10 +111,10 @@ class ChannelDevice final : public SensorDevice {
   std::string StepNote(const Frame& frame, int robot) const override;
 };
 
-/// /R/joints: a control board, a group of joints that are driven one by one.
+/// /R/joints: a control board, a group of individually driven joints.
 class JointsDevice final : public Device {
  public:
-  /// Of model.actuators[actuator]. `table` and `model` outlive it.
+  /// For model.actuators[actuator]. `table` and `model` outlive it.
   JointsDevice(const CommandTable& table, const RobotModel& model, std::size_t actuator);
 
   bool is_actuator() const override { return true; }
@@ -127,17 +127,17 @@ class JointsDevice final : public Device {
  private:
   std::span<const ChannelState> Channels(const Frame& frame, int robot) const;
   const JointControl& Control(const Frame& frame, int robot, std::size_t joint) const;
-  /// What the encoder says.
+  /// The encoder's reading.
   double Measured(const Frame& frame, int robot, std::size_t joint) const;
   Message ReadChain() const;
 
   const RobotModel& model_;
   const ActuatorModel& actuator_;
   const BoardModel& board_;
-  std::size_t first_channel_ = 0, first_control_ = 0;  // among the robot's
+  std::size_t first_channel_ = 0, first_control_ = 0;  // among the robot's channels and controls
 };
 
-/// /R/muscles and /R/thrusters: actuators that take one number each, an activation, a force or a torque.
+/// /R/muscles and /R/thrusters: actuators with one input each, an activation, a force or a torque.
 class ActuatorsDevice final : public Device {
  public:
   /// `table` and `model` outlive it.
@@ -154,19 +154,18 @@ class ActuatorsDevice final : public Device {
   const JointModel& JointOf(std::size_t index) const {
     return model_.joints[static_cast<std::size_t>(actuator_.joints[index])];
   }
-  /// Those that the params name; `why` says what is wrong with them.
+  /// The actuators that the request's params name; `why` is set if the params are not valid.
   std::vector<std::size_t> Chosen(const Message& request, std::string& why) const;
   void Append(const Frame& frame, int robot, std::size_t index, std::vector<double>& data) const;
 
   const RobotModel& model_;
   const ActuatorModel& actuator_;
-  const std::size_t first_channel_;  // among the robot's
+  const std::size_t first_channel_;  // among the robot's channels
 };
 
 class MotorsDevice final : public Device {
  public:
-  /// `table` outlives it.
-  /// `first_channel`: of the left wheel among the robot's; the right one follows.
+  /// `table` outlives it. `first_channel`: the left wheel's among the robot's; the right wheel's follows.
   MotorsDevice(const CommandTable& table, const DriveModel& drive, std::size_t first_channel)
       : Device(table), drive_(drive), first_channel_(first_channel) {}
 

@@ -15,7 +15,7 @@ namespace coopdyn {
 
 namespace {
 
-/// The mode that a command puts joints into.
+/// The control mode that a command selects.
 std::optional<ControlMode> ModeOf(command::Id command) {
   switch (command) {
     case command::kSetPositions:
@@ -33,7 +33,7 @@ std::optional<ControlMode> ModeOf(command::Id command) {
   }
 }
 
-/// Values for each joint that the data of a request has; 0: it has none.
+/// Number of values per joint in a request's data; 0: none.
 std::size_t DataPerJoint(command::Id command) {
   if (IsTuning(command)) return ValuesPerJoint(command);
   return ModeOf(command) || command == command::kSetModes ? 1 : 0;
@@ -219,7 +219,7 @@ Message JointsDevice::ReadChain() const {
       std::ranges::all_of(model_.joints, [](const JointModel& j) { return j.start == 0; });
   const RobotModel zeroed = starts_at_zero ? RobotModel() : AtZero(model_);
   const RobotModel& model = starts_at_zero ? model_ : zeroed;
-  std::vector<std::size_t> chain;  // from the tool to the base; index into the board's joints
+  std::vector<std::size_t> chain;  // from the tool to the base; indices into the board's joints
   const int link = model.joints[static_cast<std::size_t>(actuator_.joints.back())].child;
   const LinkModel& last = model.links[static_cast<std::size_t>(link)];
   const FrameModel tool = board_.tool ? *std::ranges::find(model.frames, board_.tool->name, &FrameModel::name)

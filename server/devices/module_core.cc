@@ -153,7 +153,7 @@ std::optional<Message> ModuleCore::TakeHello(ModuleClient& client, const Message
                     kMaxClientName));
   }
   const bool says = words.size() == 2;
-  // From this machine no token is needed, so a wrong one is no attempt.
+  // Local clients need no token, so a wrong one does not count as an attempt.
   if (client.trusted || !says) {
     client.has_token |= says && guard_.Matches(words[1]);
     client.client.name = std::move(words[0]);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the modules of robots and of the simulation do alike with their connections: who is there, the one
-// request that each waits for, the reply when it can be given, subscriptions. Free of sockets. One thread:
-// the inbox's.
+// Connection handling shared by the modules of robots and of the simulation: the connections, the one pending
+// request of each, delayed replies, subscriptions. Free of sockets. One thread: the inbox's.
 #pragma once
 
 #include <concepts>
@@ -22,18 +21,18 @@
 
 namespace coopdyn {
 
-/// A connection, and the request that it waits for.
+/// A connection and its pending request.
 struct ModulePeer {
   Connection* connection = nullptr;
   ModuleClient client;
-  ReplyFunction reply;  // null: nothing is waiting
+  ReplyFunction reply;  // null: no request is pending
   command::Id command = 0;
-  std::string text;  // of the reply
+  std::string text;  // text of the reply
 
   ClientId id() const { return client.client.id; }
 };
 
-/// What every module acts on; all outlives it.
+/// The services of every module; all outlive it.
 struct ModuleServices {
   CommandBoard& board;
   ConnectionRoster& roster;
@@ -42,7 +41,7 @@ struct ModuleServices {
   std::string version;
 };
 
-/// `Peer` may keep more about a connection than every module does.
+/// `Peer` may extend the data kept per connection.
 template <std::derived_from<ModulePeer> Peer>
 class PeerModule : public Endpoint, protected ReadingSource, private StepListener {
  public:
@@ -113,14 +112,14 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
     return DescribeWaiting(board().Awaiting(services_.clock.Now(), 1, &total));
   }
 
-  /// Closes that connection with a notice, if it is one of this module's.
+  /// Closes the client's connection with a notice, if it belongs to this module.
   void CloseClient(ClientId client, const std::string& reason) {
     if (Peer* const peer = FindPeer(client)) peer->connection->Close(reason);
   }
 
  protected:
-  /// Any thread. `table` and `inbox` may be members of the class that derives. When it is
-  /// destroyed it closes the inbox, or calls StopListening().
+  /// Any thread. `table` and `inbox` may be members of the derived class. Its destructor must close the inbox
+  /// or call StopListening().
   PeerModule(ModuleServices services, std::string path, const CommandTable& table, StepInbox& inbox)
       : services_(std::move(services)),
         path_(std::move(path)),
@@ -128,31 +127,31 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
         inbox_(inbox),
         core_(table_, *this, services_.guard, services_.version) {}
 
-  /// The error reply to a request that cannot be; nothing if it is fine.
+  /// The error reply to an invalid request; nullopt if it is valid.
   virtual std::optional<Message> Refuse(const Message& request) const { return core_.Refuse(request); }
-  /// Answers at once; nothing if the reply comes later, by Finish() or when a wait ends.
+  /// The immediate answer; nullopt if the reply comes later, by Finish() or at the end of a wait.
   virtual std::optional<Message> Answer(Peer& peer, const Message& request) = 0;
-  /// After the reply of Answer() to `request`; `done`: it was no error.
+  /// Called after the reply of Answer() to `request`; `done`: it was no error.
   virtual void OnAnswered(const Message& /*request*/, bool /*done*/) {}
-  /// The reply to the request that `peer` waits for, after the step has run.
+  /// The reply to the pending request of `peer` after the step has run.
   virtual Message Stepped(Peer& peer, const StepResult& result) {
     return core_.StepReply(peer.client, peer.command, std::move(peer.text), *result.frame, result.mode);
   }
-  /// Who has replaced a client whose wait ended so; empty if that is not told.
+  /// The client that has replaced another one whose wait ended with kReplaced; empty if not known.
   virtual std::string NewOwner() { return {}; }
-  /// In real time, before Answer(): tells the board that the client lives.
+  /// In real time, before Answer(): reports to the board that the client is alive.
   virtual void Heard(const Peer& /*peer*/, Nanoseconds /*now*/) {}
-  /// Before the subscriptions of `peer` are served.
+  /// Called before the subscriptions of `peer` are served.
   virtual void BeforePush(Peer& /*peer*/, const Frame& /*frame*/) {}
-  /// The client sends no more; its connection is gone.
+  /// The client's input has ended, or its connection is closed.
   virtual void InputEnded(ClientId /*client*/) {}
   virtual void Closed(ClientId /*client*/) {}
-  // ReadingSource, for modules to which nothing can be attached
+  // ReadingSource, for modules without attachable readings
   std::span<const std::string> attachable() const override { return {}; }
   void AppendReading(std::size_t, const Frame&, std::vector<double>&) override {}
 
-  /// Answers the common commands that concern nobody else, and everything before the first frame; otherwise
-  /// `frame` is the newest one.
+  /// Answers the common commands, and every request before the first frame. Otherwise sets `frame` to the
+  /// newest one and returns nullopt.
   std::optional<Message> AnswerCommon(Peer& peer, const Message& request, FramePtr& frame) {
     frame = inbox_.Current();
     if (frame == nullptr)
@@ -162,29 +161,29 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
     if (common) ListenForSteps();
     return common;
   }
-  /// `hello`: takes name and token; an error reply, or nothing if it is fine.
+  /// `hello`: stores name and token. Returns an error reply, or nullopt on success.
   std::optional<Message> TakeHello(Peer& peer, const Message& request) {
     std::optional<Message> refusal = core_.TakeHello(peer.client, request, services_.clock.Now());
     if (!refusal) services_.roster.SetName(peer.id(), peer.client.client.name);
     return refusal;
   }
-  /// A reply without error to `request`, stamped with the newest frame.
+  /// A successful reply to `request`, stamped with the newest frame.
   Message Done(const Message& request, std::string text = {}) {
     Message reply = ReplyTo(request.command, std::move(text));
     ModuleCore::Stamp(reply, *inbox_.Current());
     return reply;
   }
-  /// What to hand to the board: Stepped() makes the reply when the wait ends.
+  /// The callback for the board; Stepped() makes the reply when the wait ends.
   StepDone Waiter(const Peer& peer) { return inbox_.Waiter(*this, peer.id()); }
-  /// Null: the connection is gone, or waits for nothing.
+  /// Null if the connection is gone or has no pending request.
   Peer* FindWaiting(ClientId client) {
     Peer* const peer = FindPeer(client);
     return peer != nullptr && peer->reply ? peer : nullptr;
   }
-  /// Gives the reply that `peer` waits for.
+  /// Replies to the pending request of `peer`.
   static void Finish(Peer& peer, Message reply) { std::exchange(peer.reply, nullptr)(std::move(reply)); }
 
-  /// Sends `reading` once more to those who have subscribed to it, though no step has run.
+  /// Sends `reading` again to its subscribers although no step has run.
   void PushAgain(command::Id reading) {
     const StepInbox::Scope scope(inbox_);
     const FramePtr frame = inbox_.Current();
@@ -221,7 +220,7 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
     return taken || !ModuleCore::MayKeep(*frame);
   }
 
-  /// Null: the connection is gone.
+  /// Null if the connection is gone.
   Peer* FindPeer(ClientId client) {
     if (recent_ != nullptr && recent_->id() == client) return recent_;
     const auto found = peers_.find(client);
@@ -243,7 +242,7 @@ class PeerModule : public Endpoint, protected ReadingSource, private StepListene
   StepInbox& inbox_;
   ModuleCore core_;
   std::unordered_map<ClientId, Peer> peers_;
-  Peer* recent_ = nullptr;  // of peers_: mostly the same one is meant again
+  Peer* recent_ = nullptr;  // of peers_: usually the next one needed
 };
 
 }  // namespace coopdyn

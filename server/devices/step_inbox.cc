@@ -22,7 +22,7 @@ bool IsLater(const Frame& a, const Frame& b) {
 
 }  // namespace
 
-/// What other threads put into.
+/// The part that other threads write to.
 class StepInbox::Mailbox {
  public:
   Mailbox(Post post, const Post& hand_over, StepInbox* owner)
@@ -58,7 +58,7 @@ class StepInbox::Mailbox {
       self->items_.push_back(std::move(item));
       if (!self->NeedsWake()) return;
     }
-    // In real time the stepping thread only wakes others: its periods are for physics.
+    // In real time the stepping thread only wakes other threads: its periods are for physics.
     Wake(self, result.mode == Mode::kLockstep ? self->hand_over_ : self->post_);
   }
 
@@ -79,8 +79,8 @@ class StepInbox::Mailbox {
     busy_on_ = std::this_thread::get_id();
   }
 
-  /// Appends all to `queue`; false if there was nothing, and then, with `leave`, no longer busy. `patient`:
-  /// frames alone are nothing, and need not wake the owner.
+  /// Appends all items to `queue`. Returns false if there are none; then, with `leave`, the owner is no
+  /// longer busy. `patient`: frames alone do not count, and need not wake the owner.
   bool TakeInto(std::deque<Item>& queue, bool leave, bool patient) {
     const MutexLock lock(mutex_);
     if (items_.size() == (patient ? frames_ : 0)) {
@@ -114,7 +114,7 @@ class StepInbox::Mailbox {
     return true;
   }
 
-  /// Removes the oldest frame; returns how many frames are lost with it that no later frame tells of.
+  /// Removes the oldest frame; returns the number of lost frames that no later frame reports.
   int DropOldest() REQUIRES(mutex_) {
     const auto oldest =
         std::find_if(items_.begin(), items_.end(), [](const Item& item) { return item.frame != nullptr; });
@@ -136,7 +136,8 @@ class StepInbox::Mailbox {
         self->posted_ = false;
         owner = self->owner_;
       }
-      // On the owner's thread, which also destroys it, or in that thread's turn: it lives while this runs.
+      // Runs on the owner's thread, which also destroys the owner, or in that thread's turn: the owner is
+      // alive.
       if (owner != nullptr) Scope scope(*owner);
     });
   }
@@ -145,9 +146,10 @@ class StepInbox::Mailbox {
   Mutex mutex_;
   std::deque<Item> items_ GUARDED_BY(mutex_);
   std::size_t frames_ GUARDED_BY(mutex_) = 0;   // in items_
-  bool posted_ GUARDED_BY(mutex_) = false;      // a wake-up is under way
-  std::thread::id busy_on_ GUARDED_BY(mutex_);  // the owner is in a Scope there and looks here when it leaves
-  bool patient_ GUARDED_BY(mutex_) = false;     // the owner need not be woken for frames
+  bool posted_ GUARDED_BY(mutex_) = false;      // a wake-up is pending
+  std::thread::id busy_on_ GUARDED_BY(mutex_);  // the owner is in a Scope on this thread and looks here when
+                                                // it leaves
+  bool patient_ GUARDED_BY(mutex_) = false;     // frames need not wake the owner
   bool closed_ GUARDED_BY(mutex_) = false;
   StepInbox* owner_ GUARDED_BY(mutex_);
 };
@@ -173,7 +175,7 @@ void StepInbox::Enter(ClientId asking) {
 }
 
 void StepInbox::Leave() {
-  // Stays "inside" while handling: a listener that opens a Scope here must not start handling again.
+  // depth_ stays above 0 meanwhile: a listener that opens a Scope must not start handling again.
   if (depth_ == 1) {
     asking_ = 0;
     do {
@@ -222,8 +224,8 @@ FramePtr StepInbox::Current() {
   FramePtr latest = frames_.Latest();
   if (observer_ == 0 || latest == nullptr || patient_) return latest;
   HandleFrames();
-  // A frame is published before its observers are called: its pushes are made now, the observer's call is
-  // then ignored.
+  // A frame is published before its observers are called. Makes its pushes now; the observer's call is then
+  // ignored.
   if (seen_ == nullptr || IsLater(*latest, *seen_)) Deliver(latest, 0);
   return latest;
 }
@@ -253,7 +255,7 @@ void StepInbox::Subscribe(StepListener& listener) {
   if (std::find(listeners_.begin(), listeners_.end(), &listener) != listeners_.end()) return;
   listeners_.push_back(&listener);
   if (observer_ != 0) return;
-  // The step that is newest now is not pushed: the reply to `subscribe` reports it already.
+  // The newest step is not pushed: the reply to `subscribe` reports it already.
   seen_ = frames_.Latest();
   observer_ =
       board_.AddObserver([mailbox = mailbox_](const FramePtr& frame) { Mailbox::PutFrame(mailbox, frame); });

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Brings what happens on the stepping thread to the thread of a robot (or of control): who is to be answered,
-// and the frames that subscriptions are made of. In order: the frame of a step before the answers that report
-// it; nothing is lost but, when 64 frames wait, the oldest of them, which is counted.
+// Brings results of the stepping thread to the thread of a robot (or of control): ends of waits, and frames
+// for subscriptions. Items arrive in order: a step's frame before the answers that report it. Nothing is
+// lost, except that with 64 waiting frames the oldest is dropped and counted.
 //
 // The stepping thread may be the robot's own: a command that makes the last robot ready runs the step inside
-// CommandBoard::Command(). So a robot's thread opens a Scope around whatever it does. The answer to the very
-// request that the scope is for is there when the board returns (TakeOwn()); what else comes meanwhile, from
-// any thread, is handled when the outermost scope closes, without a wake-up. Otherwise one Post() brings the
-// whole batch; or, in lockstep, the stepping thread does it itself if this one rests (hand-over).
+// CommandBoard::Command(). So a robot's thread opens a Scope around all its work. The result of the scope's
+// own request is available when the board returns (TakeOwn()). Items that arrive meanwhile, from any thread,
+// are handled when the outermost scope closes, without a wake-up. Otherwise one Post() brings the whole
+// batch; or, in lockstep, the stepping thread handles it itself if this thread sleeps (hand-over).
 #pragma once
 
 #include <cstddef>
@@ -24,39 +24,40 @@
 
 namespace coopdyn {
 
-/// Is told about steps, on the thread of the inbox, within a Scope.
+/// Receives step events on the inbox's thread, within a Scope.
 class StepListener {
  public:
   virtual ~StepListener() = default;
   /// The wait of `client` has ended.
   virtual void OnStepEnd(ClientId client, const StepResult& result) = 0;
-  /// A step has run; `dropped` frames before it were lost. Only while subscribed. False: nobody takes
-  /// anything now, so that the next ones wait: the newest of them come after TakesMore().
+  /// A step has run; `dropped` frames before it were lost. Called only while subscribed. Returns false if no
+  /// client accepts pushes now: later frames wait, and the newest of them are delivered after TakesMore().
   virtual bool OnFrame(const FramePtr& frame, int dropped) = 0;
 };
 
-/// Its owner's thread only, unless said otherwise. Listeners outlive it, or its owner's thread has stopped.
+/// Used only on its owner's thread, unless stated otherwise. Listeners outlive it, or its owner's thread has
+/// stopped.
 class StepInbox {
  public:
-  /// Frames that wait at most: as many as pushes of one connection, so that no more are lost than there.
+  /// Limit of waiting frames: as large as that of a connection's pushes, so no more are lost here than there.
   static constexpr std::size_t kMaxFrames = 64;
-  /// Runs a function on the owner's thread, later; called from any thread, also when that has ended: a step
-  /// that is under way may still bring something to a robot that a load drops. Then it does nothing.
+  /// Runs a function on the owner's thread, later. Called from any thread, and does nothing once that thread
+  /// has ended: a running step may still have a result for a robot that a load drops.
   using Post = std::function<void(std::function<void()>)>;
 
-  /// Any thread. `board` and `frames` outlive it. `hand_over`: as `post`, but runs the function at once on
-  /// the calling thread if the owner's rests; null: as `post`.
+  /// Any thread. `board` and `frames` outlive it. `hand_over`: like `post`, but if the owner's thread sleeps,
+  /// runs the function at once on the calling thread; null: `post`.
   StepInbox(CommandBoard& board, const FrameBoard& frames, Post post, const Post& hand_over = nullptr);
-  /// Close().
+  /// Calls Close().
   ~StepInbox();
   StepInbox(const StepInbox&) = delete;
   StepInbox& operator=(const StepInbox&) = delete;
 
-  /// Ends all subscriptions; what still comes is ignored.
+  /// Ends all subscriptions; ignores later items.
   void Close();
 
-  /// While one is open nothing is handled; closing the outermost handles everything. `asking`: whose request
-  /// it is for; 0: nobody's.
+  /// While a scope is open, nothing is handled; closing the outermost scope handles everything. `asking`: the
+  /// client whose request the scope is for; 0: none.
   class Scope {
    public:
     explicit Scope(StepInbox& inbox, ClientId asking = 0) : inbox_(inbox) { inbox_.Enter(asking); }
@@ -68,28 +69,27 @@ class StepInbox {
     StepInbox& inbox_;
   };
 
-  /// The newest frame. With subscriptions, the pushes up to its step have been made, unless no listener takes
-  /// any. Null before the first one.
+  /// The newest frame; null before the first one. With subscriptions, the pushes up to its step have been
+  /// made, unless no listener accepts any.
   FramePtr Current();
-  /// A listener that took no frames takes them again: hands out those that have waited for it.
+  /// A listener that refused frames accepts them again: delivers the waiting ones.
   void TakesMore();
-  /// The result for the request that the present Scope is for, if the step has run inside this Scope. With
-  /// subscriptions, the pushes up to its step have been made, unless no listener takes any.
+  /// The result of the current Scope's request, if the step ran inside this Scope. With subscriptions, the
+  /// pushes up to its step have been made, unless no listener accepts any.
   std::optional<StepResult> TakeOwn();
-  /// What to hand to the board: it brings the result to `listener` on this thread.
+  /// The callback for the board: brings the result to `listener` on this thread.
   StepDone Waiter(StepListener& listener, ClientId client);
-  /// Runs what it is given on this thread, within a Scope, in order with everything else; never after
-  /// Close(). To be called from any thread, also when the inbox is gone.
+  /// Runs its argument on this thread, within a Scope, in order with all other items; never after Close().
+  /// May be called from any thread, even after the inbox is destroyed.
   using Poster = std::function<void(std::function<void()>)>;
   Poster MakePoster();
-  /// The listener gets the frames of the steps from now on. The board is asked for them only while somebody
-  /// is subscribed, so that a step wakes this thread only then.
+  /// The listener receives the frames of later steps. Without subscribers, steps don't wake this thread.
   void Subscribe(StepListener& listener);
   void Unsubscribe(StepListener& listener);
 
  private:
   struct Item {
-    FramePtr frame;  // of a step; null: `result` is for `listener`, or `work` is to be done
+    FramePtr frame;  // of a step; null: `result` for `listener`, or `work`
     int dropped = 0;
     StepListener* listener = nullptr;
     ClientId client = 0;
@@ -100,26 +100,25 @@ class StepInbox {
 
   void Enter(ClientId asking);
   void Leave();
-  /// Moves what has come into queue_; false if nothing has. `leave`: then nothing is expected to be fetched
-  /// any more.
+  /// Moves arrived items into queue_; returns false if there are none. `leave`: then leaves the busy state.
   bool Fetch(bool leave);
   void Handle(Item& item);
-  /// Hands out all queued frames, leaving the answers.
+  /// Delivers all queued frames, but not the results.
   void HandleFrames();
   void Deliver(const FramePtr& frame, int dropped);
 
   CommandBoard& board_;
   const FrameBoard& frames_;
-  const std::shared_ptr<Mailbox> mailbox_;  // shared with callbacks that are under way on other threads
+  const std::shared_ptr<Mailbox> mailbox_;  // shared with callbacks running on other threads
   std::vector<StepListener*> listeners_;    // the subscribed ones
   std::uint64_t observer_ = 0;              // key at the board; 0: none
-  FramePtr seen_;                           // the last one delivered; only while there is an observer
-  bool patient_ = false;                    // no listener takes anything now: frames wait in the mailbox
+  FramePtr seen_;                           // last delivered frame; null without observer
+  bool patient_ = false;                    // no listener accepts frames now: they wait in the mailbox
   std::deque<Item> queue_;
-  std::size_t next_ = 0;  // of queue_
+  std::size_t next_ = 0;  // index into queue_
   int depth_ = 0;
-  ClientId asking_ = 0;            // whom the outermost Scope is for
-  std::optional<StepResult> own_;  // of `asking_`
+  ClientId asking_ = 0;            // the client that the outermost Scope is for
+  std::optional<StepResult> own_;  // result for asking_
 };
 
 }  // namespace coopdyn

@@ -22,7 +22,7 @@ const Target& TargetOf(const Frame& frame, const Sighting& sighting) {
   return frame.scene->targets[static_cast<std::size_t>(sighting.index)];
 }
 
-/// What a client may ask for instead: `red (1), green (2)`.
+/// The available targets, for error messages: `red (1), green (2)`.
 std::string TargetsOf(const Scene& scene) {
   std::string list;
   for (const Target& target : scene.targets) {

@@ -48,7 +48,7 @@ struct NameClient::Impl {
   void Add(Task task) {
     {
       MutexLock lock(mutex);
-      // What has been said of this name and not been told yet is out of date, unless it is being told.
+      // Drops requests about this name that are queued but not being sent: they are out of date.
       const auto first = tasks.begin() + (busy ? 1 : 0);
       tasks.erase(std::remove_if(first, tasks.end(), [&](const Task& t) { return t.name == task.name; }),
                   tasks.end());
@@ -70,7 +70,7 @@ struct NameClient::Impl {
     });
   }
 
-  /// Asks now and then whether the server still knows a name of ours: one that was started again does not.
+  /// Checks periodically whether the server still knows one of our names: after a restart it does not.
   asio::awaitable<void> Check() {
     asio::steady_timer pause(thread.context());
     while (true) {
@@ -97,7 +97,7 @@ struct NameClient::Impl {
     for (const auto& [name, line] : names) Add({name, line, Task::Kind::kRegister});
   }
 
-  /// Tells the server the tasks, one after the other, until there are none.
+  /// Sends the queued requests one after the other until none is left.
   asio::awaitable<void> TellAll() {
     std::string failure_told;
     while (true) {
@@ -131,9 +131,9 @@ struct NameClient::Impl {
     return tasks.front();
   }
 
-  /// Makes the request of `task`; the answer ends with a line that starts with '*' or '['. Returns what went
-  /// wrong; empty: it was answered. Then `refusal` is that line, or empty if the server has registered a
-  /// name.
+  /// Sends the request of `task`; the answer ends with a line that starts with '*' or '['. Returns an error
+  /// text, or empty if the server answered. Then `refusal` is that last line, or empty if the server returned
+  /// a registration.
   asio::awaitable<std::string> Ask(const Task& task, std::string& refusal) {
     const auto server = Dialled::Begin(thread.context(), kAnswerWithin);
     try {
@@ -176,8 +176,8 @@ struct NameClient::Impl {
 
   Mutex mutex;
   ConditionVariable idle;
-  std::deque<Task> tasks GUARDED_BY(mutex);                         // while busy the first is being told
-  std::map<std::string, std::string> registered GUARDED_BY(mutex);  // names, and the lines that register them
+  std::deque<Task> tasks GUARDED_BY(mutex);                         // while busy, the first is being sent
+  std::map<std::string, std::string> registered GUARDED_BY(mutex);  // names and their registration lines
   bool checking GUARDED_BY(mutex) = false;
   bool busy GUARDED_BY(mutex) = false;
 

@@ -38,7 +38,7 @@ Words Split(std::string_view line) {
   }
 }
 
-/// The n-th word, or empty if it is missing or to be filled in by us.
+/// The n-th word; empty if it is missing or "..." (to be filled in by us).
 std::string WordAt(const Words& words, std::size_t n) {
   return n < words.size() && words[n] != kAutomatic ? words[n] : std::string();
 }
@@ -49,7 +49,7 @@ std::string Join(const Words& words, std::size_t first) {
   return text;
 }
 
-/// What a peer sent, uncut, as a terminal may see it.
+/// A peer's text, uncut, safe for a terminal.
 std::string Whole(const std::string& text) {
   return Printable(text, text.size());
 }
@@ -63,7 +63,7 @@ bool IsHttp(std::string_view line) {
          std::all_of(method.begin(), method.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
 }
 
-/// A name that can be opened.
+/// A name that can be opened, for messages.
 std::string ExampleName(const NameTable& table) {
   for (const NameEntry& entry : table.List()) {
     if (entry.adopt && entry.name.find('/', 1) != std::string::npos) return entry.name;  // a robot's
@@ -71,7 +71,7 @@ std::string ExampleName(const NameTable& table) {
   return "/robot1/motors";
 }
 
-/// One request with its context: each answer is a member.
+/// Answers one request in its context: one member per verb.
 class Answerer {
  public:
   Answerer(Words words, const NameContext& context, NameTable& table)
@@ -130,7 +130,7 @@ class Answerer {
 
   std::optional<NameEntry> Find(const std::string& name) const {
     std::optional<NameEntry> entry = table_.Find(name);
-    // A port of ours goes before another program's of its name.
+    // Our own port goes before another program's of the same name.
     if (context_.hooks != nullptr && (!entry || entry->external)) {
       context_.hooks->open(name.starts_with('/') ? name : "/" + name, asker_.ip);
       entry = table_.Find(name);
@@ -164,7 +164,7 @@ class Answerer {
     table_.Touch(name, asker_.now);
     if (context_.hooks == nullptr || name.empty()) return {"[ok]\r\n"};
     for (const Subscription& each : table_.Subscriptions(name)) {
-      Find(each.from);  // it may have been closed
+      Find(each.from);  // the port may have been closed since
       context_.hooks->connect(each, true);
     }
     return {"[ok]\r\n"};
@@ -198,8 +198,8 @@ class Answerer {
     const std::string digits = WordAt(words_, 4);
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
     if (!digits.empty() && (error != std::errc() || end != digits.data() + digits.size())) port = -1;
-    if (digits == "-1") port = 0;  // so a port asks that tells the type of its data, which is the next word
-    Find(WordAt(words_, 1));       // so nobody takes the name of a port of ours that is not open yet
+    if (digits == "-1") port = 0;  // sent by ports that give the type of their data, the next word
+    Find(WordAt(words_, 1));       // reserves the name of one of our ports that is not open yet
     NameTable::Change change =
         table_.Register(WordAt(words_, 1), WordAt(words_, 2), WordAt(words_, 3), port, asker_);
     return change.refused.empty() ? End(Registration(change.entry)) : Refused(change.refused);

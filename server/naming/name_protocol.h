@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The words of the name server: one request line in, the reply out. YARP's plain-text name protocol, the same
-// without its prefix for people, and OPEN. No sockets; any thread.
+// The name server's protocol: one request line in, the reply out. Supports YARP's plain-text name protocol,
+// the same without its prefix for people, and OPEN. No sockets; any thread.
 //
 //   NAME_SERVER query /robot1/motors      registration name /robot1/motors ip 127.0.0.1 port 10002 type tcp
 //                                         *** end of message
@@ -19,39 +19,38 @@
 
 namespace coopdyn {
 
-/// What the rest of the daemon does for the name server, on its thread.
+/// Hooks into the rest of the daemon, called on the name server's thread.
 struct NameHooks {
-  /// Opens a name of ours that is there only when somebody asks for it, if there is such a one. `asker`: its
-  /// address.
+  /// Opens one of our ports that exist only on demand, if `name` is one. `asker`: the asker's address.
   std::function<void(const std::string& name, const std::string& asker)> open;
-  /// Tells the port `from` to send to `to` from now on, or no longer.
+  /// Makes the port `from` start or stop sending to `to`.
   std::function<void(const Subscription& subscription, bool connects)> connect;
 };
 
-/// Who asks, and where.
+/// The asker and the place it asked.
 struct NameContext {
   std::string asked_at;    // the address that the request reached
   std::string peer_ip;     // of the asker
-  std::string advertise;   // the address of our own names in every answer; empty = asked_at
+  std::string advertise;   // address of our own names in every answer; empty: asked_at
   Nanoseconds now = 0;     // by the daemon's clock
-  bool read_only = false;  // no name may come or go
+  bool read_only = false;  // names may not be added or removed
   const NameHooks* hooks = nullptr;
 };
 
 struct NameReply {
-  std::string text;         // to be sent
-  AdoptFunction open = {};  // then the connection goes here
-  std::string opened = {};  // under this name
-  bool close = false;       // then the connection is closed
+  std::string text;         // to be sent first
+  AdoptFunction open = {};  // then receives the connection; null: none
+  std::string opened = {};  // the name that is opened
+  bool close = false;       // close the connection after `text`
 };
 
-/// Answers one request. `line` has no end of line; a trailing '\r' does not matter.
+/// Answers one request. `line` has no end of line; a trailing '\r' is ignored.
 NameReply AnswerNameLine(std::string_view line, const NameContext& context, NameTable& table);
 
-/// The name in an address with a carrier: "tcp://clock" is /clock.
+/// The name within an address with a carrier: "/clock" for "tcp://clock".
 std::string NameInAddress(std::string_view address);
 
-/// The answer to a module's binary magic on the name port.
+/// The answer to a module's binary magic at the name port.
 NameReply AnswerMagic(const NameTable& table);
 
 }  // namespace coopdyn

@@ -38,26 +38,26 @@ constexpr std::size_t kMaxUnwritten = std::size_t{64} << 10;
 constexpr std::chrono::seconds kLinger{5};
 constexpr const char* kLoopback = "127.0.0.1";
 
-/// The usual loopback address, and at most that of IPv6 besides.
+/// True for the IPv4 loopback address, with or without IPv6's.
 bool IsLoopbackOnly(const std::vector<std::string>& addresses) {
   return std::find(addresses.begin(), addresses.end(), kLoopback) != addresses.end() &&
          std::all_of(addresses.begin(), addresses.end(),
                      [](const std::string& address) { return address == kLoopback || address == "::1"; });
 }
 
-/// What is said to a client of the unix socket is as if it had come by loopback.
+/// Clients of the unix socket count as loopback.
 std::string IpOf(const SocketAddress& address) {
   return address.ip.empty() ? kLoopback : address.ip;
 }
 
-/// A connection that is ours.
+/// A connection not yet passed on to a module.
 struct Client {
   Socket socket;
   const PeerInfo peer;
   NameContext context;
   std::string in = {};
   bool first_bytes = true;
-  std::optional<NameTalk> talk = {};  // it has connected as to a port of YARP
+  std::optional<NameTalk> talk = {};  // set if it speaks to a YARP port
 };
 
 NameReply TooLong() {
@@ -72,8 +72,8 @@ NameReply AnswerLine(std::string_view line, Client& client, NameTable& table) {
   return client.talk ? NameReply{client.talk->Welcome()} : AnswerNameLine(line, client.context, table);
 }
 
-/// The answers to the lines that are there, as one: up to a line that closes the connection or opens a
-/// module, and to kMaxUnwritten.
+/// Answers the complete lines received, as one reply: up to a line that closes the connection or opens a
+/// module, and up to kMaxUnwritten bytes.
 NameReply AnswerLines(Client& client, NameTable& table, const Clock& clock) {
   NameReply all;
   const auto add = [&all](NameReply reply) {
@@ -136,8 +136,8 @@ struct NameServer::Impl : std::enable_shared_from_this<NameServer::Impl> {
                    });
   }
 
-  /// Lines in, answers out, one after the other, until the client goes, is sent away, or OPEN gives it away.
-  /// As long as its socket is open, *this is there.
+  /// Reads lines and sends answers one after the other, until the client leaves, is disconnected, or OPEN
+  /// passes it on. *this lives at least as long as the client's socket is open.
   asio::awaitable<void> Talk(std::shared_ptr<Client> client) {
     Socket& socket = client->socket;
     char block[1024];

@@ -17,7 +17,7 @@ constexpr std::size_t kMaxNameBytes = 255;
 constexpr std::size_t kMaxTypeBytes = 32;
 constexpr std::size_t kMaxIpBytes = 64;
 
-/// Names that only the daemon may have, whether they are there or not.
+/// Names reserved for the daemon, whether in use or not.
 constexpr std::array<std::string_view, 7> kReserved = {"/simulation", "/world", "/swarm", "/playback",
                                                        "/recorder",   "/root",  "/clock"};
 
@@ -33,7 +33,7 @@ bool IsThisMachine(const std::string& ip) {
   return ip.empty() || ip == "::1" || ip.starts_with("127.");
 }
 
-/// As entries keep it: this machine has many addresses.
+/// The registrar as entries store it: this machine has many addresses.
 std::string RegistrarOf(const NameAsker& asker) {
   return IsThisMachine(asker.ip) ? std::string() : asker.ip;
 }
@@ -48,7 +48,7 @@ std::string RightProblem(const NameEntry& entry, const NameAsker& asker) {
          ": only programs there" + (here ? "" : " or on the daemon's machine") + " may change it";
 }
 
-/// What an entry takes, roughly.
+/// The approximate size of an entry.
 std::size_t Bytes(const NameEntry& entry) {
   constexpr std::size_t kAlways = 128;
   std::size_t bytes = kAlways + entry.name.size() + entry.ip.size() + entry.type.size();
@@ -120,12 +120,12 @@ std::vector<NameEntry> NameTable::List(std::string_view prefix) const {
 }
 
 std::string NameTable::Nearest(std::string_view name) const {
-  constexpr std::size_t kLongest = 100;  // of what somebody typed
+  constexpr std::size_t kLongest = 100;  // longer input gets no suggestion
   if (name.size() > kLongest) return {};
   const std::string wanted = WithSlash(name);
   MutexLock lock(mutex_);
   std::string nearest;
-  std::size_t best = 2 + wanted.size() / 4;  // beyond it nobody meant that
+  std::size_t best = 2 + wanted.size() / 4;  // a larger distance is no misspelling
   for (const auto& [candidate, entry] : entries_) {
     if (candidate.size() >= wanted.size() + best || wanted.size() >= candidate.size() + best) continue;
     const std::size_t distance = EditDistance(wanted, candidate);
@@ -134,7 +134,7 @@ std::string NameTable::Nearest(std::string_view name) const {
       nearest = candidate;
     }
   }
-  // "robot1" alone: what drives it, or its first module.
+  // For "robot1" alone: its motors, or its first module.
   if (entries_.contains(wanted + "/motors")) return wanted + "/motors";
   const auto module = entries_.lower_bound(wanted + "/");
   if (module != entries_.end() && module->first.starts_with(wanted + "/")) return module->first;

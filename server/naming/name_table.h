@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Which module is where: the daemon's own names, and those that other programs register with it. No sockets.
-// Any thread.
+// Maps names to addresses: the daemon's own names, and those that other programs register. No sockets.
+// Thread-safe.
 #pragma once
 
 #include <compare>
@@ -19,7 +19,7 @@
 
 namespace coopdyn {
 
-/// Whether an own name is a module's, or another one of it for programs of YARP.
+/// Whether an own name is a module's, or an alias of it for YARP's programs.
 enum class NameKind { kModule, kAlias };
 
 /// One name.
@@ -32,33 +32,33 @@ struct NameEntry {
   NameKind kind = NameKind::kModule;
   AdoptFunction adopt = {};                            // hands it a connection; empty if external
   std::map<std::string, std::string> properties = {};  // `set` key values, of external names
-  std::string registrar = {};  // the address that registered it; empty: this machine, or our own
+  std::string registrar = {};  // address of the program that registered it; empty: this machine, or our own
   Nanoseconds used = 0;        // when it was last registered, changed or asked for
 };
 
-/// Whoever has the name `from` is to send to the port `to`, as often as one of them comes back.
+/// The port `from` sends to the port `to`, again each time one of them comes back.
 struct Subscription {
   std::string from, to;  // "/clock", "/me/clock:i"
   auto operator<=>(const Subscription&) const = default;
 };
 
-/// Why no program may have `name`; empty if it is fine.
+/// Why a program may not register `name`; empty if it may.
 std::string NameProblem(const std::string& name);
 
-/// Who asks for a change, and when.
+/// The origin and time of a request.
 struct NameAsker {
   std::string ip;
   Nanoseconds now = 0;
 };
 
-/// The daemon's own names can be neither registered, changed nor unregistered by others. Another machine
-/// registers its own address alone, and what it has registered only it may change, and this machine. The
-/// table forgets a name that nobody has used for a day: its program has probably ended.
+/// Other programs cannot register, change or unregister the daemon's own names. Another machine may register
+/// only its own address; only that machine and this one may change the entry. The table forgets a name that
+/// has been unused for a day, because its program has probably ended.
 class NameTable {
  public:
   static constexpr std::size_t kMaxExternal = 4096;
   static constexpr std::size_t kMaxExternalBytes = 4u << 20;
-  static constexpr std::size_t kMaxOfAddress = 1024;  // of another machine
+  static constexpr std::size_t kMaxOfAddress = 1024;  // per remote machine
   static constexpr std::size_t kMaxBytesOfAddress = 1u << 20;
   static constexpr std::size_t kMaxProperties = 32;  // per name
   static constexpr std::size_t kMaxKeyBytes = 64, kMaxValueBytes = 1024;
@@ -66,59 +66,59 @@ class NameTable {
 
   NameTable();
 
-  /// Ports first … last are given to external names that register without one, if `is_free` says so. The
-  /// daemon must not use them. `is_free` is called under the table's lock.
+  /// External names registered without a port get one in [first, last] for which `is_free` is true. The
+  /// daemon must not use these ports itself. `is_free` is called under the table's lock.
   void SetExternalPorts(int first, int last, std::function<bool(int port)> is_free = {});
   /// True if an external name holds `port`.
   bool IsExternalPort(int port) const;
 
-  // --- the daemon's own
-  /// Adds an own name; an external one of that name gives way. Returns false if it is there already.
+  // --- the daemon's own names
+  /// Adds an own name, replacing an external one. Returns false if the daemon already has that name.
   bool AddOwn(const std::string& name, int port, AdoptFunction adopt, NameKind kind = NameKind::kModule);
-  /// Does nothing for a name that is not ours.
+  /// Does nothing unless `name` is our own.
   void RemoveOwn(const std::string& name);
 
-  // --- everybody
+  // --- look-up
   /// The entry of `name` (a missing leading '/' is added).
   std::optional<NameEntry> Find(std::string_view name) const;
   /// All entries whose name starts with `prefix`, by name.
   std::vector<NameEntry> List(std::string_view prefix = "") const;
-  /// The name most like `name`, for "did you mean"; empty if none is near.
+  /// The most similar name to `name`, for "did you mean"; empty if none is close.
   std::string Nearest(std::string_view name) const;
 
   // --- other programs
-  /// What came of a request to change the table.
+  /// The result of a request to change the table.
   struct Change {
-    std::string refused;  // why not; empty = done
+    std::string refused;  // the reason for a refusal; empty: done
     NameEntry entry = {};
   };
-  /// Registers an external name; an empty `name` gets "/tmp/port/N", an empty `ip` the asker's, port 0 a free
-  /// one. Refused if the name lives (the same name, ip and port again is fine), is reserved or badly formed,
-  /// or if there are too many.
+  /// Registers an external name; an empty `name` becomes "/tmp/port/N", an empty `ip` the asker's, port 0 a
+  /// free one. Refused if the name is in use elsewhere (repeating the same name, ip and port is fine), is
+  /// reserved or malformed, or if there are too many.
   Change Register(const std::string& name, const std::string& type, const std::string& ip, int port,
                   const NameAsker& asker);
-  /// Unregisters an external name; an unknown one is no error.
+  /// Unregisters an external name; an unknown name is no error.
   Change Unregister(std::string_view name, const NameAsker& asker);
   /// Sets a property of an external name; an unknown name gives an empty entry.
   Change SetProperty(std::string_view name, const std::string& key, const std::string& value,
                      const NameAsker& asker);
-  /// False: there are too many. One that is there already is fine.
+  /// Returns false if there are too many. Repeating a subscription is fine.
   bool Subscribe(const Subscription& subscription);
   void Unsubscribe(const Subscription& subscription);
-  /// All, or those of one name; in order.
+  /// All subscriptions, or those of one name; sorted.
   std::vector<Subscription> Subscriptions(std::string_view name = "") const;
   static constexpr std::size_t kMaxSubscriptions = 1024;
-  /// Somebody has asked for `name`: it is not forgotten.
+  /// Notes a query for `name`, so it is not forgotten.
   void Touch(std::string_view name, Nanoseconds now);
-  /// Drops the external names that are forgotten at `now`. Cheap if there are none.
+  /// Removes the external names that have expired at `now`. Cheap if there are none.
   void Forget(Nanoseconds now);
 
  private:
   const NameEntry* FindLocked(std::string_view name) const REQUIRES(mutex_);
   int FreePortLocked() const REQUIRES(mutex_);
-  /// Of an external name, which goes.
+  /// Releases the port of an external name that is removed.
   void ForgetPortLocked(const NameEntry& entry) REQUIRES(mutex_);
-  /// Why there may be no `bytes` more in `names` more names of `registrar`; empty: there may.
+  /// Why `registrar` may not have another `names` names with `bytes` bytes; empty if it may.
   std::string RoomProblemLocked(const std::string& registrar, std::size_t names, std::size_t bytes) const
       REQUIRES(mutex_);
 
@@ -126,10 +126,10 @@ class NameTable {
   std::map<std::string, NameEntry, std::less<>> entries_ GUARDED_BY(mutex_);
   std::set<Subscription> subscriptions_ GUARDED_BY(mutex_);
   std::multiset<int> external_ports_ GUARDED_BY(mutex_);  // one for each external name
-  Nanoseconds next_forgotten_ GUARDED_BY(mutex_) = 0;     // not before that is one forgotten
+  Nanoseconds next_forgotten_ GUARDED_BY(mutex_) = 0;     // no name expires before this time
   int first_port_ GUARDED_BY(mutex_);
   int last_port_ GUARDED_BY(mutex_);
-  std::function<bool(int)> is_free_ GUARDED_BY(mutex_);  // empty: all are
+  std::function<bool(int)> is_free_ GUARDED_BY(mutex_);  // empty: all are free
   int next_temporary_ GUARDED_BY(mutex_) = 1;
 };
 

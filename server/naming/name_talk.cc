@@ -6,7 +6,7 @@
 namespace coopdyn {
 namespace {
 
-/// Without the lines that begin with stars, which end an answer to a plain line.
+/// Removes the lines "*** end...", which end an answer to a plain line.
 std::string WithoutEnd(const std::string& answer) {
   std::string text;
   for (std::size_t begin = 0; begin < answer.size();) {
@@ -42,7 +42,8 @@ NameReply NameTalk::Answer(std::string_view line, const NameContext& context, Na
                             ? "[ver] 1 2 3\r\n"
                             : "[fail] \"send [help] for list of valid commands\"\r\n");
   }
-  const std::string request = "NAME_SERVER " + std::string(line);  // as no OPEN is possible here
+  const std::string request = "NAME_SERVER " + std::string(line);  // the prefix excludes OPEN, which is
+                                                                   // impossible here
   const std::string answer = AnswerNameLine(request, context, table).text;
   return Acknowledged(expected == Expects::kRequest ? WithoutEnd(answer) : "");
 }

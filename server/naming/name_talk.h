@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The name server as a port of YARP, by its carriers of text: `d`, then a request on a line of its own. So
-// YARP's programs subscribe. No sockets; one connection's thread.
+// The name server as a YARP port, with YARP's text carriers: `d`, then a request on its own line. YARP's
+// programs subscribe this way. No sockets; one connection's thread.
 //
 //   CONNACK admin                                   Welcome admin
 //   d
@@ -18,9 +18,9 @@ namespace coopdyn {
 
 class NameTalk {
  public:
-  /// Nothing: the line does not begin such a connection.
+  /// Nullopt if `line` does not begin such a connection.
   static std::optional<NameTalk> Begin(std::string_view line);
-  /// The answer to the line that began it.
+  /// The answer to the first line.
   std::string Welcome() const { return "Welcome " + name_ + "\r\n"; }
   /// The answer to the next line.
   NameReply Answer(std::string_view line, const NameContext& context, NameTable& table);
@@ -31,7 +31,7 @@ class NameTalk {
   NameReply AnswerCommand(std::string_view command);
   NameReply Acknowledged(std::string text) const;
 
-  std::string name_;  // what the other side calls itself
+  std::string name_;  // the peer's name for itself
   bool acknowledges_;
   Expects expects_ = Expects::kCommand;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A port with its name, such as that of /simulation.
+// A module's port with its name, such as /simulation's.
 #pragma once
 
 #include <memory>
@@ -13,10 +13,10 @@
 
 namespace coopdyn {
 
-/// Built, opened and destroyed on one thread; its connections live on `io`.
+/// Built, opened and destroyed on one thread; its connections are served on `io`.
 class NamedPort {
  public:
-  /// All outlive it.
+  /// All arguments outlive it.
   NamedPort(std::string name, Endpoint& endpoint, IoThread& io, NetServices& net, NameTable& names,
             NameKind kind = NameKind::kModule)
       : name_(std::move(name)),
@@ -25,7 +25,7 @@ class NamedPort {
         names_(names),
         server_(std::make_unique<ModuleServer>(io, endpoint, net, name_)) {}
   ~NamedPort() { Close("the module is closed"); }
-  /// Takes the name away and closes all connections with this notice.
+  /// Removes the name and closes all connections with this notice.
   void Close(const std::string& notice) {
     if (server_ == nullptr) return;
     if (listed_) names_.RemoveOwn(name_);
@@ -37,8 +37,8 @@ class NamedPort {
   NamedPort(const NamedPort&) = delete;
   NamedPort& operator=(const NamedPort&) = delete;
 
-  /// Listens (no `addresses`: is reached through OPEN only) and lists the name. An error text, empty if all
-  /// is well.
+  /// Listens and lists the name. Without `addresses` the port is reached through OPEN only. Returns an error
+  /// text, or empty on success.
   std::string Open(const std::vector<std::string>& addresses, int port) {
     if (!addresses.empty()) {
       const std::string error = server_->Listen(addresses, port);
@@ -47,7 +47,7 @@ class NamedPort {
     listed_ = names_.AddOwn(name_, server_->port(), server_->adopter(), kind_);
     return listed_ ? "" : "the name " + name_ + " is taken";
   }
-  /// Connections that are there. Any thread.
+  /// Number of open connections. Any thread.
   std::size_t session_count() const { return server_ == nullptr ? 0 : server_->session_count(); }
   /// 0: reached through OPEN only.
   int port() const { return server_->port(); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A connection that the daemon makes to another program, with a limit of time. On the thread of its context.
+// An outgoing connection to another program, with a time limit. Use on the thread of its io_context.
 #pragma once
 
 #include <chrono>
@@ -13,8 +13,8 @@
 
 namespace coopdyn {
 
-/// What it has not done within its time fails with operation_aborted: it is closed then. Each of its
-/// coroutines throws boost::system::system_error.
+/// When the time limit passes, closes the socket: pending operations fail with operation_aborted. Every
+/// coroutine throws boost::system::system_error on failure.
 class Dialled {
  public:
   static constexpr std::size_t kMaxLineBytes = std::size_t{64} << 10;
@@ -23,7 +23,7 @@ class Dialled {
 
   boost::asio::awaitable<void> Connect(std::string host, int port);
   boost::asio::awaitable<void> Write(std::string bytes);
-  /// The next line, with its end.
+  /// Reads the next line, including its '\n'.
   boost::asio::awaitable<std::string> ReadLine();
 
   boost::asio::ip::tcp::socket& socket() { return socket_; }
@@ -34,7 +34,7 @@ class Dialled {
   boost::asio::ip::tcp::resolver resolver_;
   boost::asio::ip::tcp::socket socket_;
   boost::asio::steady_timer limit_;
-  std::string read_;  // beyond the last line
+  std::string read_;  // received bytes beyond the last line
 };
 
 }  // namespace coopdyn

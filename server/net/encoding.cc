@@ -30,7 +30,7 @@ class TextEncoding final : public Encoding {
   explicit TextEncoding(const CommandTable& table) : table_(table) {}
 
   Incoming Decode(std::string_view bytes) override {
-    // A line that comes byte by byte is not searched from its start each time.
+    // Don't search a line that arrives byte by byte from its start each time.
     if (bytes.size() <= kMaxRequestBytes && bytes.find('\n', scanned_) == std::string_view::npos) {
       scanned_ = bytes.size();
       return {};
@@ -67,7 +67,7 @@ class TextEncoding final : public Encoding {
   bool verbose_ = false;
 };
 
-/// Of clients that speak something else: one answer, then the end.
+/// For clients that speak another protocol: sends one answer, then closes.
 class Refusal final : public Encoding {
  public:
   Refusal(std::string answer, std::string why) : answer_(std::move(answer)), why_(std::move(why)) {}
@@ -93,7 +93,7 @@ std::unique_ptr<Encoding> RefuseHttp(const Endpoint& /*endpoint*/) {
   return std::make_unique<Refusal>(HttpRefusal(), "an HTTP request on a module's port");
 }
 
-/// Says yes where SniffEncoding() says `wanted`.
+/// Matches if SniffEncoding() returns `wanted`.
 std::function<Match(std::string_view)> Sniffs(FirstBytes wanted) {
   return [wanted](std::string_view bytes) {
     const FirstBytes sniffed = SniffEncoding(bytes);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What goes over to the module that takes another one's place: its port, and the connections that outlive it.
+// State passed to a module's successor: its port, and the connections that outlive the module.
 #pragma once
 
 #include <memory>
@@ -16,16 +16,16 @@
 
 namespace coopdyn {
 
-/// The answer to Incoming::ask, which may come while its connection is between two modules. Any thread.
+/// The answer to Incoming::ask, which may arrive while its connection is between two modules. Thread-safe.
 class AskedAnswer {
  public:
-  /// At most once.
+  /// Call at most once.
   void Give(const Message& answer) {
     const MutexLock lock(mutex_);
     answer_ = answer;
     if (to_) to_(answer);
   }
-  /// From now on it is `to` that gets it, at once if it has come; null: nobody for now. `to` only posts.
+  /// Redirects the answer to `to`, at once if it has arrived; null holds it back. `to` must only post.
   void GoTo(ReplyFunction to) {
     const MutexLock lock(mutex_);
     to_ = std::move(to);
@@ -38,18 +38,18 @@ class AskedAnswer {
   std::optional<Message> answer_ GUARDED_BY(mutex_);
 };
 
-/// A connection without a module.
+/// A connection that belongs to no module.
 struct LooseConnection {
   UniqueFd fd = {};
   std::string already_read = {};
   PeerInfo peer = {};
   std::unique_ptr<Encoding> encoding = nullptr;  // null: the first bytes choose
   std::string unsent = {};
-  std::shared_ptr<AskedAnswer> awaited = nullptr;  // null: it waits for none
-  std::optional<Message> request = {};             // comes before what has been read
+  std::shared_ptr<AskedAnswer> awaited = nullptr;  // null: no answer is pending
+  std::optional<Message> request = {};             // handled before already_read
 };
 
-/// A port that goes on listening: who connects waits until a module accepts.
+/// A port that keeps listening: new connections wait until a module accepts them.
 struct LoosePort {
   int port = 0;
   std::vector<UniqueFd> listening = {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The bytes a session has read and not yet used: one reused block that grows only for a message that needs
+// Received bytes that a session has not yet used: one reused block that grows only for a message that needs
 // it. One thread.
 #pragma once
 
@@ -16,14 +16,14 @@ class InBuffer {
  public:
   static constexpr std::size_t kFirstBytes = 4096;
   static constexpr std::size_t kMinRoom = 1024;
-  static constexpr std::size_t kKeepBytes = std::size_t{64} << 10;  // an empty larger block is given back
+  static constexpr std::size_t kKeepBytes = std::size_t{64} << 10;  // a larger block is freed once empty
 
   std::string_view bytes() const { return {storage_.data() + begin_, end_ - begin_}; }
   std::size_t size() const { return end_ - begin_; }
   void Consume(std::size_t count) { begin_ += count; }
   void Clear() { begin_ = end_; }
 
-  /// Free room to read into, at least kMinRoom. bytes() stays where it is until the next call.
+  /// Free room to read into, at least kMinRoom. bytes() stays valid until the next call.
   std::span<char> Room() {
     if (begin_ == end_) {
       begin_ = end_ = 0;
@@ -37,7 +37,7 @@ class InBuffer {
     if (storage_.size() - end_ < kMinRoom) storage_.resize(std::max(kFirstBytes, 2 * storage_.size()));
     return {storage_.data() + end_, storage_.size() - end_};
   }
-  /// `count` bytes of Room() have been read.
+  /// Call after reading `count` bytes into Room().
   void Added(std::size_t count) { end_ += count; }
   void Append(std::string_view bytes) {
     while (!bytes.empty()) {

@@ -23,7 +23,7 @@ using std::chrono::steady_clock;
 
 constexpr std::size_t kThreadNameBytes = 15;  // the kernel's limit
 
-/// Runs `work`; what it throws is logged.
+/// Runs `work` and logs its exceptions.
 template <typename Work>
 void RunLogged(const Logger& logger, const std::string& name, Work&& work) {
   try {
@@ -35,7 +35,7 @@ void RunLogged(const Logger& logger, const std::string& name, Work&& work) {
   }
 }
 
-/// How often the kernel has taken the core from this thread.
+/// How often the kernel has preempted this thread.
 std::int64_t CoreLosses() {
   rusage usage{};
   ::getrusage(RUSAGE_THREAD, &usage);
@@ -81,7 +81,7 @@ IoThread::Poster IoThread::hand_over() const {
 void IoThread::Call(const std::function<void()>& work) {
   if (is_current()) return work();
   struct Job {
-    std::atomic<bool> claimed{false};  // by the thread, or by the caller when the thread has ended
+    std::atomic<bool> claimed{false};  // by the thread, or by the caller once the thread has ended
     std::promise<void> done;
   };
   auto job = std::make_shared<Job>();

@@ -19,14 +19,13 @@ class io_context;
 
 namespace coopdyn {
 
-/// All members from any thread unless they say otherwise. Exceptions of what runs here are logged; the loop
-/// goes on.
+/// Thread-safe unless a member says otherwise. Exceptions of posted work are logged; the loop continues.
 class IoThread {
  public:
-  /// Starts the thread. `name` is what `ps -L` shows (15 characters of it). `spin`: how long after the last
-  /// activity it polls before it blocks.
+  /// Starts the thread. `name` is shown by `ps -L` (its first 15 characters). `spin`: how long the thread
+  /// polls after the last activity before it blocks.
   IoThread(std::string name, Logger logger, std::chrono::microseconds spin = std::chrono::microseconds{0});
-  /// Stop(). What uses context() must be gone before.
+  /// Calls Stop(). Users of context() must be destroyed first.
   ~IoThread();
   IoThread(const IoThread&) = delete;
   IoThread& operator=(const IoThread&) = delete;
@@ -35,18 +34,18 @@ class IoThread {
   const std::string& name() const { return name_; }
   /// True on the thread itself.
   bool is_current() const { return std::this_thread::get_id() == thread_id_.load(std::memory_order_relaxed); }
-  /// Runs `work` on the thread, later, in its Turn; never after Stop().
+  /// Runs `work` on the thread, later, in its Turn. Work posted after Stop() never runs.
   void Post(std::function<void()> work);
-  /// Post() for those who may outlive the thread: then it does nothing.
+  /// Post() for callers that may outlive the thread: then does nothing.
   using Poster = std::function<void(std::function<void()>)>;
   Poster poster() const;
-  /// As poster(), but runs the work at once, on the calling thread, if the thread rests: no wake-up.
+  /// Like poster(), but if the thread sleeps, runs the work at once on the calling thread: no wake-up.
   Poster hand_over() const;
-  /// Runs `work` on the thread and waits for its end; on the caller's if the thread has stopped. What `work`
-  /// throws is thrown here. Never call it holding a lock that `work` or the thread may want.
+  /// Runs `work` on the thread and waits for it to finish; runs it on the caller's thread if this thread has
+  /// stopped. Rethrows exceptions of `work`. Never call it holding a lock that `work` or the thread may want.
   void Call(const std::function<void()>& work);
   void SetSpin(std::chrono::microseconds spin);
-  /// Ends the loop after what runs now and joins the thread (on the thread itself: only ends the loop).
+  /// Ends the loop after the current handler and joins the thread (on the thread itself: only ends the loop).
   void Stop();
 
  private:
@@ -54,12 +53,12 @@ class IoThread {
 
   const std::string name_;
   const Logger logger_;
-  const std::shared_ptr<boost::asio::io_context> context_;  // others hold it only while they post
+  const std::shared_ptr<boost::asio::io_context> context_;  // shared only while a caller posts
   std::atomic<std::int64_t> spin_ns_;
   std::atomic<bool> stop_{false};
-  std::atomic<bool> ended_{false};          // the loop runs nothing any more
+  std::atomic<bool> ended_{false};          // the loop runs no more handlers
   std::atomic<std::thread::id> thread_id_;  // set by the thread itself
-  std::jthread thread_;                     // last: started when the rest is there
+  std::jthread thread_;                     // last: starts after all other members exist
 };
 
 }  // namespace coopdyn

@@ -31,7 +31,7 @@ namespace {
 namespace asio = boost::asio;
 namespace fs = std::filesystem;
 
-constexpr int kAcceptsAtOnce = 64;  // then others have their turn
+constexpr int kAcceptsAtOnce = 64;  // then other handlers run
 constexpr auto kRetryAfter = std::chrono::milliseconds(100);
 constexpr int kFreePortTries = 32;
 
@@ -66,7 +66,7 @@ std::string Resolve(const std::string& name, std::vector<Place>& places) {
 }
 
 void SetPort(sockaddr_storage& address, int port) {
-  // sin_port and sin6_port are at the same place.
+  // sin_port and sin6_port have the same offset.
   reinterpret_cast<sockaddr_in*>(&address)->sin_port = htons(static_cast<std::uint16_t>(port));
 }
 
@@ -101,11 +101,11 @@ std::string BindError(const Place& place, int port, int error) {
   return text + " is in use" + (holder.empty() ? "" : " by " + holder);
 }
 
-// --- who has a port
+// --- the owner of a port
 
 constexpr const char* kListening = "0A";  // TCP_LISTEN in /proc/net/tcp
 
-/// Adds what /proc/PID/fd shows for the sockets that listen on `port`: "socket:[12345]".
+/// Adds the links that /proc/PID/fd shows for sockets that listen on `port`: "socket:[12345]".
 void AddListeners(const char* table, int port, std::set<std::string>& sockets) {
   std::ifstream file(table);
   std::string line;
@@ -175,7 +175,7 @@ struct Listener::Impl : std::enable_shared_from_this<Listener::Impl> {
 
   void Close() {
     on_accept = nullptr;
-    for (const std::shared_ptr<Port>& port : ports) {  // what waits for them holds them
+    for (const std::shared_ptr<Port>& port : ports) {  // pending waits hold their port
       boost::system::error_code ignored;
       port->descriptor.close(ignored);
       port->retry.cancel();
@@ -197,7 +197,7 @@ struct Listener::Impl : std::enable_shared_from_this<Listener::Impl> {
       if (!fd) {
         if (errno == EAGAIN || errno == EWOULDBLOCK) break;
         if (IsOutOfResources(errno)) return RetryLater(port, errno);
-        continue;  // a connection that ended before it was accepted
+        continue;  // the connection ended before it was accepted
       }
       SetClientSocketOptions(fd.get());
       PeerInfo peer = DescribePeer(fd.get());
@@ -238,7 +238,7 @@ std::string Listener::Listen(const std::vector<std::string>& addresses, int port
   for (int attempt = 0; attempt < kFreePortTries; ++attempt) {
     bound.clear();
     int common_port = port;
-    bool taken = false;  // a free port of the first address is in use at another
+    bool taken = false;  // the port is free at the first address but not at another
     for (const Place& place : places) {
       Bound one = Bind(place, common_port);
       if (!one.fd) {
@@ -264,7 +264,8 @@ std::string Listener::ListenLocal(const std::string& name) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (name.size() + 1 > sizeof address.sun_path) return "the name of the unix socket is too long: " + name;
-  std::memcpy(address.sun_path + 1, name.data(), name.size());  // after a zero: the abstract namespace
+  std::memcpy(address.sun_path + 1, name.data(), name.size());  // the leading zero means the abstract
+                                                                // namespace
   const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
   UniqueFd fd(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!fd || ::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), size) != 0 ||

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Listens for TCP connections on one port of one or several addresses, and for those of this machine's
-// programs on a unix socket, and hands out accepted descriptors.
+// Listens for TCP connections on one port of one or more addresses, and for local programs on a unix socket.
+// Passes on accepted descriptors.
 #pragma once
 
 #include <functional>
@@ -18,24 +18,24 @@ class io_context;
 
 namespace coopdyn {
 
-/// The addresses that `--host` stands for: "", "localhost" and "127.0.0.1" both loopback addresses,
-/// "0.0.0.0", "::" and "any" every address of the machine, anything else itself.
+/// The addresses that `--host` stands for: "", "localhost" and "127.0.0.1" are both loopback addresses;
+/// "0.0.0.0", "::" and "any" are all addresses of the machine; any other text is itself.
 std::vector<std::string> ListenAddresses(const std::string& host);
 
-/// What Listen() says when no more files can be open: another port is no better.
+/// Listen()'s error when the process is out of file descriptors: another port would not help.
 inline constexpr const char* kTooManyFiles = "Too many open files";
 
-/// "nc (pid 77)"; empty if nobody listens there or it cannot be seen (another user's process).
+/// The program that listens on `port`: "nc (pid 77)"; empty if none, or if it is another user's process.
 std::string PortHolder(int port);
 
-/// Whether a program on this machine could listen on `port` of all its addresses now.
+/// Whether a program on this machine could now listen on `port` on all addresses.
 bool IsPortFree(int port);
 
-/// Running out of descriptors is logged (NetServices::LogExhausted()) and survived: accepting goes on when
-/// some are free.
+/// When descriptors run out, logs that (NetServices::LogExhausted()) and resumes accepting when some are
+/// free.
 class Listener {
  public:
-  /// Called on the io thread for each connection; options of client sockets are set.
+  /// Called on the io thread for each connection, with the client socket options already set.
   using AcceptFunction = std::function<void(UniqueFd fd, PeerInfo peer)>;
 
   /// Any thread. `context` and `services` outlive it.
@@ -45,18 +45,18 @@ class Listener {
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;
 
-  /// Listens on `port` (0 = any free one) of all `addresses`, the same on each. A v6 address that the machine
-  /// does not have is left out if another one works. Any thread, once. Returns an error text, empty if it
-  /// listens: "port 10002 of 127.0.0.1 is in use by nc (pid 77)".
+  /// Listens on `port` of all `addresses`; 0 picks one free port for all. Skips a v6 address that the machine
+  /// does not have if another address works. Any thread, once. Returns an error text, or empty on success:
+  /// "port 10002 of 127.0.0.1 is in use by nc (pid 77)".
   std::string Listen(const std::vector<std::string>& addresses, int port);
-  /// Listens besides on the unix socket of this name in Linux's abstract namespace. Any thread, once. Returns
-  /// an error text.
+  /// Also listens on the unix socket of this name in Linux's abstract namespace. Any thread, once. Returns an
+  /// error text.
   std::string ListenLocal(const std::string& name);
-  /// Goes on with sockets of another listener's Release(). Any thread, once.
+  /// Continues with the sockets of another listener's Release(). Any thread, once.
   void Listen(std::vector<UniqueFd> listening, int port);
-  /// Accepts nothing any more and gives its sockets away; who connects waits. Io thread.
+  /// Stops accepting and gives its sockets away; new connections wait. Io thread.
   std::vector<UniqueFd> Release();
-  /// The port it listens on; 0 = none.
+  /// The port; 0 before Listen().
   int port() const { return port_; }
 
  private:

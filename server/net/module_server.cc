@@ -27,7 +27,7 @@ constexpr auto kSweepPeriod = std::chrono::seconds(4);  // keepalive's 20 s + th
 }  // namespace
 
 struct ModuleServer::Impl : std::enable_shared_from_this<ModuleServer::Impl> {
-  /// Brings one to the server's thread; if the server is gone it is closed. Any thread.
+  /// Passes a connection to the server's thread; closes it if the server is gone. Any thread.
   using Sender = std::function<void(LooseConnection)>;
 
   Impl(IoThread& thread, Endpoint& e, NetServices& s, std::string n)
@@ -97,7 +97,7 @@ struct ModuleServer::Impl : std::enable_shared_from_this<ModuleServer::Impl> {
     if (untrusted) Sweep();
   }
 
-  /// Those that may leave are on their way to `done` then. Io thread.
+  /// Makes the sessions that may leave call `done`. Returns their number. Io thread.
   std::size_t SendAway(const std::function<void(LooseConnection)>& done) {
     std::vector<std::shared_ptr<Session>> leaving;
     for (const auto& [id, session] : sessions) {

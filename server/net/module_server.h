@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The connections of one module: those it accepts on its port and those handed to it.
+// The connections of one module: those accepted on its port and those passed to it.
 #pragma once
 
 #include <cstddef>
@@ -16,39 +16,38 @@
 
 namespace coopdyn {
 
-/// Constructed on any thread, destroyed on the thread `io` or when that has stopped; the rest
-/// says. The endpoint is called on the io thread only, never from within Push(), Close() or a ReplyFunction.
+/// Constructed on any thread, destroyed on thread `io` or after it has stopped; each member names its thread.
+/// The endpoint is called only on the io thread, never from within Push(), Close() or a ReplyFunction.
 class ModuleServer {
  public:
   /// `io`, `endpoint` and `services` outlive it. `name`, e.g. "/robot1/motors", is for log lines.
   ModuleServer(IoThread& io, Endpoint& endpoint, NetServices& services, std::string name);
-  /// Closes every connection with the notice "the module is closed" as far as it can be written at once; each
-  /// still open one gets its OnClosed().
+  /// Closes every connection with the notice "the module is closed", as far as it can be written at once.
+  /// Calls OnClosed() for each open connection.
   ~ModuleServer();
   ModuleServer(const ModuleServer&) = delete;
   ModuleServer& operator=(const ModuleServer&) = delete;
 
-  /// Listener::Listen(). Any thread, at most once; without it only adopted connections come.
+  /// Listener::Listen(). Any thread, at most once; without it only adopted connections arrive.
   std::string Listen(const std::vector<std::string>& addresses, int port);
-  /// Goes on with the port and the connections of another server. Any thread, instead of the other Listen().
+  /// Continues with another server's port and connections. Any thread, instead of the other Listen().
   void Listen(LoosePort port);
-  /// Gives away its port, and the connections of Session::may_leave(); waits for what is being
-  /// read. Any thread but `io`, which runs.
+  /// Gives away the port and the connections whose Session::may_leave() is true, after their current reads.
+  /// Any thread but `io`, which must be running.
   LoosePort Release();
-  /// The port it listens on; 0 = none. Constant after Listen().
+  /// The port; 0 if it does not listen. Constant after Listen().
   int port() const;
   const std::string& name() const;
 
-  /// Takes over a connection: it behaves as newly accepted, its first bytes being `already_read`. Owns `fd`
-  /// from the call on. `encoding`: what both sides have agreed upon; null: the first bytes choose. Any
-  /// thread.
+  /// Adopts a connection as if newly accepted, with `already_read` as its first bytes. Takes ownership of
+  /// `fd`. `encoding`: already agreed with the client; null: the first bytes choose. Any thread.
   void Adopt(int fd, std::string already_read, PeerInfo peer, std::unique_ptr<Encoding> encoding = nullptr);
-  /// Adopt() as a function that may be called even after this server is gone (it closes the descriptor then).
+  /// Adopt() as a function that may outlive this server (it then closes the descriptor).
   AdoptFunction adopter() const;
 
-  /// Closes every connection with a notice. Io thread. OnClosed() follows for each, later.
+  /// Closes every connection with a notice. Io thread. OnClosed() follows later for each.
   void CloseAll(const std::string& reason);
-  /// Connections not yet fully closed. Any thread.
+  /// Number of connections not yet fully closed. Any thread.
   std::size_t session_count() const;
 
  private:

@@ -13,7 +13,7 @@ void NetServices::LogExhausted(const std::string& what) {
 void NetServices::LogPeer(spdlog::level::level_enum level, const std::string& peer, const std::string& text) {
   if (!logger_->should_log(level)) return;
   std::int64_t suppressed = 0;
-  // By address, not by port: a peer that reconnects for every line is still one peer.
+  // By address, not by port: a peer that reconnects for every line is one peer.
   if (!limiter_.Allow(peer.substr(0, peer.rfind(':')), clock_.Now(), suppressed)) return;
   if (suppressed > 0) {
     logger_->log(level, "{}: {} ({} lines about it left out)", peer, text, suppressed);

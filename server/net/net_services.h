@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What every server of one daemon shares: the log, the clock, the encodings and the ids of clients. Any
-// thread.
+// Services that all servers of a daemon share: log, clock, encodings and client ids. Thread-safe.
 #pragma once
 
 #include <atomic>
@@ -16,10 +15,10 @@
 
 namespace coopdyn {
 
-/// What who wants to change something is told.
+/// The error text for clients that try to change something.
 inline constexpr const char* kReadOnlyText =
     "the daemon was started with --read-only: everything can be read and watched, nothing changed";
-/// What a student who wants to change something is told while the teacher drives.
+/// The error text for students who try to change something while the teacher drives.
 inline constexpr const char* kTakenText =
     "the teacher drives this seat now: watch, and try again when it is yours";
 
@@ -35,20 +34,19 @@ class NetServices {
   const Clock& clock() const { return clock_; }
   const Encodings& encodings() const { return encodings_; }
   bool read_only() const { return read_only_; }
-  /// The teacher drives: students of this seat may change nothing.
+  /// While the teacher drives, the students of this seat may change nothing.
   bool taken() const { return taken_; }
   void SetTaken(bool taken) { taken_ = taken; }
-  /// Why `peer` may change nothing; null: it may.
+  /// Why `peer` may change nothing; null if it may.
   const char* WhyReadOnly(const PeerInfo& peer) const {
     return read_only_ ? kReadOnlyText : peer.yields && taken_ ? kTakenText : nullptr;
   }
-  /// An id that no other connection of this daemon has or had.
+  /// Returns an id that this daemon has given to no other connection.
   ClientId NextClient() { return ++last_client_; }
-  /// Says in the log what cannot be done for want of something, such as open files: once, until that has been
-  /// over for kOver.
+  /// Logs that a resource, such as open files, has run out: once, until it has not happened for kOver.
   void LogExhausted(const std::string& what);
   static constexpr Nanoseconds kOver = 60 * kNanosecondsPerSecond;
-  /// One log line about `peer`, unless it has caused too many within this second.
+  /// Logs one line about `peer`, unless there were too many within this second.
   void LogPeer(spdlog::level::level_enum level, const std::string& peer, const std::string& text);
 
  private:
@@ -59,7 +57,8 @@ class NetServices {
   std::atomic<bool> taken_{false};
   PeerLogLimiter limiter_;
   std::atomic<ClientId> last_client_{0};
-  std::atomic<Nanoseconds> exhausted_{std::numeric_limits<Nanoseconds>::min()};  // last; min: never
+  std::atomic<Nanoseconds> exhausted_{std::numeric_limits<Nanoseconds>::min()};  // time of the last
+                                                                                 // LogExhausted(); min: never
 };
 
 }  // namespace coopdyn

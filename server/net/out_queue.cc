@@ -8,8 +8,9 @@
 namespace coopdyn {
 namespace {
 
-constexpr std::size_t kKeepCapacity = std::size_t{256} << 10;  // beyond it memory is given back
-constexpr std::size_t kSharedBytes = std::size_t{64} << 10;    // of pushes that keep their bytes for all
+constexpr std::size_t kKeepCapacity = std::size_t{256} << 10;  // larger buffers are freed
+constexpr std::size_t kSharedBytes = std::size_t{64} << 10;    // larger pushes are encoded for each
+                                                               // connection separately
 
 std::size_t BinaryBytes(const Message& message) {
   return 20 + message.text.size() + 4 * message.params.size() + 8 * message.data.size();
@@ -103,7 +104,7 @@ void OutQueue::GiveUpPushes() {
 void OutQueue::Sent(std::size_t count) {
   sent_ += count;
   if (sent_ < bytes_.size()) {
-    if (sent_ >= kEncodeAhead && sent_ >= bytes_.size() - sent_) {  // moved at most once
+    if (sent_ >= kEncodeAhead && sent_ >= bytes_.size() - sent_) {  // each byte is moved at most once
       bytes_.erase(0, sent_);
       sent_ = 0;
     }

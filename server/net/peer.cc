@@ -18,10 +18,10 @@ constexpr int kKeepInterval_s = 5;
 constexpr int kKeepCount = 3;
 constexpr std::uint32_t kSilent_ms = 20'000;
 constexpr int kUnansweredProbes = 3;
-// What the kernel keeps beyond what the peer has room for. Else it takes some MB for a peer that does not
-// read, one push at a time, which costs as much as a step.
+// Bytes that the kernel buffers beyond the peer's window. Without this limit it would accept several MB for a
+// peer that does not read, one push at a time, each as costly as a step.
 constexpr int kUnsentBytes = 64 << 10;
-constexpr int kLocalSendBytes = 1 << 20;  // the kernel gives as much of it as net.core.wmem_max allows
+constexpr int kLocalSendBytes = 1 << 20;  // the kernel caps it at net.core.wmem_max
 
 /// `get`: getpeername or getsockname.
 template <typename Get>
@@ -52,7 +52,7 @@ SocketAddress AddressBy(Get get, int fd) {
   return address;
 }
 
-/// The value of an option that is a number; -1 if the socket has none.
+/// The value of a numeric option; -1 if the socket does not have it.
 int Option(int fd, int level, int option) {
   int value = 0;
   socklen_t size = sizeof value;
@@ -114,13 +114,13 @@ void SetClientSocketOptions(int fd) {
   SetOption(fd, IPPROTO_TCP, TCP_KEEPINTVL, kKeepInterval_s);
   SetOption(fd, IPPROTO_TCP, TCP_KEEPCNT, kKeepCount);
   // No TCP_USER_TIMEOUT: it also ends connections whose peer lives but does not read (a program at a
-  // breakpoint). PeerLooksDead() finds what keepalive does not see.
+  // breakpoint). PeerLooksDead() detects what keepalive misses.
 }
 
 bool PeerHasEnded(int fd) {
-  // poll() sees the end also behind unread bytes, but not one that came while another thread is in recv():
-  // the kernel hands it over afterwards. A look into a stream waits for that; of a datagram socket it would
-  // take the error.
+  // poll() sees the end behind unread bytes, but not an end that arrived while another thread was in recv():
+  // the kernel queues it only afterwards. Peeking into a stream waits for that. On a datagram socket a peek
+  // would consume the error.
   if (Option(fd, SOL_SOCKET, SO_TYPE) == SOCK_STREAM) {
     char byte = 0;
     const ssize_t count = ::recv(fd, &byte, 1, MSG_PEEK | MSG_DONTWAIT);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Who is at the other end of a socket, how its connection ends, and the options every client's socket gets.
-// Pure functions of a descriptor; any thread.
+// The far end of a socket, how its connection ends, and the options of client sockets. Pure functions of a
+// descriptor; thread-safe.
 #pragma once
 
 #include <chrono>
@@ -20,50 +20,48 @@ struct PeerInfo {
   bool yields = false;   // a student of a seat: may only watch while the teacher drives
 };
 
-/// What ends a connection, and with it what its client owns.
+/// The event that ends a connection, and with it its client's ownership.
 struct ConnectionEnd {
   static constexpr std::chrono::seconds kDatagramSilence{10};
-  /// Its client has sent nothing for so long; zero: it ends with its stream.
+  /// Ends when the client has been silent this long; zero: ends with its stream.
   std::chrono::milliseconds silence{0};
 
   bool with_stream() const { return silence.count() == 0; }
 };
-/// By the type of the socket; nothing if it is of no type that a module can take.
+/// By the socket's type; nullopt if modules cannot use that type.
 std::optional<ConnectionEnd> EndOf(int fd);
 
 class Encoding;
 
-/// Takes over a connection: owns `fd` from the call on; `already_read` are the bytes that its client has sent
-/// after the part that was for somebody else. `encoding`: what both sides have agreed upon; null: these bytes
-/// choose. Any thread.
+/// Adopts a connection and takes ownership of `fd`. `already_read`: bytes that the client sent after the part
+/// meant for another reader. `encoding`: already agreed with the client; null: these bytes choose. Any
+/// thread.
 using AdoptFunction =
     std::function<void(int fd, std::string already_read, PeerInfo peer, std::unique_ptr<Encoding> encoding)>;
 
-/// An address and port as text; the address of a v4-mapped v6 address is the v4 one.
+/// An address and port as text; a v4-mapped v6 address is shown as v4.
 struct SocketAddress {
   std::string ip;  // "127.0.0.1", "::1"; empty for a local (unix) socket
   int port = 0;
   bool loopback = false;
 };
 
-/// The far and the near end of a connected socket; empty if it has none.
+/// The far and the near end of a connected socket; empty if unknown.
 SocketAddress PeerAddress(int fd);
 SocketAddress LocalAddress(int fd);
 /// "127.0.0.1:53120", "[::1]:53120".
 std::string ToString(const SocketAddress& address);
-/// Text and trust of the far end of a connected TCP or unix socket. A unix socket's is of this machine, as
-/// loopback is.
+/// Text and trust of the far end of a connected TCP or unix socket. A unix socket is trusted like loopback.
 PeerInfo DescribePeer(int fd);
 
-/// TCP: no delay, and keepalive that finds a dead peer within 25 s. Unix: room for large replies.
+/// TCP: no delay, and keepalive that detects a dead peer within 25 s. Unix: room for large replies.
 void SetClientSocketOptions(int fd);
 
-/// True if nothing follows what the peer has sent already: it has shut down its sending side, closed, or
-/// died. What is unread stays so.
+/// True if the peer has shut down its sending side, closed, or died. Unread bytes stay unread.
 bool PeerHasEnded(int fd);
 
-/// True if the peer of a TCP socket has acknowledged nothing for 20 s although something is outstanding:
-/// keepalive is silent then. A peer that lives but does not read answers window probes and is left alone.
+/// True if a TCP peer has acknowledged nothing for 20 s although data is outstanding, when keepalive is
+/// silent. A live peer that does not read answers window probes and does not count.
 bool PeerLooksDead(int fd);
 bool PeerLooksDead(const tcp_info& info);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// When a thread polls before it sleeps. A poll saves the wake-up while a core is free. Where others want the
-// core, polls use up the thread's share of it, and the kernel takes the core away for milliseconds.
+// Decides when a thread polls before it sleeps. While a core is free, a poll saves the wake-up. If other
+// threads want the core, polling uses up the thread's share, and the kernel preempts the thread for
+// milliseconds.
 #pragma once
 
 #include <algorithm>
@@ -14,24 +15,24 @@ class Polling {
  public:
   using Time = std::chrono::steady_clock::time_point;
   using Nanoseconds = std::chrono::nanoseconds;
-  /// A poll that takes longer may have been cut in two: NoteLongPoll().
+  /// After a longer poll call NoteLongPoll(): the thread may have been preempted.
   static constexpr Nanoseconds kLongPoll = std::chrono::microseconds(500);
   static constexpr Nanoseconds kLeastPause = std::chrono::milliseconds(10);
   static constexpr Nanoseconds kMostPause = std::chrono::seconds(1);
 
-  /// True if the thread is to poll now: something came less than `spin` ago, and it has not just lost its
-  /// core.
+  /// True if the thread should poll now: there was activity within `spin`, and the thread has not just lost
+  /// its core.
   bool Pays(Time now, Nanoseconds spin) const { return now - active_at_ < spin && now >= resumes_at_; }
-  /// True if the thread is to yield the core between two looks: where others want the core, it loses it at
-  /// once then. A yield costs as much as a look, so once it has kept its core for a while, only the second
-  /// half of the spin has them.
+  /// True if the thread should yield between two polls. A thread that yields loses a contested core at once.
+  /// Because a yield costs as much as a poll, a thread that has kept its core for a while yields only in the
+  /// second half of the spin.
   bool Yields(Time now, Nanoseconds spin) const {
     return now - resumes_at_ < kTrial || now - active_at_ > spin / 2;
   }
   void NoteActivity(Time now) { active_at_ = now; }
-  /// After a long poll, whatever it ran. `losses`: how often the kernel has taken the core from the thread so
-  /// far. If it has since the last long poll, polling pauses: twice as long each time, if it loses the core
-  /// soon after a pause.
+  /// Call after a long poll, whatever it ran. `losses`: how often the kernel has preempted the thread so far.
+  /// If that number has grown since the last long poll, polling pauses: twice as long each time if the thread
+  /// loses its core soon after a pause.
   void NoteLongPoll(Time now, std::int64_t losses) {
     if (losses == losses_) return;
     losses_ = losses;

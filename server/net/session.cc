@@ -21,8 +21,8 @@ namespace asio = boost::asio;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-// One turn, before other connections have theirs: at most this many requests, and none begins after this
-// time.
+// Limits of one turn before other connections get theirs: the number of requests, and the time after which
+// none begins.
 constexpr int kRequestsAtOnce = 256;
 constexpr Nanoseconds kTurn = 500'000;
 constexpr milliseconds kWatchPeriod{20};
@@ -89,7 +89,7 @@ void Session::OnRead(const ErrorCode& error, std::size_t count) {
   in_.Added(count);
   acknowledged_ = false;
   if (leave_) return HandOver();
-  if (closing_) in_.Clear();  // only waiting for the peer to close
+  if (closing_) in_.Clear();  // reads only until the peer closes
   if (!end_.with_stream()) heard_at_ = steady_clock::now();
   const bool empty_datagram = error == asio::error::eof && !end_.with_stream();
   if (error && !empty_datagram) return EndInput();
@@ -112,7 +112,7 @@ void Session::TellInputEnded() {
 }
 
 void Session::WatchPeer() {
-  if (input_end_->Look()) TellInputEnded();  // what is still to be read is read and executed in its turn
+  if (input_end_->Look()) TellInputEnded();  // remaining bytes are still read and executed
   StartRead();
 }
 
@@ -124,7 +124,7 @@ void Session::WatchSilence() {
 
 // --- requests
 
-// Replies given at once are collected and written together when nothing more can be done.
+// Immediate replies are collected and written together when nothing more can be done.
 void Session::Process() {
   if (processing_ || process_posted_) return;
   processing_ = true;
@@ -154,7 +154,7 @@ void Session::GoOn() {
   StartRead();
 }
 
-/// Handles the next thing in the buffer. Returns false if more must come first.
+/// Handles the next item in the buffer. Returns false if more bytes are needed.
 bool Session::HandleNext() {
   if (next_) {
     HandRequest(*std::exchange(next_, std::nullopt), false);
@@ -215,7 +215,7 @@ void Session::TakeEncoding(std::unique_ptr<Encoding> encoding) {
 }
 
 bool Session::Changes(std::int32_t command) const {
-  constexpr std::int32_t kSaveWorld = 146;  // returns a text, unlike save of /simulation
+  constexpr std::int32_t kSaveWorld = 146;  // returns a text, unlike /simulation's save
   if (endpoint_ == nullptr || command == command::kHello || command == kSaveWorld) return false;
   const CommandSpec* const spec = endpoint_->table().Find(command);
   return spec != nullptr && !IsReadingCommand(spec->name);
@@ -258,10 +258,10 @@ void Session::OnReply(std::uint64_t serial, const Message& reply) {
   next_ = encoding_->Next(reply, meanwhile);
   if (!meanwhile.empty() && !write_dead_) out_.AddRaw(meanwhile);
   if (!next_ && !write_dead_) out_.AddReply(reply);
-  if (processing_) return;  // Process() goes on
+  if (processing_) return;  // Process() continues
   Flush();
   Acknowledge();
-  // The next request, if it is there already, in its own turn: whoever replies may be walking a list.
+  // The next request, if already received, runs in its own turn: the caller may be walking a list.
   if (next_ || in_.size() > 0 || eof_) PostProcess();
 }
 
@@ -315,7 +315,7 @@ void Session::OnWritable() {
   StartRead();
 }
 
-// One timer runs while requests wait; it goes on from one request to the next.
+// One timer runs while requests wait; it continues from one request to the next.
 void Session::WatchWait() {
   if (verbose_timer_ && verbose_timer_->expiry() > steady_clock::now()) return;
   watched_ = serial_;

@@ -35,37 +35,38 @@
 
 namespace coopdyn {
 
-/// The endpoint is called from event handlers only, never from within Push(), Close() or a ReplyFunction, so
-/// that it may call those while it walks its own lists.
+/// The endpoint is called only from event handlers, never from within Push(), Close() or a ReplyFunction, so
+/// an endpoint may call those while it walks its own lists.
 class Session final : public Connection, public std::enable_shared_from_this<Session> {
  public:
   /// Any socket of a kind that EndOf() knows.
   using Socket = boost::asio::basic_stream_socket<boost::asio::generic::stream_protocol,
                                                   boost::asio::io_context::executor_type>;
-  /// Asio wants a protocol; a session does not use it.
+  /// Asio wants a protocol; a session does not use one.
   static Socket::protocol_type AnyProtocol() { return {AF_UNSPEC, 0}; }
-  /// Read ahead of a request that has not been answered yet; then the client has to wait.
+  /// Bytes read ahead of an unanswered request; beyond that the client must wait.
   static constexpr std::size_t kMaxReadAhead = kMaxRequestBytes + (std::size_t{64} << 10);
   static constexpr int kMaxMalformed = 20;  // in a row
-  /// How long a closing connection waits for its peer to read what is left and to close.
+  /// How long a closing connection waits for its peer to read the rest and to close.
   static constexpr std::chrono::seconds kLinger{5};
 
-  /// `on_end` is called once it is closed; until then the caller keeps the session. `poster` runs work on the
-  /// thread of `context`.
+  /// `on_end` is called once the session is closed; the caller keeps it alive until then. `poster` runs work
+  /// on the thread of `context`.
   Session(boost::asio::io_context& context, Socket socket, ConnectionEnd end, Endpoint& endpoint,
           NetServices& services, const IoThread::Poster& poster, PeerInfo peer,
           std::function<void(ClientId)> on_end);
 
-  /// Opens it at the endpoint and goes on with what `connection` holds besides its socket and peer.
+  /// Opens the session at the endpoint and continues with everything in `connection` but its socket and peer.
   void Start(LooseConnection connection);
-  /// Its encoding outlives the module or is not chosen yet, and it has not ended.
+  /// True while the session is open and its encoding outlives the module or is not chosen yet.
   bool may_leave() const;
-  /// Ends here and goes elsewhere: `done` gets it when what is being read has been, on this thread, before
-  /// on_end or instead of it; without a socket if it has ended meanwhile. @pre may_leave()
+  /// Detaches the socket after the current read and passes it to `done`, on this thread; passes an empty
+  /// connection if the session has ended meanwhile. Also calls on_end. @pre may_leave()
   void Leave(std::function<void(LooseConnection)> done);
-  /// The server goes away: notice (as far as it can be written at once), OnClosed(), close. No on_end.
+  /// Closes at once because the server goes away: writes the notice as far as possible, calls OnClosed() but
+  /// not on_end.
   void Abort(const std::string& reason);
-  /// Ends the connection if its machine has died unseen by keepalive.
+  /// Ends the connection if its machine has died without keepalive noticing.
   void CheckPeerLives();
 
   ClientId id() const override { return id_; }
@@ -85,7 +86,8 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   using Timer = std::optional<boost::asio::steady_timer>;
   using Step = void (Session::*)();
 
-  /// What Asio is to call: `then`, in the turn, unless that was called off or all has ended.
+  /// A handler for Asio: calls `then` in the turn, unless the operation was cancelled or the session is
+  /// closed.
   auto Handler(Step then) {
     return [self = shared_from_this(), then](const ErrorCode& error = {}) {
       if (error) return;
@@ -98,14 +100,14 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   void At(Timer& timer, std::chrono::steady_clock::time_point time, Step then);
 
   // Reading.
-  /// Reads on, or rests while the client is far ahead.
+  /// Starts the next read, or pauses while the client is far ahead.
   void StartRead();
   void OnRead(const ErrorCode& error, std::size_t count);
   void EndInput();
   void TellInputEnded();
-  /// While reading rests, looks from time to time whether the client has gone.
+  /// While reading is paused, checks periodically whether the client has gone.
   void WatchPeer();
-  /// Ends the input when nothing has come for as long as end_ says.
+  /// Ends the input when end_.silence has passed without a datagram.
   void WatchSilence();
   // Requests.
   void Process();
@@ -114,20 +116,21 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   bool HandleNext();
   void TakeEncoding(std::unique_ptr<Encoding> encoding);
   void HandRequest(Message request, bool changes);
-  /// Counts a request; what its reply is given to, on this thread.
+  /// Counts a request and returns the function that accepts its reply, on this thread.
   ReplyFunction AwaitReply();
-  /// The command is not one that only reads.
+  /// True unless the command only reads.
   bool Changes(std::int32_t command) const;
   void OnReply(std::uint64_t serial, const Message& reply);
-  /// Waits for `answer`, which may be given already.
+  /// Waits for `answer`, which may have arrived already.
   void Await(std::shared_ptr<AskedAnswer> answer);
   bool MayHandle() const { return !closing_ && !closed_ && !waiting_ && !blocked_ && !leave_; }
   // Writing.
   void Flush();
   void OnWritable();
-  /// Acknowledges what came if it gets no answer: the client may hold the rest of a request back until then.
+  /// Acknowledges the last bytes if they got no answer: the client may hold back the rest of a request until
+  /// then.
   void Acknowledge();
-  /// Tells a person from time to time whom the request waits for.
+  /// Reports to a person from time to time whom the request waits for.
   void WatchWait();
   void TellWaiting();
   // The end.
@@ -139,7 +142,7 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   void HandOver();
   void StopTimers();
   void Log(spdlog::level::level_enum level, const std::string& text);
-  /// Calls `function(endpoint)`; what it throws is logged. Returns false then.
+  /// Calls `function(endpoint)`. Logs exceptions; returns false then.
   template <typename Function>
   bool CallEndpoint(Function&& function) {
     if (endpoint_ == nullptr) return true;
@@ -171,26 +174,26 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   OutQueue out_;
   int malformed_ = 0;  // in a row
 
-  std::uint64_t serial_ = 0;            // of the request handed out last
-  bool waiting_ = false;                // for its reply
-  std::shared_ptr<AskedAnswer> asked_;  // which may be this one
-  std::optional<Message> asked_again_;  // of the module to come
-  std::optional<Message> next_;         // what the encoding wants before it answers
+  std::uint64_t serial_ = 0;            // of the last request passed on
+  bool waiting_ = false;                // for the reply to that request
+  std::shared_ptr<AskedAnswer> asked_;  // the pending answer of Incoming::ask; null: the endpoint replies
+  std::optional<Message> asked_again_;  // the request to repeat at the successor
+  std::optional<Message> next_;         // the encoding's next request before it answers
   bool processing_ = false;             // Process() runs
   bool process_posted_ = false;
-  bool reading_ = false;      // OnRead() follows when something comes, into the room of in_
-  bool blocked_ = false;      // the peer takes nothing more; OnWritable() follows when it does
-  bool acknowledged_ = true;  // what was read last
-  bool write_dead_ = false;   // writing has failed: what is left is dropped
-  bool input_ended_ = false;  // told to the endpoint
+  bool reading_ = false;      // a read into the room of in_ is pending
+  bool blocked_ = false;      // the send buffer is full; OnWritable() follows
+  bool acknowledged_ = true;  // the bytes read last
+  bool write_dead_ = false;   // writing has failed: the rest is dropped
+  bool input_ended_ = false;  // the endpoint has been notified
   bool eof_ = false;          // nothing more can be read
   bool closing_ = false;      // no more requests are handled
   bool fin_sent_ = false;
   bool closed_ = false;
-  std::function<void(LooseConnection)> leave_;  // not null: it leaves when OnRead() has come
+  std::function<void(LooseConnection)> leave_;  // not null: HandOver() follows the pending read
 
   Timer linger_timer_, watch_timer_, verbose_timer_;
-  Timer silence_timer_;  // unless the stream ends it
+  Timer silence_timer_;  // only for sockets without a stream
   std::chrono::steady_clock::time_point heard_at_;
   WaitingNote waiting_note_;
   std::uint64_t watched_ = 0;  // the serial for which verbose_timer_ was set

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How a session ends, or goes over to another module.
+// How a session ends, or moves to another module.
 #include <sys/socket.h>
 
 #include <chrono>
@@ -34,15 +34,15 @@ void Session::Close(const std::string& reason, spdlog::level::level_enum level) 
     out_.AddNotice(std::move(notice));
   }
   closing_ = true;
-  input_end_->Note();  // before the client can see that, as it may take what it owned on another connection
+  input_end_->Note();  // first: the client, once it sees the end, may reclaim its robot on another connection
   Log(level, "closed: " + reason);
   At(linger_timer_, std::chrono::steady_clock::now() + kLinger, &Session::HardClose);
   Post(&Session::DeliverClosed);
   if (!processing_) Flush();
 }
 
-// All is written. The socket is closed only when the peer has closed its side: closing with unread input
-// would make its kernel throw the notice away.
+// All output is written. Closes the socket only when the peer has closed its side: if unread input remained,
+// the peer's kernel would discard the notice.
 void Session::AwaitPeersEnd() {
   if (eof_ || write_dead_ || !end_.with_stream()) return HardClose();
   in_.Clear();
@@ -76,7 +76,7 @@ bool Session::may_leave() const {
 void Session::Leave(std::function<void(LooseConnection)> done) {
   leave_ = std::move(done);
   if (!reading_) return HandOver();
-  // Bytes may be in the buffer already, and OnRead() on its way.
+  // Bytes may already be in the buffer and OnRead() be queued.
   ErrorCode ignored;
   socket_.cancel(ignored);
 }
@@ -119,9 +119,9 @@ void Session::Abort(const std::string& reason) {
 
 void Session::CheckPeerLives() {
   if (closed_ || peer_.trusted || !PeerLooksDead(socket_.native_handle())) return;
-  Log(spdlog::level::info, "its machine does not answer any more");
+  Log(spdlog::level::info, "its machine no longer answers");
   write_dead_ = true;
-  ::shutdown(socket_.native_handle(), SHUT_RDWR);  // reading ends with it
+  ::shutdown(socket_.native_handle(), SHUT_RDWR);  // also ends the pending read
 }
 
 }  // namespace coopdyn

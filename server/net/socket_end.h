@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Looks from any thread whether the input of a session's socket has ended.
+// Checks from any thread whether a session's socket has reached the end of its input.
 #pragma once
 
 #include "server/base/input_end.h"
@@ -12,7 +12,7 @@ class SocketEnd final : public InputEnd {
  public:
   explicit SocketEnd(int fd) : fd_(fd) {}
 
-  /// The session is about to close its socket or to give it away.
+  /// Call before the session closes its socket or gives it away.
   void Forget() {
     const MutexLock lock(mutex_);
     fd_ = -1;
@@ -26,7 +26,7 @@ class SocketEnd final : public InputEnd {
   }
 
   Mutex mutex_;
-  int fd_ GUARDED_BY(mutex_);  // open; −1: not the session's any more
+  int fd_ GUARDED_BY(mutex_);  // −1 after Forget()
 };
 
 }  // namespace coopdyn

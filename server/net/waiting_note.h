@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// When `verbose` says again whom a request waits for. Pure; one thread.
+// Decides when `verbose` reports again whom a request waits for. Pure; one thread.
 #pragma once
 
 #include <chrono>
@@ -12,15 +12,15 @@ namespace coopdyn {
 class WaitingNote {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
-  static constexpr std::chrono::milliseconds kFirst{1000};  // after it a waiting request is talked about
-  static constexpr std::chrono::milliseconds kEach{250};    // how soon a change is told
+  static constexpr std::chrono::milliseconds kFirst{1000};  // wait before the first note
+  static constexpr std::chrono::milliseconds kEach{250};    // delay of a note about a change
   static constexpr std::chrono::milliseconds kRepeat{2000};
 
-  /// When to ask next about request `serial`.
+  /// Time until the next check of request `serial`.
   std::chrono::milliseconds Pause(std::uint64_t serial) const { return serial == serial_ ? kEach : kFirst; }
 
   /// The `#` line to send about request `serial`, which waits for `whom` ("robot2 (no client), 1.2 s"); empty
-  /// if that has been said. The seconds and what follows them do not make it another text.
+  /// if it has been sent already. The text after the last ")" (the seconds) does not count as a change.
   std::string Line(std::uint64_t serial, const std::string& whom, TimePoint now) {
     const bool first = std::exchange(serial_, serial) != serial;
     std::string stable = whom.substr(0, whom.rfind("), "));

@@ -10,7 +10,7 @@ namespace coopdyn {
 
 namespace {
 
-/// The newest of `numbers` at `step`.
+/// The newest of `numbers` at or before `step`.
 const Logged* NewestOf(const std::vector<Logged>& numbers, std::uint64_t step) {
   const auto after = std::ranges::upper_bound(numbers, step, {}, &Logged::step);
   return after == numbers.begin() ? nullptr : &*std::prev(after);

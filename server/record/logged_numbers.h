@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The numbers that were logged in a recorded run (events of level `log`), by name and step. A value; any
-// thread.
+// Numbers logged in a recorded run (events of level `log`), by name and step. A value type; any thread.
 #pragma once
 
 #include <cstdint>
@@ -15,17 +14,17 @@ namespace coopdyn {
 
 class LoggedNumbers {
  public:
-  /// `events` follow those that were added before; only those of level `log` count.
+  /// `events` follow the events added before; only events of level `log` count.
   void Add(std::span<const Event> events);
-  /// The names that were logged by `step`.
+  /// Names logged at or before `step`.
   std::vector<std::string> Names(std::uint64_t step) const;
-  /// What holds of `name` at `step`: the newest number by then; null: there is none yet.
+  /// The newest number of `name` at or before `step`; null if there is none.
   const Logged* Find(const std::string& name, std::uint64_t step) const;
-  /// The same of all names.
+  /// The newest number of every name at or before `step`.
   std::map<std::string, Logged> At(std::uint64_t step) const;
 
  private:
-  std::map<std::string, std::vector<Logged>> by_name_;  // of each by step
+  std::map<std::string, std::vector<Logged>> by_name_;  // each sorted by step
 };
 
 }  // namespace coopdyn

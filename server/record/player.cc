@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which frame is shown when. What edits do is in player_edits.cc.
+// Decides which frame is shown when. player_edits.cc applies edits.
 #include "server/record/player.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 constexpr Nanoseconds kNever = std::numeric_limits<Nanoseconds>::max();
 constexpr Nanoseconds kStatusEvery = 50'000'000;
 constexpr Nanoseconds kLookEvery = 100'000'000;
-/// Faster than the run itself no more frames are shown than a screen shows.
+/// Above speed 1, at most one frame per screen refresh.
 constexpr Nanoseconds kFrameEvery = kNanosecondsPerSecond / 60;
 
 }  // namespace
@@ -48,7 +48,7 @@ std::optional<Edit> Player::Run(std::stop_token stop) {
 std::string Player::Start(Nanoseconds now) {
   now_ = now;
   Look(true);
-  // Backwards it begins where there is something to show.
+  // Backwards, the default start is the end.
   const bool from_end = speed_ < 0 && options_.start == 0;
   const auto step = reader_->StepAt(from_end ? extent_.end : options_.start, true);
   if (!step || !Show(*step, Jump::kYes)) return reader_->error();
@@ -127,7 +127,7 @@ Nanoseconds Player::GoByStep() {
   const Nanoseconds wall = pace_.WallTime(next->time);
   if (now_ < wall) return wall;
   if (!ShowOrStand(next->step, Jump::kNo)) return kNever;
-  // If it is late, it does not go faster to catch up.
+  // When late, do not speed up to catch up.
   if (pace_.DueTime(now_) > shown_->time + shown_->step_length) RestartPace(shown_->time);
   return now_;
 }
@@ -137,7 +137,7 @@ Nanoseconds Player::AtEnd(bool back) {
     RestartPace(shown_->time);
     return now_ + kLookEvery;
   }
-  // The last frame is there for the length of its step before it begins again.
+  // Show the last frame for the length of its step before wrapping around.
   const Nanoseconds end = !back && loop_ ? shown_->time + shown_->step_length : shown_->time;
   const Nanoseconds wall = pace_.WallTime(end) - (back ? 1 : 0);
   if (now_ < wall) return wall;

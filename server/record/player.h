@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Plays a recording: publishes its frames instead of physics, so that modules, pictures and the page show
-// them as they showed the run. On the physics thread.
+// Plays a recording: publishes its frames in place of physics. Modules, pictures and the page show them as
+// they showed the run. On the physics thread.
 #pragma once
 
 #include <cmath>
@@ -33,23 +33,23 @@ struct PlayOptions {
   Nanoseconds start = 0;  // simulated time to begin at
 };
 
-/// Which moment of a recording is due: simulated time that runs at `speed` times the wall clock from where it
-/// was set. Pure: the caller says what time it is.
+/// Decides which moment of a recording is due: simulated time runs at `speed` times the wall clock from where
+/// Start() set it. Pure: the caller passes the wall time.
 class PlayPace {
  public:
-  /// At wall time `now` the moment `time` is due. `speed` is not 0; below 0: backwards.
+  /// Sets the moment due at wall time `now` to `time`. `speed` is not 0; negative plays backwards.
   void Start(Nanoseconds now, Nanoseconds time, double speed) {
     wall_ = now;
     time_ = time;
     speed_ = speed;
   }
   double speed() const { return speed_; }
-  /// The simulated time that is due at wall time `now`.
+  /// The simulated time due at wall time `now`.
   Nanoseconds DueTime(Nanoseconds now) const {
     return time_ + static_cast<Nanoseconds>(std::floor(static_cast<double>(now - wall_) * speed_));
   }
-  /// The first moment of wall time at which `time` is due; backwards: at which a moment before it is, so that
-  /// the frame of `time` is due no more.
+  /// The first wall time at which `time` is due. Backwards: the first at which an earlier moment is due, so
+  /// the frame of `time` no longer is.
   Nanoseconds WallTime(Nanoseconds time) const {
     const auto ahead = static_cast<double>(time - time_);
     if (speed_ > 0) return wall_ + static_cast<Nanoseconds>(std::ceil(ahead / speed_));
@@ -71,39 +71,40 @@ class Player {
     Doorbell& bell;
   };
 
-  /// `reader` has its scenario loaded, and is the player's from now on. `epoch`: of the frames published so
-  /// far.
+  /// `reader` has its scenario loaded; from now on only the player uses it. `epoch`: of the frames published
+  /// so far.
   Player(Boards boards, std::shared_ptr<RunReader> reader, const Clock& clock, Logger logger,
          PlayOptions options, std::uint64_t epoch = 0);
 
-  /// Called on the physics thread when another scene is shown while it plays: things and robots have come or
-  /// gone. Before Run().
+  /// `on_scene` is called on the physics thread when the scene changes during playback, because things or
+  /// robots were added or removed. Before Run().
   void set_on_scene(std::function<void(std::shared_ptr<const Scene>)> on_scene) {
     on_scene_ = std::move(on_scene);
   }
-  /// Publishes the first frame; an error text, empty if all is well. Before Run().
+  /// Publishes the first frame. Returns an error text, empty on success. Before Run().
   std::string Start() { return Start(clock_.Now()); }
-  /// Plays until `stop` is requested (ring the bell after), which ends all waits; or until an edit ends the
-  /// playback (Restore: for the live run to apply; Play: another recording): returns that edit.
+  /// Plays until `stop` is requested (ring the bell afterwards), then ends all pending requests. Returns
+  /// early with the edit that ends the playback: Restore, for the live run to apply, or Play, another
+  /// recording.
   std::optional<Edit> Run(std::stop_token stop);
   std::uint64_t epoch() const { return epoch_; }
 
-  // What Run() does, at a moment that the caller says: it never waits.
+  // The parts of Run(), for callers that pass the time themselves. They never block.
   std::string Start(Nanoseconds now);
-  /// Time begins to run, or goes on after a wait of unknown length.
+  /// Starts the clock, or restarts it after a pause of unknown length.
   void Resume(Nanoseconds now);
   struct Work {
-    Nanoseconds wake = 0;          // when to look again; INT64_MAX: when the bell rings
-    std::optional<Edit> ended_by;  // the playback is over
+    Nanoseconds wake = 0;          // wall time of the next call; INT64_MAX: when the bell rings
+    std::optional<Edit> ended_by;  // set if the playback is over
   };
-  /// Applies edits, shows the frame that is due, says when to look again.
+  /// Applies edits, shows the frame that is due, and returns when to call again.
   Work WorkOnce(Nanoseconds now);
-  /// Ends all waits.
+  /// Ends all pending requests.
   void Stop();
 
  private:
   struct PendingStep {
-    std::int64_t left = 0;  // frames, those that others wait for included
+    std::int64_t left = 0;  // frames, including those of earlier requests
     std::int64_t asked = 1;
     StepDone done;
   };
@@ -113,7 +114,7 @@ class Player {
   };
   enum class Jump { kNo, kYes };
 
-  // Each handles one kind of edit and returns what to answer.
+  // Each handles one kind of edit and returns its result.
   EditResult Apply(const edit::Run&);
   EditResult Apply(const edit::Pause&);
   EditResult Apply(const edit::Step& step, StepDone done);
@@ -122,30 +123,30 @@ class Player {
   EditResult Apply(const edit::Skip&);
   EditResult Apply(const edit::SetPlaySpeed&);
   EditResult Apply(const edit::SetLoop&);
-  /// The same for any kind; what does not move the player is refused.
+  /// Applies any kind of edit; refuses those that do not control the playback.
   EditResult ApplyAny(Edit& edit);
 
-  /// Applies what waits; returns the edit that ends the playback.
+  /// Applies the queued edits; returns the edit that ends the playback.
   std::optional<Edit> ApplyEdits();
   Nanoseconds ShowDue();
   Nanoseconds GoOn();
   Nanoseconds GoByStep();
-  /// At an end: wraps, waits or stands.
+  /// At an end: wraps around, waits for more frames, or stops.
   Nanoseconds AtEnd(bool back);
-  /// Shows `step`; false if the file is damaged there, and reader_->error() says so.
+  /// Shows `step`. False, with reader_->error() set, if the file is damaged there.
   bool Show(std::uint64_t step, Jump jump);
-  /// The same while it plays: a damage is an event, and it stands.
+  /// Shows `step` during playback: damage becomes an event and stops the playback.
   bool ShowOrStand(std::uint64_t step, Jump jump);
-  /// Where a jump of an edit leads; waits for steps are undone.
+  /// Jumps to `step` for an edit and ends pending step requests.
   EditResult JumpTo(std::optional<std::uint64_t> step);
-  /// The step that many recorded ones from what is shown, or the end before it; nothing if damaged.
+  /// The step `steps` recorded steps away from the shown one, clamped to the ends; nullopt if damaged.
   std::optional<std::uint64_t> StepAway(int steps);
-  /// The next frame in a direction; nothing at the end, or (reader_->error()) if damaged.
+  /// The next frame in a direction; nullopt at the end, or with reader_->error() set if damaged.
   std::optional<Place> Next(bool back);
   void Stand();
-  /// A damage: an event, and it stands.
+  /// Reports the reader's error as an event and stops the playback.
   Nanoseconds Fail();
-  /// Looks how far a growing file has come; at most each kLookEvery unless `always`.
+  /// Updates the extent of a growing file, at most once every kLookEvery unless `always`.
   void Look(bool always);
   void RestartPace(Nanoseconds time);
   void EndSteps(StepEnd end);
@@ -165,17 +166,17 @@ class Player {
   RateMeter rate_;
   RunExtent extent_;
   LoggedNumbers logged_;
-  std::int64_t newest_event_ = 0;  // of those that logged_ has seen
+  std::int64_t newest_event_ = 0;  // row id of the newest event in logged_
   FramePtr shown_;
-  std::optional<Place> next_;  // after what is shown, once it was looked for
+  std::optional<Place> next_;  // the frame after the shown one, once looked up
   bool next_is_back_ = false;
   std::uint64_t epoch_;
   double speed_;
   bool loop_;
   bool playing_;
-  bool changed_ = true;  // since the status was published
+  bool changed_ = true;  // since the status was last published
   std::vector<PendingStep> steps_;
-  Nanoseconds now_ = 0;  // of this call
+  Nanoseconds now_ = 0;  // wall time of the current call
   Nanoseconds shown_at_ = 0, looked_at_ = 0, status_at_ = 0;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What each edit does to a playback.
+// Applies edits to a playback.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -12,7 +12,7 @@ namespace coopdyn {
 
 std::optional<Edit> Player::ApplyEdits() {
   while (std::optional<Edit> edit = boards_.edits.TakeNext()) {
-    // What came after it is for what comes then, and stays in the queue.
+    // Later edits are for the next run and stay in the queue.
     const bool ends = As<edit::Restore>(edit->action) != nullptr || As<edit::Play>(edit->action) != nullptr;
     if (ends) return edit;
     EditResult result = ApplyAny(*edit);
@@ -62,7 +62,7 @@ EditResult Player::Apply(const edit::Pause&) {
 EditResult Player::Apply(const edit::Step& step, StepDone done) {
   if (playing_) return {Error::kNotPossible, "step works only while paused: send pause first"};
   if (steps_.empty()) RestartPace(shown_->time);
-  // As in a live run: after those that others wait for.
+  // As in a live run: queue behind earlier requests.
   const std::int64_t asked = std::max(step.steps, 1);
   steps_.push_back({steps_left() + asked, asked, std::move(done)});
   return {};

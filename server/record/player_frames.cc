@@ -14,10 +14,11 @@ namespace coopdyn {
 
 namespace {
 
-/// From this many steps on it is cheaper to begin at a newer keyframe than to read on.
+/// Beyond this many steps, starting at a newer keyframe is cheaper than reading on.
 constexpr std::uint64_t kMostReadOn = 1000;
 
-/// Where the body that is at `place` of `scene` is in `before`; that has as many bodies or none if not there.
+/// The place in `before` of the body at `place` in `scene`; nullopt if its thing or robot is not there or has
+/// another number of bodies.
 std::optional<std::size_t> PlaceIn(const Scene& before, const Scene& scene, std::size_t place) {
   if (&before == &scene) return place;
   const int body = static_cast<int>(place);
@@ -43,7 +44,7 @@ bool PlayInputs::GoTo(std::uint64_t step) {
                     step - keyframe_->frame->step <= limit_;
   bool gap = false;
   const bool read = near && (step <= newest_ || ReadOn(step, gap)) && !gap;
-  // After steps that were left out comes a keyframe.
+  // After a gap, reload: a keyframe follows steps that were left out.
   if (!read && !Load(step)) return false;
   Replay(step);
   return true;
@@ -117,7 +118,7 @@ std::vector<SentMessage> PlayInputs::Messages() const {
     longest_steps = std::max(longest_steps, robot.entry.model->message_delay_steps());
   const std::uint64_t oldest = step_ - std::min(step_, static_cast<std::uint64_t>(longest_steps));
   std::vector<SentMessage> messages;
-  // What a robot has sent goes with it.
+  // The messages of a removed robot are dropped.
   const auto add = [&](const std::vector<SentMessage>& sent, const Scene& scene) {
     for (SentMessage message : sent) {
       if (message.step < oldest) continue;
@@ -170,7 +171,7 @@ void PlayFrames::AddSamples(Frame& frame) {
     frame.samples.push_back({std::move(moment)});
     ++in_use;
   }
-  // A moment is shown for many steps, then it is not needed any more.
+  // A moment is used for many consecutive steps, then never again.
   const std::size_t most = 2 * in_use + 8;
   if (moments_.size() > most)
     moments_.erase(moments_.begin(), moments_.end() - static_cast<std::ptrdiff_t>(most));
@@ -205,7 +206,7 @@ std::shared_ptr<Frame> PlayFrames::MakeMoment(std::uint64_t step) {
   frame->recorded_hash = now->hash;
   frame->scene = scene;
   frame->bodies.assign(now->bodies.begin(), now->bodies.end());
-  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // what was not recorded is no number
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // for values that were not recorded
   frame->channels.assign(scene->channels.size(), {kUnknown, kUnknown, kUnknown, {}});
   frame->measured = now->sensed.measured;
   frame->contacts = now->sensed.contacts;
@@ -266,7 +267,7 @@ bool PlayFrames::AddVelocities(const RecordedStep& now, Frame& frame) {
     return true;
   }
   const std::optional<RecordedStep> before = Read(*before_step);
-  // A damaged step before this one costs the velocities alone.
+  // A damaged previous step costs only the velocities.
   if (!before || before->time >= now.time) return true;
   const double seconds = ToSeconds(now.time - before->time);
   if (now.step - before->step == 1) frame.step_length = now.time - before->time;

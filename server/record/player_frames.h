@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Makes frames of a recording: recorded poses and channels (nan if they were not recorded), velocities from
-// the difference to the poses before, set-points and broadcasts as they were in force. Of the first step,
-// whose exact state is there, the exact velocities. One thread.
+// Makes frames from a recording: recorded poses and channels (nan if they were not recorded), velocities from
+// the difference to the previous poses, and the set-points and broadcasts in force. The first step has an
+// exact state and so its exact velocities. One thread.
 #pragma once
 
 #include <cstdint>
@@ -15,27 +15,29 @@
 
 namespace coopdyn {
 
-/// What was commanded and sent in a recorded run, at any of its steps: set-points in force are carried on
-/// from the keyframe before. Going on, forwards or backwards, costs little; a jump reads the steps since that
+/// The commands and broadcasts of a recorded run at any of its steps: set-points carry over from the
+/// preceding keyframe. Moving forwards or backwards a little is cheap; a jump reads the steps since that
 /// keyframe.
 class PlayInputs {
  public:
   explicit PlayInputs(RunReader& reader) : reader_(reader) {}
 
-  /// Goes to `step`, which is recorded. False, and the reader's error() says why, if the file is damaged.
+  /// Moves to `step`, which is recorded. False, with the reader's error() set, if the file is damaged.
   bool GoTo(std::uint64_t step);
 
-  // Of the step gone to.
-  /// The set-point in force of a channel, and whether a client's came in force with this step.
+  // All below describe the step of the last GoTo().
+  /// A channel's set-point in force, and whether a client's set-point came into force with this step.
   struct Driven {
     Setpoint setpoint;
     bool commanded = false;
   };
-  /// As scene->channels.
+  /// In the order of scene->channels.
   std::span<const Driven> channels() const { return channels_; }
-  /// Sent in the last Frame::kMessageSteps steps as far as a robot may still hear them, this one's included.
+  /// Messages that a robot may still hear: sent within the longest message delay of the scene's robots, this
+  /// step included.
   std::vector<SentMessage> Messages() const;
-  /// The newest keyframe at or before it: seed, solver seed; the exact state if the step is its own.
+  /// The newest keyframe at or before the step: seed and solver seed; the exact state if it is the step's
+  /// own.
   const Frame& keyframe() const { return *keyframe_->frame; }
 
  private:
@@ -48,18 +50,18 @@ class PlayInputs {
   };
 
   bool Load(std::uint64_t step);
-  /// Reads on to `step`. `gap` gets whether steps in between were left out.
+  /// Reads the steps up to `step`. Sets `gap` if steps in between were left out.
   bool ReadOn(std::uint64_t step, bool& gap);
   void Replay(std::uint64_t step);
-  /// From here on robots are those of `scene`: each keeps its set-points.
+  /// Switches to `scene`: each robot keeps its set-points.
   void Enter(const std::shared_ptr<const Scene>& scene);
 
   RunReader& reader_;
   SavedStatePtr keyframe_;
-  std::uint64_t limit_ = 0;             // so far from the keyframe a newer one is looked for
-  std::uint64_t newest_ = 0;            // steps after the keyframe are read up to here
-  std::vector<Inputs> inputs_;          // of these, those that have any
-  std::uint64_t step_ = 0;              // gone to
+  std::uint64_t limit_ = 0;             // beyond this many steps from the keyframe, look for a newer one
+  std::uint64_t newest_ = 0;            // steps after the keyframe have been read up to here
+  std::vector<Inputs> inputs_;          // of the steps read, those that have any
+  std::uint64_t step_ = 0;              // of the last GoTo()
   std::size_t next_ = 0;                // index of the first inputs after step_
   std::shared_ptr<const Scene> scene_;  // of step_
   std::vector<Driven> channels_;        // of scene_
@@ -70,18 +72,18 @@ class PlayFrames {
  public:
   explicit PlayFrames(RunReader& reader) : reader_(reader), inputs_(reader) {}
 
-  /// The frame of `step`, which has poses. Null, and the reader's error() says why, if the file is damaged.
+  /// The frame of `step`, which has poses. Null, with the reader's error() set, if the file is damaged.
   std::shared_ptr<Frame> Make(std::uint64_t step);
 
  private:
-  /// The same without samples.
+  /// The frame without sensor samples.
   std::shared_ptr<Frame> MakeMoment(std::uint64_t step);
-  /// The newest shown moment at or before `step`, for sensors; null: there is none.
+  /// The newest step with poses at or before `step`, for sensors; null if there is none.
   FramePtr MomentAt(std::uint64_t step);
-  /// Fills in what sensors with a rate or a delay show.
+  /// Fills in the samples of sensors with a rate or a delay.
   void AddSamples(Frame& frame);
   std::optional<RecordedStep> Read(std::uint64_t step);
-  /// What the joint of a control board is told; its way there was not recorded.
+  /// Fills in the target of a control board's joint; its trajectory was not recorded.
   static void ShowAim(const ChannelState& channel, JointControl& control);
   /// Fills in the velocities of the bodies of `frame`; false if the file is damaged.
   bool AddVelocities(const RecordedStep& now, Frame& frame);
@@ -89,11 +91,12 @@ class PlayFrames {
   RunReader& reader_;
   PlayInputs inputs_;
   FramePool pool_;
-  std::vector<FramePtr> moments_;       // for samples; the newest used last
-  std::optional<RecordedStep> newest_;  // made last: mostly the one before
+  std::vector<FramePtr> moments_;       // for samples; most recently used last
+  std::optional<RecordedStep> newest_;  // made last; usually the previous step
 };
 
-/// The angular velocity, rad/s in the world, that turns `from` into `to` within `seconds` the short way.
+/// The angular velocity, rad/s in the world, that turns `from` into `to` within `seconds` along the shorter
+/// arc.
 Vector3 AngularVelocity(const Quaternion& from, const Quaternion& to, double seconds);
 
 }  // namespace coopdyn

@@ -8,11 +8,11 @@ namespace coopdyn {
 
 namespace {
 
-// How long the recorder sleeps while steps come: one wake-up for many steps costs the run less than one for
-// each.
+// How long the recorder sleeps while steps arrive: one wake-up for many steps costs the run less than one per
+// step.
 constexpr std::chrono::milliseconds kNap{5};
 constexpr std::chrono::milliseconds kStalledNap{20};
-// Inputs and events are small and left out only when the queue holds this many times its bytes.
+// Inputs and events are small: they are left out only above this multiple of max_bytes.
 constexpr std::size_t kMostForSmall = 2;
 
 std::size_t BytesOf(const Frame& frame) {
@@ -64,8 +64,7 @@ void RecordQueue::PushBegin(QueuedBegin begin) {
   if (refuses()) return;
   std::uint64_t lost = std::exchange(lost_since_, 0);
   if (stalled_ && begins_ > 0) {
-    // A file of which nothing can be written is left out: what was lost before it belongs to the one that is
-    // open.
+    // Drop a queued file that could not be started: steps lost before it belong to the open file.
     for (const QueuedItem& item : items_) {
       if (!std::holds_alternative<QueuedBegin>(item.what)) continue;
       lost = item.lost_before;
@@ -84,7 +83,7 @@ void RecordQueue::PushBegin(QueuedBegin begin) {
 bool RecordQueue::WantsKeyframe(std::uint64_t step, std::uint64_t every) {
   const MutexLock lock(mutex_);
   if (refuses() || stalled_ || !keyframe_) return false;
-  // Only when there is room for some steps: making a keyframe takes time, and the next step would be lost.
+  // Only with room for some steps: making a keyframe takes time, and the next step would be lost.
   if (needs_keyframe_) return HasRoom(max_bytes_ / 2);
   return step - *keyframe_ >= every;
 }
@@ -152,7 +151,7 @@ std::optional<QueuedItem> RecordQueue::Pop(bool may_sleep) {
   beginning_ = std::holds_alternative<QueuedBegin>(item.what);
   if (beginning_) --begins_;
   if (std::holds_alternative<QueuedStep>(item.what)) ++taken_;
-  // Wakes the waiting thread when there is room for many steps, not for one.
+  // Wake the waiting thread when there is room for many steps, not for one.
   if (bytes_ <= max_bytes_ / 2) room_.NotifyAll();
   return item;
 }

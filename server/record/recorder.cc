@@ -14,7 +14,7 @@ namespace coopdyn {
 
 namespace {
 
-/// Steps of one commit at most: free mode makes thousands in the time of commit_every.
+/// Most steps per commit: free mode makes thousands within commit_every.
 constexpr std::uint64_t kStepsAtOnce = 256;
 
 /// After each failed attempt to continue, the next one waits twice as long, at most this long.
@@ -61,10 +61,10 @@ class Recorder::Impl {
     return status;
   }
 
-  // --- the holder of the baton
+  // --- Called by the holder of the baton.
   void Begin(const SavedStatePtr& state) EXCLUDES(mutex_) {
     const bool drops_present = number_ > 0 && !has_content_;
-    // A name that is taken is left alone, but for the one that the user has given.
+    // Skips names that are taken, except the one that the user gave.
     if (!drops_present) {
       do ++number_;
       while (number_ > 1 && files_.IsTaken(number_));
@@ -86,7 +86,7 @@ class Recorder::Impl {
   }
 
  private:
-  /// The file that was begun last.
+  /// The file begun last.
   struct Coming {
     int order = 0;
     std::string file;
@@ -97,7 +97,7 @@ class Recorder::Impl {
     double time_s = 0;  // simulated
   };
 
-  // --- all below: the recorder's thread
+  // --- All below run on the recorder's thread.
   void Run() {
     try {
       WriteAll();
@@ -157,15 +157,15 @@ class Recorder::Impl {
     status_.end = writer_->end();
   }
 
-  /// Ends the present file, and makes that of `begin_`.
+  /// Ends the current file and makes the file of `begin_`.
   void BeginFile() {
     EndFile(*begin_);
     if (writes()) OpenFile(*begin_);
     if (writes()) begin_.reset();
   }
 
-  /// After a reset, load or restore: ends the present file, which says where the run goes on. One without
-  /// steps is dropped, and its name used again.
+  /// After a reset, load or restore: ends the current file with a note of the file in which the run
+  /// continues. A file without steps is removed and its name reused.
   void EndFile(const QueuedBegin& begin) {
     if (writer_ == nullptr || failed_) return CloseFile();
     const std::string file = writer_->file();
@@ -187,7 +187,7 @@ class Recorder::Impl {
     std::string error;
     writer_ = files_.Make(state, begin.number, error);
     if (writer_ == nullptr) return files_.HasRoom() ? Fail(error) : Stall(error);
-    // So that it can be read from now on, whatever happens.
+    // From now on the file can be read, whatever happens.
     if (!Check(writer_->Commit())) return;
     files_.NoteMade();
     made_order_ = begin.order;
@@ -227,7 +227,7 @@ class Recorder::Impl {
     }
     const Nanoseconds now = clock_.Now();
     if (!std::exchange(is_dirty_, true)) dirty_since_ = now;
-    // A full disk undoes the present transaction, so commit often enough.
+    // A full disk rolls back the current transaction, so commit often.
     const bool many = writer_->steps() >= committed_steps_ + kStepsAtOnce;
     const bool due = options_.durable ? !queue_.HasMore() : now - dirty_since_ >= options_.commit_every;
     if (!due && !many) return;
@@ -249,9 +249,9 @@ class Recorder::Impl {
                       : "the disk did not keep up");
   }
 
-  /// Those before the step that is being written.
+  /// Notes the steps lost before the step that is being written.
   void NoteLost(std::uint64_t steps) { NoteLost(steps, "", &RunWriter::AddLost); }
-  /// Those after the last step of the file.
+  /// Notes the steps lost after the last step of the file.
   void NoteLostAfter(std::uint64_t steps) { NoteLost(steps, "after ", &RunWriter::AddLostAfter); }
   void NoteLost(std::uint64_t steps, const char* where, bool (RunWriter::*add)(std::uint64_t)) {
     steps += std::exchange(owed_, 0);
@@ -263,7 +263,7 @@ class Recorder::Impl {
     if (Check((*writer_.*add)(steps))) Check(writer_->AddEvent({last_.step, last_.time_s, "warning", text}));
   }
 
-  /// False if it was not written: the recording stalls, or has ended.
+  /// If `written` is false, stalls or ends the recording. Returns `written`.
   bool Check(bool written) {
     if (written) return true;
     if (writer_->full()) {
@@ -274,7 +274,7 @@ class Recorder::Impl {
     return false;
   }
 
-  /// The file holds what was committed. What came since is lost with what comes until there is room.
+  /// Steps since the last commit are lost, as are further steps until there is room.
   void Stall(const std::string& reason) {
     const Nanoseconds now = clock_.Now();
     const bool soon = retry_after_ > 0 && now - went_on_at_ < kMostRetry;
@@ -325,7 +325,7 @@ class Recorder::Impl {
     if (begin_) BeginFile();
     if (!writes()) return;
     queue_.GoOn();
-    const std::string text = "there is room again: " + writer_->file() + " is recorded on";
+    const std::string text = "there is room again: recording to " + writer_->file() + " resumes";
     logger_->info("{}", text);
     {
       const MutexLock lock(mutex_);
@@ -348,11 +348,11 @@ class Recorder::Impl {
       status_.failure = text;
       status_.stall.clear();
     }
-    // First: to close a file can take seconds on a disk that is busy, or full.
+    // Report first: closing a file can take seconds on a busy or full disk.
     if (options_.on_failure) options_.on_failure(text);
     if (writer_ == nullptr) return;
     if (!std::exchange(stall_, "").empty()) {
-      // There may be room for two rows. Then the file says what is missing.
+      // If there is room for two rows, the file says how many steps are missing.
       std::string ignored;
       const std::uint64_t lost = owed_ + queue_.TakeLostAtEnd();
       writer_->GoOn();
@@ -378,34 +378,34 @@ class Recorder::Impl {
   mutable Mutex mutex_;
   RecorderStatus status_ GUARDED_BY(mutex_);
   Coming coming_ GUARDED_BY(mutex_);
-  int made_ GUARDED_BY(mutex_) = 0;  // order of the file of status_
+  int made_ GUARDED_BY(mutex_) = 0;  // order of the file in status_
 
-  // The holder of the baton only.
-  int number_ = 0;            // of the present file
+  // Used only by the holder of the baton.
+  int number_ = 0;            // of the current file
   int begun_ = 0;             // files
-  bool has_content_ = false;  // steps or notes, in the present file
+  bool has_content_ = false;  // the current file has steps or notes
 
-  // The recorder's thread only.
+  // Used only by the recorder's thread.
   std::unique_ptr<RunWriter> writer_;
   std::uint64_t committed_steps_ = 0;
-  int made_order_ = 0;   // of the file that was made last
-  bool failed_ = false;  // nothing is written any more
+  int made_order_ = 0;   // of the file made last
+  bool failed_ = false;  // no more is written
   bool is_dirty_ = false;
   Nanoseconds dirty_since_ = 0;  // wall clock
   Moment last_, committed_;
-  std::optional<QueuedBegin> begin_;  // whose file is not made yet
+  std::optional<QueuedBegin> begin_;  // its file is not made yet
   std::vector<Event> events_;         // since the last commit
-  // Of the present file: steps that came to be written, steps noted as lost, and lost ones still to be noted.
+  // Of the current file: steps taken from the queue, steps noted as lost, and lost steps still to be noted.
   std::uint64_t taken_ = 0, noted_ = 0, owed_ = 0;
-  std::string stall_;      // why nothing can be written for now; empty: it can
-  bool was_full_ = false;  // when steps were lost last
+  std::string stall_;      // why nothing can be written for now; empty while writing
+  bool was_full_ = false;  // the last lost steps were lost because the disk was full
   Nanoseconds retry_at_ = 0, retry_after_ = 0, went_on_at_ = 0;  // wall clock
 
-  std::thread thread_;  // last: it uses the rest
+  std::thread thread_;  // last: uses all other members
 };
 
 Recorder::Recorder(RecorderOptions options, const Clock& clock, Logger logger) {
-  // A limit on the size of files is an error of the recording, not the end of the process.
+  // Exceeding a file size limit must fail the recording, not kill the process.
   std::signal(SIGXFSZ, SIG_IGN);
   impl_ = std::make_unique<Impl>(std::move(options), clock, std::move(logger));
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The files of a recording: lesson1.run, and after resets and loads lesson1-2.run and so on. A name that is
-// taken is left alone, but for the one that the user has given.
+// The files of a recording: lesson1.run and, after resets and loads, lesson1-2.run and so on. Names that are
+// taken are skipped, except the one that the user gave.
 #pragma once
 
 #include <fcntl.h>
@@ -20,13 +20,13 @@
 
 namespace coopdyn {
 
-/// Make() and NoteMade() by one thread, the rest by any.
+/// One thread calls Make() and NoteMade(); any thread may call the rest.
 class RecordingFiles {
  public:
-  /// `options` outlive it.
+  /// `options` must outlive it.
   explicit RecordingFiles(const RecorderOptions& options) : options_(options) {}
 
-  /// lesson1-2.run for 2; the given one for 1.
+  /// The user's name for 1; lesson1-2.run for 2.
   std::string Name(int number) const {
     const std::string& file = options_.file;
     if (number == 1) return file;
@@ -34,7 +34,7 @@ class RecordingFiles {
     return file.substr(0, file.size() - end.size()) + "-" + std::to_string(number) + end;
   }
   bool IsTaken(int number) const { return Exists(Name(number)); }
-  /// Why the first one cannot be made; empty if it can.
+  /// Why the first file cannot be made; empty if it can.
   std::string WhyNone() const {
     const std::string& file = options_.file;
     if (const std::string error = WhyNoRunFile(file, options_.overwrite); !error.empty()) return error;
@@ -45,13 +45,13 @@ class RecordingFiles {
     ::unlink(file.c_str());
     return {};
   }
-  /// Whether the disk has the room that a recording needs.
+  /// Whether the disk has enough room for a recording.
   bool HasRoom() const {
     const auto& free = options_.free_bytes;
     return (free ? free(options_.file) : FreeBytes(options_.file)) >= options_.room_bytes;
   }
-  /// The file with this number, or, if somebody has taken its name meanwhile, the next free one. Null, and
-  /// `error` says why, if it cannot be made.
+  /// Makes the file with this number or, if its name has been taken meanwhile, the next free one. Null, with
+  /// `error` set, if it cannot be made.
   std::unique_ptr<RunWriter> Make(const SavedState& state, int number, std::string& error) {
     RunWriterOptions options;
     options.overwrite = options_.overwrite && !has_made_;
@@ -71,7 +71,7 @@ class RecordingFiles {
       if (writer != nullptr || !has_made_ || !Exists(file)) return writer;
     }
   }
-  /// The first one holds something: only new names from now on.
+  /// The first file has content: never overwrite from now on.
   void NoteMade() { has_made_ = true; }
 
  private:
@@ -86,7 +86,7 @@ class RecordingFiles {
   }
 
   const RecorderOptions& options_;
-  const std::string build_ = BuildId();  // before the run, as it reads the whole program
+  const std::string build_ = BuildId();  // computed before the run because it reads the whole program
   const std::vector<PluginHash> libraries_ = LibrariesHere();
   bool has_made_ = false;
 };

@@ -11,7 +11,7 @@ namespace coopdyn {
 
 namespace {
 
-/// Chains all rows of `rows`.
+/// The chain over all rows of `rows`.
 std::int32_t ChainOf(Statement rows) {
   RowChain chain;
   while (rows.Step()) {

@@ -10,16 +10,16 @@ namespace coopdyn {
 
 namespace {
 
-/// Rows that are read before the file is let go again: a writer waits for readers to tidy up its log.
+/// Rows per read transaction: a writer waits for readers before it can truncate its log.
 constexpr int kLinksAtOnce = 500;
 constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();
 
-/// Its rows are numbered 1, 2, …; else by steps, of which some may be missing.
+/// True if the rows of `table` are numbered 1, 2, …; false if by steps, of which some may be missing.
 bool IsNumbered(ChainedTableIndex table) {
   return kChainedTables[table].step_column != 0;
 }
 
-/// The step that a row of `table` belongs to, whatever the file says.
+/// The step that a row of `table` belongs to; at least 0 even in a damaged file.
 std::uint64_t StepOf(ChainedTableIndex table, const Statement& row) {
   const std::int64_t step = std::max<std::int64_t>(0, row.integer(kChainedTables[table].step_column));
   return static_cast<std::uint64_t>(step);
@@ -32,7 +32,7 @@ std::string NameOf(ChainedTableIndex table, std::int64_t id) {
   return kChainedTables[table].name + (" " + number);
 }
 
-/// What stands in a column that is to hold a chain.
+/// The content of a column that should contain a chain.
 std::string ChainText(const Statement& row, int column) {
   switch (row.kind(column)) {
     case Statement::Kind::kNull:
@@ -82,7 +82,7 @@ void RunChain::Prepare() try {
 
 template <typename Read>
 auto RunChain::Guard(Read read) -> decltype(read()) {
-  // One look, though a writer may add to it.
+  // One consistent snapshot, although a writer may add rows.
   database_->Try("BEGIN");
   decltype(read()) found{};
   try {
@@ -144,7 +144,7 @@ std::optional<ChainDamage> RunChain::CheckRowsAround(std::uint64_t step, std::st
   if (!next) return CheckRest(ends);
   std::optional<ChainDamage> damage = CheckRows(static_cast<std::uint64_t>(*next));
   if (!damage && error_.empty() && last_step() != *next) {
-    // On a damaged page a row of a wrong number ends the walk, though a search finds the right one.
+    // On a damaged page a row with a wrong number ends the walk, although a search finds the right row.
     ends = "the rows after step " + std::to_string(last_step()) + " are not where they belong";
     return std::nullopt;
   }
@@ -153,7 +153,7 @@ std::optional<ChainDamage> RunChain::CheckRowsAround(std::uint64_t step, std::st
 
 std::optional<ChainDamage> RunChain::CheckRest(std::string& ends) {
   ends.clear();
-  // The ends that meta tells of are those of the rows of one moment.
+  // One transaction: meta's ends match the rows of one moment.
   return Guard([this, &ends] {
     std::optional<ChainDamage> first = CheckRows(kAll);
     std::optional<ChainDamage> keyframe = CheckKeyframes(kAll);
@@ -185,14 +185,14 @@ std::optional<ChainDamage> RunChain::Go(ChainedTableIndex table, std::uint64_t s
       bool more = true;
       walk.rows.Bind(1, walk.after);
       for (count = 0; !damage && (more = walk.rows.Step()); ++count) {
-        // In a damaged file rows may stand anywhere.
+        // In a damaged file rows may be in any order.
         if (walk.rows.integer(0) <= walk.after)
           throw DatabaseError(database_->file() + ": rows out of order");
         walk.waits_for = StepOf(table, walk.rows);
         if (walk.waits_for > step) break;
         damage = CheckRow(table);
       }
-      // After the last row there is none to come, unless the file grows.
+      // No row follows the last one, unless the file grows.
       if (!more && count < kLinksAtOnce) walk.waits_for = kAll;
       walk.rows.Reset();
     }
@@ -207,7 +207,7 @@ std::optional<ChainDamage> RunChain::Go(ChainedTableIndex table, std::uint64_t s
 std::optional<ChainDamage> RunChain::CheckRow(ChainedTableIndex table) {
   Walk& walk = walks_[table];
   const Statement& row = walk.rows;
-  const int columns = row.columns() - 1;  // and its chain
+  const int columns = row.columns() - 1;  // without the chain
   const std::int64_t id = row.integer(0), before = walk.end().id;
   walk.chain.AddColumns(row, columns);
   if (table == kSceneTable) AddSceneParts(*database_, id, walk.chain);

@@ -17,7 +17,7 @@ namespace coopdyn {
 
 namespace {
 
-/// False if it cannot be read.
+/// Adds the bytes of `file` to `state`; false if it cannot be read.
 bool AddFile(const std::string& file, XXH3_state_t& state) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return false;
@@ -29,7 +29,8 @@ bool AddFile(const std::string& file, XXH3_state_t& state) {
   return stream.eof();
 }
 
-/// dl_iterate_phdr()'s callback: adds the file, if it computes, to `data`, a std::vector<PluginHash>.
+/// Callback of dl_iterate_phdr(): adds the library to `data`, a std::vector<PluginHash>, if its computations
+/// matter.
 int AddLibrary(dl_phdr_info* info, std::size_t /*size*/, void* data) {
   constexpr std::array<std::string_view, 5> kComputing = {"libode.", "libccd.", "libsleef.", "libsdformat",
                                                           "libignition-math"};
@@ -45,7 +46,7 @@ int AddLibrary(dl_phdr_info* info, std::size_t /*size*/, void* data) {
 }  // namespace
 
 std::string BuildId() {
-  return FileHash("/proc/self/exe");  // also if a newer one has taken its name since
+  return FileHash("/proc/self/exe");  // the running one, even if its file was replaced
 }
 
 std::vector<PluginHash> LibrariesHere() {

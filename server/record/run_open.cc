@@ -36,13 +36,13 @@ constexpr const char* kOfAnotherProgram =
     " is not a recording of coopdyn: it is a database of another program; ";
 constexpr const char* kHowToRecord = "recordings are made with coopdyn serve --record FILE";
 
-/// The file cannot be read as a recording: what() says why and what to do.
+/// Thrown if the file cannot be read as a recording: what() says why and what to do.
 class CannotOpen final : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// The first bytes of `file`, or the last ones; all zero if there are not as many.
+/// The first or last kSize bytes of `file`; all zero if the file is shorter.
 template <std::size_t kSize>
 std::array<char, kSize> Bytes(const std::string& file, std::ios::seekdir from) {
   std::array<char, kSize> bytes{};
@@ -52,14 +52,14 @@ std::array<char, kSize> Bytes(const std::string& file, std::ios::seekdir from) {
   return bytes;
 }
 
-/// A journal that ends with the magic names a file that belongs to several databases, and that SQLite may
-/// delete: no recorder makes one.
+/// A journal that ends with the magic names a file shared by several databases, which SQLite may delete. No
+/// recorder makes such a journal.
 bool IsOfRecorder(const std::string& journal) {
   const auto end = Bytes<kJournalMagic.size()>(journal, std::ios::end);
   return std::string_view(end.data(), end.size()) != kJournalMagic;
 }
 
-/// The recording in the folder of `file` that it may mean, as part of an error; else what to do.
+/// The end of an error message: the recording in the folder of `file` that the user may mean, or what to do.
 std::string NearRecording(const fs::path& file) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
   std::vector<std::string> names;
@@ -100,7 +100,7 @@ std::unique_ptr<Database> OpenToRead(const std::string& file) {
   return database != nullptr ? std::move(database) : throw CannotOpen(error);
 }
 
-/// SQLite needs an index beside a log to read it.
+/// SQLite needs room for an index beside the log to read it.
 bool IsDiskFull(const std::string& log) {
   constexpr std::uintmax_t kIndexBytes = 32768;
   std::error_code code;
@@ -112,8 +112,8 @@ bool MayWrite(const std::string& file, const std::string& log) {
   return ::access(file.c_str(), W_OK) == 0 && ::access(fs::absolute(log).parent_path().c_str(), W_OK) == 0;
 }
 
-/// Why `log` is no part of the file. `failed`: what Database::MakePlain() says; nothing: the file could not
-/// be opened for writing.
+/// Why `log` was not merged into the file. `failed`: the error of Database::MakePlain(); nullopt if the file
+/// could not be opened for writing.
 std::string WhyApart(const std::optional<DatabaseError>& failed, const std::string& file,
                      const std::string& log) {
   if (failed && failed->busy()) return "another program reads it";
@@ -122,7 +122,7 @@ std::string WhyApart(const std::optional<DatabaseError>& failed, const std::stri
   return failed ? failed->what() : "it cannot be opened for writing";
 }
 
-/// Why the first look into `file` failed.
+/// Why the first read of `file` failed.
 std::string WhyUnreadable(const std::string& file, const DatabaseError& failed) {
   const std::string text = failed.what();
   if (failed.busy()) return file + " is locked by another program: try again when that has finished";
@@ -145,13 +145,13 @@ std::string WhyUnreadable(const std::string& file, const DatabaseError& failed) 
   return text + ": make sure that you may read it, or copy it to a folder of yours";
 }
 
-/// Its tables come with the first commit, together with the first step.
+/// True before the first commit, which creates the tables and the first step.
 bool HasNoTables(const Database& database) {
   return database.Integer("SELECT count(*) FROM sqlite_schema") == 0;
 }
 
-/// SQLite refuses readers as long as a rollback journal waits beside the file, left by a recorder that was
-/// killed while the file was made, or made plain at its end.
+/// SQLite refuses readers while a rollback journal lies beside the file. A recorder leaves one if it is
+/// killed while it makes the file or makes it plain at the end.
 bool NeedsRollBack(const Database& database) try {
   database.Integer("PRAGMA schema_version");
   return false;
@@ -159,20 +159,20 @@ bool NeedsRollBack(const Database& database) try {
   return failed.code() == SQLITE_READONLY;
 }
 
-/// Lets SQLite roll `file` back, if a journal lies beside it and both are of a recorder. True: the journal is
-/// gone.
+/// Makes SQLite roll `file` back if a journal lies beside it and both were made by a recorder. True if the
+/// journal is gone.
 bool RollBack(const std::string& file) {
   const std::string journal = UnmergedLog(file);
   if (!journal.ends_with("-journal") || !IsOfRecorder(journal) || !BeginsAsRecording(file)) return false;
   std::string ignored;
   const auto database = Database::Open(file, Database::Access::kReadWrite, ignored);
   if (database == nullptr) return false;
-  database->Try("PRAGMA schema_version");  // any look at the file does it
+  database->Try("PRAGMA schema_version");  // any read of the file rolls it back
   std::error_code code;
   return !fs::exists(journal, code) && !code;
 }
 
-/// It is a recording, of a format that is known.
+/// Throws unless `database` is a recording of a known format.
 void CheckKind(const Database& database) try {
   const std::string& file = database.file();
   const std::int64_t application = database.Integer("PRAGMA application_id").value_or(0);
@@ -194,7 +194,7 @@ void CheckKind(const Database& database) try {
   throw CannotOpen(WhyUnreadable(database.file(), failed));
 }
 
-/// A plain file is whole pages.
+/// A plain file consists of whole pages.
 bool IsCutShort(const Database& database) {
   std::error_code code;
   const std::uintmax_t bytes = fs::file_size(database.file(), code);
@@ -202,7 +202,7 @@ bool IsCutShort(const Database& database) {
   return !code && page > 0 && bytes % static_cast<std::uintmax_t>(page) != 0;
 }
 
-/// Steps left out, from the gaps before keyframes: lost steps always end with one.
+/// Counts the steps left out from the gaps before keyframes: a keyframe follows all lost steps.
 std::int64_t CountLost(const Database& database) {
   Statement gaps = database.Prepare(
       "SELECT k.step - 1 - (SELECT step FROM step WHERE step < k.step ORDER BY step DESC LIMIT 1)"
@@ -212,14 +212,14 @@ std::int64_t CountLost(const Database& database) {
   return lost;
 }
 
-/// False: its recorder has done it meanwhile, or it cannot be done.
+/// Marks the recording as closed. False if its recorder has done so meanwhile or writing fails.
 bool MarkClosed(Database& database) try {
   const std::int64_t lost =
       CountLost(database) + database.Integer("SELECT value FROM meta WHERE key = 'lost_after'").value_or(0);
   database.Run("BEGIN IMMEDIATE");
   const bool closed = IsClosed(database);
   if (!closed) {
-    // What was changed before does not become right by being mended.
+    // Do not seal a file that was changed before.
     const bool sealed = IsSealed(database);
     SetMeta(database, "lost", lost);
     SetMeta(database, "closed", 1);
@@ -227,15 +227,15 @@ bool MarkClosed(Database& database) try {
   }
   database.Run("COMMIT");
   return !closed;
-} catch (const DatabaseError&) {  // it is damaged, as those who read it there will find
+} catch (const DatabaseError&) {  // damaged: readers will report it
   database.RollBack();
   return false;
 }
 
-/// What is found goes to `run` step by step. Throws CannotOpen and DatabaseError.
+/// Fills `run` step by step. Throws CannotOpen and DatabaseError.
 void Open(const std::string& file, OpenedRun& run) {
   CheckIsFile(file);
-  // Read-only at first: a stranger's database must not be touched.
+  // Read-only at first: another program's database must not be modified.
   run.database = OpenToRead(file);
   if (NeedsRollBack(*run.database) && RollBack(file)) {
     run.mended = true;
@@ -251,7 +251,7 @@ void Open(const std::string& file, OpenedRun& run) {
   }
   if (plain && closed) return;
 
-  // A writer keeps the file in WAL mode and has it open; then it cannot be made plain.
+  // A live writer has the file open in WAL mode: making it plain fails.
   run.database.reset();
   std::string ignored;
   auto writable = OpenDatabase(file, Database::Access::kReadWrite, ignored);
@@ -290,7 +290,7 @@ bool BeginsAsRecording(const std::string& file) {
 
 std::string UnmergedLog(const std::string& file) {
   std::error_code code;
-  // SQLite keeps them beside the file that a link stands for.
+  // SQLite keeps logs beside the target of a symbolic link.
   const std::string real = fs::is_symlink(file, code) ? fs::canonical(file, code).string() : file;
   for (const char* ending : {"-journal", "-wal"}) {
     const std::string log = real + ending;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Opens the file of a recording: says what is no recording, tells one that is being written from one that a
-// crash has left, and mends the latter. Only the file of a recording is ever written to, and only if no other
-// program has it open. One thread.
+// Opens the file of a recording: rejects other files, distinguishes a recording in progress from one left by
+// a crash, and mends the latter. Writes only to recordings, and only if no other program has the file open.
+// One thread.
 #pragma once
 
 #include <memory>
@@ -12,24 +12,24 @@
 namespace coopdyn {
 
 struct OpenedRun {
-  std::unique_ptr<Database> database;  // to read from; null: it cannot be read
-  bool mended = false;                 // it had not been closed; it is now
-  bool growing = false;                // another connection has it open, and it is not closed
-  std::string log_reason;              // why a log that lies beside it could not be made part of the file
+  std::unique_ptr<Database> database;  // read-only; null if it cannot be read
+  bool mended = false;                 // the recording had not been closed and is now
+  bool growing = false;                // not closed, and another connection has it open
+  std::string log_reason;              // why a log beside the file could not be merged into it
 };
 
-/// Waits at most a second for locks of others. `database` is null with `error`, what is wrong and what to do;
-/// `growing` may be true then, too: its recorder has made the file and not yet written to it.
+/// Waits at most a second for other programs' locks. On failure `database` is null and `error` says what is
+/// wrong and what to do; `growing` is true if the recorder has made the file but not yet written to it.
 OpenedRun OpenRun(const std::string& file, std::string& error);
 
-/// Looks at the bytes, without SQLite: `file` begins as a recording does.
+/// Whether `file` begins like a recording. Reads the bytes without SQLite.
 bool BeginsAsRecording(const std::string& file);
 
-/// The name of the `-wal` or `-journal` with bytes in it that SQLite has beside `file`: the file alone is not
-/// the whole run, copy both. Empty: there is none.
+/// The name of a non-empty `-wal` or `-journal` of SQLite beside `file`; empty if there is none. With such a
+/// log the file alone is not the whole run: copy both.
 std::string UnmergedLog(const std::string& file);
 
-/// What to do after `error`, when a table or column is missing.
+/// `error` with advice, for a missing table or column.
 std::string UnfinishedText(const std::string& error);
 
 /// Whether meta says that the recording was closed. Throws DatabaseError.

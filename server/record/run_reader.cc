@@ -21,11 +21,11 @@ namespace coopdyn {
 namespace {
 
 constexpr int kLooksBeforeDoubt = 10;
-/// Steps that are read before the file is let go again: a writer waits for readers to tidy up its log.
+/// Steps per read transaction: a writer waits for readers before it can truncate its log.
 constexpr std::int64_t kStepsInMemory = 500;
 constexpr std::uint64_t kMostStep = std::numeric_limits<std::int64_t>::max();
 
-// length() looks at the head of a row alone, where IS NULL would read the poses.
+// length() reads only the head of a row, whereas IS NULL would read the poses.
 constexpr const char* kShownBefore =
     "SELECT step FROM step WHERE step < ?1 AND length(poses) > 0 ORDER BY step DESC LIMIT 1";
 constexpr const char* kShownAfter =
@@ -75,7 +75,7 @@ void RunReader::Damaged(const std::string& what) const {
 std::unique_ptr<RunReader> RunReader::Open(const std::string& file, std::string& error) {
   std::string name = file;
   std::error_code missing;
-  // Recordings are started and fetched by their bare names.
+  // Users may omit the ".run".
   if (!std::filesystem::exists(name, missing) && std::filesystem::exists(name + ".run", missing)) {
     name += ".run";
   }
@@ -103,7 +103,7 @@ void RunReader::Reopen() {
   if (run_.database == nullptr) throw Failure{error};
   run_.mended |= was_mended;
   unchanged_ = 0;
-  try {  // has it the columns that will be read?
+  try {  // check that all needed columns exist
     has_scores_ = StepColumns::HasScores(database());
     database().Prepare(StepColumns::Select(false, has_scores_));
     for (const char* sql :
@@ -121,7 +121,7 @@ void RunReader::Refresh() {
   unchanged_ = found.last == extent_.last ? unchanged_ + 1 : 0;
   extent_ = found;
   if (!run_.growing || (!closed && unchanged_ < kLooksBeforeDoubt)) return;
-  // Closed, or its writer may be gone: opened anew it tells, and is mended in that case.
+  // The recording is closed, or its writer may have died: opening the file again tells, and mends it.
   Reopen();
   if (!run_.growing) Refresh();
 }
@@ -221,7 +221,7 @@ std::optional<std::uint64_t> RunReader::CountCommands() {
   const bool read =
       known && ForEach(extent_.first, extent_.last, true, [&](const RecordedStep& step) {
         ++rows;
-        // Those of the first frame are what was in force already.
+        // Commands of the first frame were already in force.
         if (step.step == extent_.first) return true;
         for (const CommandRecord& command : step.commands) {
           commands += begins.contains({static_cast<std::int64_t>(step.scene), command.channel}) ? 1 : 0;
@@ -259,7 +259,7 @@ std::vector<Event> RunReader::EventsAfter(std::int64_t& id) {
 
 std::vector<RunInput> RunReader::Inputs(std::uint64_t first, std::uint64_t last) {
   return Guard("its inputs", [&] {
-    // They are few, and asked for range by range: read once, and what has come since.
+    // Inputs are few and requested range by range: cache them and read only new rows.
     Statement rows =
         database().Prepare("SELECT id, step, action, detail FROM input WHERE id > ?1 ORDER BY id");
     rows.Bind(1, newest_input_);
@@ -322,7 +322,7 @@ std::optional<std::uint64_t> RunReader::NextShown(std::uint64_t step, bool back)
   return Guard(what, [&] {
     const auto shown = FindStep(back ? kShownBefore : kShownAfter, step);
     if (!shown || back || *shown == step + 1) return shown;
-    // What was lost ends with a keyframe; the others, without poses, are there.
+    // A keyframe follows lost steps; steps without poses still have rows.
     const auto next =
         FindStep("SELECT step FROM step WHERE step >= ?1 ORDER BY step LIMIT 1", step + 1).value_or(*shown);
     if (next == step + 1) return shown;
@@ -344,7 +344,7 @@ std::vector<std::uint64_t> RunReader::Keyframes() {
   });
 }
 
-// --- what a step holds
+// --- the contents of a step
 
 RecordedStep RunReader::Decode(const Statement& row, bool inputs_only) {
   RecordedStep step;
@@ -379,7 +379,7 @@ bool RunReader::ForEach(std::uint64_t first, std::uint64_t last, bool inputs_onl
       rows.BindAll(before, last, kStepsInMemory);
       for (count = 0; rows.Step(); ++count) {
         const RecordedStep step = Decode(rows, inputs_only);
-        // In a damaged file rows may stand anywhere.
+        // In a damaged file rows may be in any order.
         if (rows.integer(StepColumns::kStep) <= before)
           Damaged("step " + std::to_string(step.step) + " at its place");
         if (!use(step)) return true;
@@ -402,7 +402,8 @@ SavedStatePtr RunReader::Keyframe(std::uint64_t step) {
         " WHERE keyframe.step <= ?1 ORDER BY keyframe.step DESC LIMIT 1");
     row.Bind(1, step);
     if (!row.Step()) {
-      throw Failure{file_ + ": " + wanted + " is missing: go on from a later time, or copy the file again"};
+      throw Failure{file_ + ": " + wanted +
+                    " is missing: continue from a later time, or copy the file again"};
     }
     const std::int64_t number = row.integer(0), scene = row.integer(2);
     const std::string name = "the keyframe of step " + std::to_string(number);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The scenes of a recording, with the models and textures that it carries.
+// Decodes the scenes of a recording with its embedded models and textures.
 #include <utility>
 
 #include "server/record/run_reader.h"
@@ -20,7 +20,7 @@ std::shared_ptr<const Scene> RunReader::FindScene(std::uint64_t number) {
   const FindModel model = ModelFinder();
   const FindTexture texture = TextureFinder();
   std::shared_ptr<const Scene> scene = DecodeScene(row.blob(0), scenario_, model, texture);
-  if (scene == nullptr) {  // a robot of a kind that came while the file was being read
+  if (scene == nullptr) {  // perhaps a robot type added while the file is read
     ReadTextsAgain();
     scene = DecodeScene(row.blob(0), scenario_, model, texture);
   }

@@ -45,14 +45,14 @@ const JointModel& JointOf(const Scene& scene, std::size_t channel) {
   return model.joints[static_cast<std::size_t>(of.joint)];
 }
 
-/// Of its position.
+/// The unit of the joint's position.
 const char* UnitOf(const JointModel& joint) {
   return joint.muscle || joint.kind == JointModel::Kind::kForce ? "m" : "rad";
 }
 
 using Meta = std::unordered_map<std::string, std::string>;
 
-/// Nothing if it is missing or no number.
+/// Nullopt if `key` is missing or no number.
 template <typename Number>
 std::optional<Number> NumberOf(Meta& meta, const std::string& key) {
   const std::string& text = meta[key];
@@ -62,7 +62,7 @@ std::optional<Number> NumberOf(Meta& meta, const std::string& key) {
   return number;
 }
 
-/// The texts of a header by their keys.
+/// The text fields of a header by key.
 constexpr std::array<std::pair<const char*, std::string RunHeader::*>, 8> kTexts{
     {{"version", &RunHeader::version},
      {"build", &RunHeader::build},

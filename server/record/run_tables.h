@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The tables of a run file (docs/formats.md), and the rows that are not written step by step. All throw
+// The tables of a run file (docs/formats.md) and the rows that are not written per step. All functions throw
 // DatabaseError. One thread.
 #pragma once
 
@@ -15,12 +15,12 @@
 namespace coopdyn {
 
 void CreateTables(Database& database);
-/// Tables meta and text, not yet sealed (row_chain.h). `closed` and `lost` are 0.
+/// Writes tables meta and text, not yet sealed (row_chain.h). `closed` and `lost` are 0.
 void WriteHeader(const Database& database, const RunHeader& header);
-/// The same read back: an error text that says what to do, empty if all is there.
+/// Reads them back. Returns an error text that says what to do, empty on success.
 std::string ReadHeader(const Database& database, RunHeader& header);
-/// Tables scene, body, robot, channel, target: the scene `number`, in force from `first_step` on; without its
-/// chain.
+/// Writes scene `number`, in force from `first_step` on, to tables scene, body, robot, channel and target,
+/// without its chain.
 void WriteScene(const Database& database, std::int64_t number, std::uint64_t first_step, const Scene& scene);
 /// `value`: a text or a whole number.
 template <typename Value>
@@ -28,14 +28,14 @@ void SetMeta(const Database& database, std::string_view key, const Value& value)
   database.Prepare("INSERT OR REPLACE INTO meta VALUES(?, ?)").Run(key, value);
 }
 
-/// What the bodies of `scene` are called: BOX_1; robot1.chassis, robot1.left_wheel; or, if all its links are
-/// one body, robot1.
+/// Names of the bodies of `scene`: BOX_1; robot1.chassis, robot1.left_wheel; or robot1 if all its links are
+/// one body.
 std::vector<std::string> BodyNames(const Scene& scene);
-/// What a channel is called in tables: as its joint in the model.
+/// A channel's name in tables: that of its joint in the model.
 const std::string& ChannelName(const Scene& scene, std::size_t channel);
-/// The unit of its position, "rad"; its velocity's is the same with "_s".
+/// The unit of the channel's position, "rad" or "m"; "_s" appended gives the velocity's.
 std::string ChannelUnit(const Scene& scene, std::size_t channel);
-/// The unit of a set-point of a channel with `unit`: "rad_s", "rad" or "nm".
+/// The unit of a set-point of a channel with `unit`: "rad_s", "rad", "nm", "n" or "duty".
 std::string SetpointUnit(const std::string& unit, ControlMode mode);
 
 }  // namespace coopdyn

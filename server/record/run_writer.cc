@@ -26,20 +26,20 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::size_t kWalBytes = std::size_t{8} << 20;  // then it goes over into the file
-constexpr int kCacheKiB = 32 << 10;                      // more than the steps of one commit
-constexpr int kCloseTimeoutMs = 200;                     // for other processes that read the file
+constexpr std::size_t kWalBytes = std::size_t{8} << 20;  // size at which the log is merged into the file
+constexpr int kCacheKiB = 32 << 10;                      // holds the steps of one commit
+constexpr int kCloseTimeoutMs = 200;                     // waits for other processes' readers
 
 std::string SystemText(int code) {
   return std::generic_category().message(code);
 }
 
-/// Removes what SQLite keeps beside `file`.
+/// Removes the files that SQLite keeps beside `file`.
 void RemoveBeside(const std::string& file) {
   for (const char* end : {"-wal", "-shm", "-journal"}) ::unlink((file + end).c_str());
 }
 
-/// Makes `file`, empty; an error text, empty if that went well.
+/// Makes `file`, empty. Returns an error text, empty on success.
 std::string MakeEmpty(const std::string& file, bool overwrite) {
   if (overwrite) ::unlink(file.c_str());
   const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -180,7 +180,7 @@ bool RunWriter::Try(Write write) {
 void RunWriter::GoOn() {
   error_.clear();
   full_ = false;
-  // The log is written anew from its start then, and takes less room.
+  // After a checkpoint the log restarts at its beginning and needs less room.
   database_->Try("PRAGMA wal_checkpoint");
 }
 
@@ -270,7 +270,7 @@ void RunWriter::BeginScene(const Frame& frame) {
   }
   if (before == nullptr) return;
   const std::vector<int> places = PlacesIn(*before, *now_.scene);
-  for (std::size_t i = 0; i < places.size(); ++i) {  // a controller that was unloaded stays so
+  for (std::size_t i = 0; i < places.size(); ++i) {  // an unloaded controller stays unloaded
     if (places[i] < 0) continue;
     const auto was = static_cast<std::size_t>(places[i]);
     const bool same =
@@ -280,7 +280,7 @@ void RunWriter::BeginScene(const Frame& frame) {
 }
 
 void RunWriter::FindCommands(const Frame& frame, bool new_scene) {
-  const bool is_first = now_.scene_number == 1 && new_scene;  // what is in force came before
+  const bool is_first = now_.scene_number == 1 && new_scene;  // set-points in force came before the recording
   const Scene& scene = *frame.scene;
   commands_.clear();
   now_.in_force.resize(scene.channels.size());
@@ -290,7 +290,7 @@ void RunWriter::FindCommands(const Frame& frame, bool new_scene) {
     const auto begin = static_cast<std::uint32_t>(actuator.first_channel);
     const auto end = begin + static_cast<std::uint32_t>(actuator.channel_count);
     const bool commanded = frame.commanded[i] != 0;
-    // A client drives it, so its controller is gone: what it gets from now on nobody can compute.
+    // A client drives the robot, so its controller is unloaded: its set-points can no longer be recomputed.
     if (commanded && !is_first) now_.is_recomputed[robot] = false;
     bool changed = false;
     for (std::uint32_t channel = begin; channel < end; ++channel) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// EncodeScene() and DecodeScene() of state_codec.h.
+// Implements EncodeScene() and DecodeScene() of state_codec.h.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -16,9 +16,9 @@ namespace coopdyn {
 
 namespace {
 
-// A scene whose things only stand is written as it always was; likewise one without watchdogs.
+// A scene without motions or watchdogs is written in the older version without them.
 constexpr std::uint8_t kSceneVersion = 5, kWithoutMotions = 4, kWithoutWatchdogs = 3, kWithoutTextures = 2;
-// Least bytes of each, so that a count cannot ask for more memory than there are bytes.
+// Least bytes of each, so that a count cannot request more memory than the bytes justify.
 constexpr std::size_t kObjectBytes = 100, kRobotBytes = 146, kTargetBytes = 60, kLightBytes = 65;
 
 void CodeRobot(auto& codec, auto& robot, const SceneContext& context) {
@@ -41,14 +41,14 @@ void CodeScene(auto& codec, auto& scene, const SceneContext& context) {
   codec.AtLeast(0, scene.ambient_light);
 }
 
-/// What an older recording does not say is as in the scenario.
+/// Older recordings do not contain lights: use those of the scenario.
 void TakeLights(Scene& scene) {
   if (scene.scenario == nullptr) return;
   scene.lights = scene.scenario->lights;
   scene.ambient_light = scene.scenario->ambient_light;
 }
 
-/// Things of the scenario share its textures; what was added later has its own.
+/// Things of the scenario share its textures; things added later have their own.
 void TakeTextures(Scene& scene) {
   if (scene.scenario == nullptr) return;
   const auto take = [](Texture& texture, const Texture& of) {
@@ -63,7 +63,7 @@ void TakeTextures(Scene& scene) {
   }
 }
 
-/// Every dynamic body belongs to one thing, every index is inside, ids increase.
+/// Every dynamic body belongs to one thing or robot, every index is in range, ids increase.
 bool Fits(const Scene& scene) {
   std::vector<bool> taken(scene.body_ids.size());
   const auto take = [&taken](int body) {

@@ -17,8 +17,8 @@ namespace {
 
 // SQLite's record header, step number, time, hash, scene, chain.
 constexpr std::size_t kFixedBytes = 41;
-constexpr double kStepsPerKeyframe = 500;  // as RecorderOptions says by default
-constexpr double kPageShare = 1.06;        // what pages take for their rows, on average
+constexpr double kStepsPerKeyframe = 500;  // default of RecorderOptions
+constexpr double kPageShare = 1.06;        // bytes of pages per byte of rows, on average
 
 /// Two figures and a unit: 950 B, 2.0 MB, 58 GB.
 std::string BytesText(double bytes) {
@@ -51,8 +51,8 @@ std::size_t StepRowBytes(const Frame& frame, const RecordWhat& what, bool shown)
 }
 
 std::size_t PageSizeFor(std::size_t row_bytes) {
-  // Some sixteen rows to a page, so that little is left over at its end. A row too long for eight goes on in
-  // pages of its own: of small ones the last is filled best.
+  // About sixteen rows per page leave little unused at its end. A row of more than an eighth of the largest
+  // page overflows into its own pages: small pages waste least in the last one.
   constexpr std::size_t kLeast = 4096, kMost = 65536;
   if (row_bytes > kMost / 8) return kLeast;
   return std::clamp(std::bit_ceil(16 * row_bytes), kLeast, kMost);

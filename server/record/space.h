@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How much room a recording takes. Pure functions, but for the look at the disk.
+// Estimates the disk space of a recording. Pure functions, except for the query of free space.
 #pragma once
 
 #include <cstddef>
@@ -10,17 +10,17 @@
 
 namespace coopdyn {
 
-/// Bytes of a row of table `step` with poses and readings of `frame`, or without; not its commands and
-/// messages, which nobody knows before.
+/// Bytes of a row of table `step` for `frame`; `shown`: with poses and readings. Excludes commands and
+/// messages, which cannot be known in advance.
 std::size_t StepRowBytes(const Frame& frame, const RecordWhat& what, bool shown);
-/// The page size of SQLite, 4096…65536, that suits rows of that many bytes.
+/// The SQLite page size, 4096…65536, that suits rows of `row_bytes`.
 std::size_t PageSizeFor(std::size_t row_bytes);
 
-/// What recording will take, for the line at the start.
+/// The space that a recording will need, for the line printed at the start.
 struct SpaceNeeded {
   double bytes_per_s = 0;   // of simulated time
-  double bytes_in_all = 0;  // 0: the run has no end
-  double bytes_free = 0;    // on the disk of the file
+  double bytes_in_all = 0;  // 0: the run has no set end
+  double bytes_free = 0;    // on the file's disk
 };
 SpaceNeeded EstimateSpace(const Frame& frame, const RecordWhat& what, Nanoseconds pose_every,
                           double duration_s, const std::string& file);

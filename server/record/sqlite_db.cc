@@ -13,8 +13,8 @@ namespace {
 
 constexpr int kBusyTimeoutMs = 2000;
 
-/// Why the last call failed, the system's reason included. Each call below clears errno first, so that it is
-/// of that call: SQLite itself keeps the reason of opening only.
+/// The error of the last call, including the system's reason. SQLite keeps errno only for opening, so each
+/// call below clears errno first.
 DatabaseError LastError(const std::string& file, sqlite3* database) {
   const int last = errno;
   if (database == nullptr) return DatabaseError(file + ": out of memory", SQLITE_NOMEM);
@@ -60,7 +60,7 @@ void Statement::BindNull(int parameter) {
 }
 
 void Statement::Bind(int parameter, std::string_view text) {
-  // A null pointer would be NULL.
+  // A null pointer would bind NULL.
   sqlite3_bind_text64(statement_.get(), parameter, text.empty() ? "" : text.data(), text.size(),
                       SQLITE_STATIC, SQLITE_UTF8);
 }
@@ -136,7 +136,7 @@ std::unique_ptr<Database> Database::Open(const std::string& file, Access access,
   int flags = SQLITE_OPEN_NOMUTEX;
   flags |= access == Access::kReadOnly ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE;
   if (access == Access::kCreate) flags |= SQLITE_OPEN_CREATE;
-  // So that ":memory:" is the name of a file like any other.
+  // With "./", even ":memory:" names a file.
   const std::string path = file.starts_with('/') ? file : "./" + file;
   sqlite3* handle = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &handle, flags, nullptr);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// SQLite with owners instead of handles: a database and its prepared statements. What fails throws
-// DatabaseError, so that no error is taken for the end of the rows; those who use this let it cross no
-// thread. One thread at a time.
+// RAII wrappers of SQLite: a database and its prepared statements. Failures throw DatabaseError, so that no
+// error is mistaken for the end of the rows; callers must not let it escape their thread. One thread at a
+// time.
 #pragma once
 
 #include <concepts>
@@ -24,16 +24,16 @@ namespace coopdyn {
 /// what() is "lesson1.run: disk I/O error (File too large)".
 class DatabaseError final : public std::runtime_error {
  public:
-  /// `code`: SQLite's primary one; `reason`: errno of the system, 0: none.
+  /// `code`: SQLite's primary result code; `reason`: errno, 0 if none.
   explicit DatabaseError(const std::string& text, int code = 0, int reason = 0)
       : std::runtime_error(text), code_(code), reason_(reason) {}
 
   int code() const { return code_; }
-  /// Other programs hold the database.
+  /// Another program has locked the database.
   bool busy() const;
-  /// It is no database, a damaged one, or its disk cannot be read.
+  /// The file is no database, is damaged, or cannot be read from its disk.
   bool damaged() const;
-  /// There is no room: the disk, a quota, or a limit on the size of files.
+  /// The disk is full, or a quota or file size limit is reached.
   bool full() const;
 
  private:
@@ -42,27 +42,28 @@ class DatabaseError final : public std::runtime_error {
 
 class Database;
 
-/// A prepared statement. Its database lives longer. Parameters count from 1, columns from 0, as in SQL.
+/// A prepared statement. Its database must outlive it. Parameters count from 1 and columns from 0, as in
+/// SQLite.
 class Statement {
  public:
   enum class Kind : std::uint8_t { kNull, kInteger, kReal, kText, kBlob };
 
-  /// Is none: only to be assigned to.
+  /// No statement: can only be assigned to.
   Statement() = default;
 
-  /// The greatest number that SQLite has stands for those beyond it.
+  /// Clamps to SQLite's greatest integer.
   template <std::integral Integer>
   void Bind(int parameter, Integer value) {
     constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
     BindInteger(parameter, std::cmp_less(value, kMost) ? static_cast<std::int64_t>(value) : kMost);
   }
   void Bind(int parameter, double value);
-  /// Text and bytes are not copied: they stay as they are until Reset() or the next Bind().
+  /// Text and bytes are not copied: they must stay unchanged until Reset() or the next Bind().
   void Bind(int parameter, std::string_view text);
-  /// No bytes at all are NULL.
+  /// Empty bytes bind NULL.
   void Bind(int parameter, std::span<const std::byte> bytes);
   void BindNull(int parameter);
-  /// Nothing is NULL.
+  /// Nullopt binds NULL.
   template <typename Value>
   void Bind(int parameter, const std::optional<Value>& value) {
     value ? Bind(parameter, *value) : BindNull(parameter);
@@ -75,16 +76,16 @@ class Statement {
     (Bind(++parameter, values), ...);
   }
 
-  /// Goes on to the next row. False: there is none, and the statement is reset.
+  /// Advances to the next row. After the last row, resets the statement and returns false.
   [[nodiscard]] bool Step();
-  /// Binds the first parameters, steps to the end, and resets.
+  /// Binds the first parameters, steps to the end and resets.
   template <typename... Values>
   void Run(const Values&... values) {
     BindAll(values...);
     while (Step()) {
     }
   }
-  /// Ready for new parameters and another run. What was bound stays bound.
+  /// Prepares for another run. Parameters stay bound.
   void Reset();
 
   int columns() const;
@@ -94,7 +95,7 @@ class Statement {
   std::int64_t integer(int column) const;
   double real(int column) const;
   std::string text(int column) const;
-  /// Valid until the next Step() or Reset(). Empty for NULL; of a text its bytes.
+  /// Valid until the next Step() or Reset(). Empty for NULL; the bytes of a text.
   std::span<const std::byte> blob(int column) const;
 
  private:
@@ -105,26 +106,26 @@ class Statement {
   void BindInteger(int parameter, std::int64_t value);
 
   std::unique_ptr<sqlite3_stmt, Finalize> statement_;
-  const Database* database_ = nullptr;  // where it was prepared
+  const Database* database_ = nullptr;  // that prepared it
 };
 
 class Database {
  public:
   enum class Access { kReadOnly, kReadWrite, kCreate };
 
-  /// Null with `error` ("lesson1.run: unable to open database file (Permission denied)") if it cannot be
-  /// opened. The file is not looked into: what is no database shows at the first statement. Nothing in a
-  /// file is trusted: its schema can call no function with side effects. Waits up to two seconds for locks of
-  /// other processes.
+  /// Null with `error` ("lesson1.run: unable to open database file (Permission denied)") if the file cannot
+  /// be opened. Does not read the file: a file that is no database fails at the first statement. Nothing in a
+  /// file is trusted: its schema can call no function with side effects. Waits up to two seconds for other
+  /// processes' locks.
   static std::unique_ptr<Database> Open(const std::string& file, Access access, std::string& error);
 
   const std::string& file() const { return file_; }
   Statement Prepare(std::string_view sql) const;
   /// Runs statements, separated by semicolons, and drops their rows.
   void Run(const std::string& sql);
-  /// The same; false, and error() says why, if it fails.
+  /// Like Run(), but returns false with error() set if it fails.
   bool Try(const std::string& sql);
-  /// The first column of the first row of `sql` with `values` as parameters; nothing if there is none, or it
+  /// The first column of the first row of `sql` with `values` as parameters; nullopt if there is no row or it
   /// is NULL.
   template <typename... Values>
   std::optional<std::int64_t> Integer(std::string_view sql, const Values&... values) const {
@@ -138,11 +139,11 @@ class Database {
     row.BindAll(values...);
     return row.Step() && !row.is_null(0) ? std::optional(row.text(0)) : std::nullopt;
   }
-  /// Ends the present transaction, if there is one: SQLite ends it itself when the disk is full.
+  /// Rolls back the current transaction, if any: when the disk is full, SQLite has already rolled back.
   void RollBack();
-  /// Makes a log that lies beside the file part of it, if nobody else has it open: then all is in one file.
+  /// Merges the log beside the file into the file. Throws if another connection has the file open.
   void MakePlain();
-  /// Of the last call that failed.
+  /// The error of the last failed call.
   DatabaseError last_error() const;
   std::string error() const { return last_error().what(); }
 

@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint8_t kStateVersion = 8, kWithoutEfforts = 7, kWithoutTrains = 6, kWithoutScores = 5,
                        kWithoutSensed = 4, kWithoutAcceleration = 3, kWithoutControls = 2;
 constexpr std::size_t kStoredContactBytes = 2 * 4 * 4 + 9 * 8;
-constexpr std::size_t kMessageBytes = 4 + 8 + 4;  // and its values
+constexpr std::size_t kMessageBytes = 4 + 8 + 4;  // without its values
 
 void CodeContact(auto& codec, auto& contact) {
   for (auto* end : {&contact.a, &contact.b}) {
@@ -28,13 +28,13 @@ void CodeContact(auto& codec, auto& contact) {
   codec.Finite(contact.force_W);
 }
 
-/// What of a frame sensors see, besides bodies and channels.
+/// The quantities of a frame that sensors measure, besides bodies and channels.
 void CodeSensed(auto& codec, auto& frame) {
   codec.List(frame.measured, 8, [&codec](auto& value) { codec.Finite(value); });
   codec.List(frame.contacts, kStoredContactBytes, [&codec](auto& contact) { CodeContact(codec, contact); });
 }
 
-/// A moment that a sensor shows.
+/// A sample: the moment that a sensor shows.
 void CodeSample(auto& codec, auto& frame, bool has_efforts) {
   codec.Number(frame.step);
   codec.Number(frame.revision);
@@ -91,7 +91,7 @@ bool IsStepLength(Nanoseconds length) {
   return length >= kMinStep && length <= kMaxStep;
 }
 
-/// All of `state` and its frame, which is of `scene`, as `version` has them.
+/// All of `state` and its frame, which belongs to `scene`, in format `version`.
 template <typename Codec>
 void CodeState(Codec& codec, const std::shared_ptr<const Scene>& scene, auto& state, auto& frame,
                std::uint64_t version) {
@@ -136,7 +136,7 @@ void CodeState(Codec& codec, const std::shared_ptr<const Scene>& scene, auto& st
   }
 }
 
-/// What was read of a moment is of `scene`. What has no measured values was recorded without them.
+/// Whether a decoded moment fits `scene`. Empty measured values were not recorded.
 bool FitsScene(const Frame& frame, const Scene& scene) {
   return frame.time >= 0 && IsStepLength(frame.step_length) && frame.bodies.size() == scene.body_ids.size() &&
          frame.channels.size() == scene.channels.size() &&
@@ -154,7 +154,7 @@ bool SamplesFit(const Frame& frame, const Scene& scene) {
   });
 }
 
-/// What was read is a state of `scene`.
+/// Whether a decoded state fits `scene`.
 bool Fits(const SavedState& state, const Frame& frame, const Scene& scene) {
   const auto is_of_frame = [&](const SentMessage& sent) {
     return sent.robot < scene.robots.size() && sent.step <= frame.step;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The exact state of a frame, and a scene, as bytes: what keyframes and table `scene` hold (docs/formats.md).
-// Little-endian. Pure functions; a decoder returns null or false for bytes that do not add up.
+// Encodes the exact state of a frame, and a scene, for keyframes and table `scene` (docs/formats.md).
+// Little-endian. Pure functions; decoders return null or false for inconsistent bytes.
 #pragma once
 
 #include <cstddef>
@@ -24,15 +24,15 @@ void CodeMessage(auto& codec, auto& message) {
   for (std::uint32_t i = 0; codec.ok() && i < message.count; ++i) codec.Number(message.values[i]);
 }
 
-/// All of `state` but the scene (frame, messages, controllers, mode).
+/// Encodes all of `state` except the scene (frame, messages, controllers, mode).
 std::vector<std::byte> EncodeState(const SavedState& state);
-/// Null if the bytes are not a state of `scene`: wrong version, wrong counts, what is left over.
+/// Null if the bytes are not a state of `scene`: wrong version, wrong counts, bytes left over.
 SavedStatePtr DecodeState(std::span<const std::byte> bytes, std::shared_ptr<const Scene> scene);
 
-/// Objects, robots, targets, floor and body ids of `scene`, exactly; models by type.
+/// Encodes objects, robots, targets, floor, lights and body ids of `scene` exactly; models by type.
 std::vector<std::byte> EncodeScene(const Scene& scene);
-/// The scene of `scenario` as it was encoded. `model` gives a robot model by type, null if there is none.
-/// Null if the bytes do not add up or a model is missing.
+/// Decodes a scene of `scenario`. `model` returns a robot model by type, or null. Returns null if the bytes
+/// are inconsistent or a model is missing.
 std::shared_ptr<const Scene> DecodeScene(std::span<const std::byte> bytes,
                                          const std::shared_ptr<const Scenario>& scenario,
                                          const FindModel& model, const FindTexture& texture = nullptr);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// From a row of the table `step` (docs/formats.md) to a step. The parts in turn, since the second and the
-// third need the scene that the first names. Each returns what is damaged, e.g. "the poses"; empty: nothing.
-// Pure functions of what the row holds.
+// Decodes rows of table `step` (docs/formats.md), in three parts because the second and third need the scene
+// that the first names. Each returns the damaged part, e.g. "the poses", or empty. Pure functions of the row.
 #pragma once
 
 #include <string>
@@ -27,15 +26,15 @@ struct StepColumns {
     kScores
   };
   /// "SELECT … FROM step" with these columns; `inputs_only`: without readings, poses and scores.
-  /// `has_scores`: HasScores().
+  /// `has_scores`: see HasScores().
   static std::string Select(bool inputs_only, bool has_scores);
-  /// Older files do not have that column. Throws DatabaseError.
+  /// Whether the file has column `scores`; older files do not. Throws DatabaseError.
   static bool HasScores(const Database& database);
 };
 
 /// Number, time, hash and scene.
 std::string DecodeHead(const Statement& row, RecordedStep& step);
-/// Commands and broadcasts, of channels and robots of `scene`; null: they are not compared with any.
+/// Commands and broadcasts, checked against the channels and robots of `scene` unless it is null.
 std::string DecodeInputs(const Statement& row, const Scene* scene, RecordedStep& step);
 /// Channels, readings, poses and scores.
 std::string DecodeReadings(const Statement& row, const Scene& scene, RecordedStep& step);

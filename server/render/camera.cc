@@ -11,7 +11,7 @@ namespace coopdyn {
 
 namespace {
 
-// Corners of what is to be seen.
+// Corners of the visible contents.
 using Points = std::vector<Vector3>;
 
 void AddBox(const Vector3& center, const Vector3& half, Points& points) {
@@ -51,10 +51,10 @@ Matrix3 CameraAxes(const Vector3& backward) {
   return axes;
 }
 
-// Where a camera that looks along −axes.row(2) stands so that `points` just fill the picture.
+// The eye of a camera that looks along −axes.row(2) such that `points` exactly fill the picture.
 Vector3 FitEye(const Points& points, const Matrix3& axes, double tan_x, double tan_y) {
-  // Seen from above, and from the side, the eye is the apex of a wedge that touches points on both sides; the
-  // farther apex of the two wins.
+  // In top view and in side view, the eye is the apex of a wedge that touches points on both sides. Use the
+  // farther apex.
   constexpr double kFar = 1e30;
   const double tans[2] = {tan_x, tan_y};
   double highest[2] = {-kFar, -kFar}, lowest[2] = {-kFar, -kFar};
@@ -69,7 +69,7 @@ Vector3 FitEye(const Points& points, const Matrix3& axes, double tan_x, double t
   const double distance = std::max(back(0), back(1));
   double across[2];
   for (int axis = 0; axis < 2; ++axis) {
-    // On the axis with room to spare the points are centred as they appear from there.
+    // On the axis with spare room, centre the points as they appear from the eye.
     double& eye = across[axis];
     eye = (highest[axis] - lowest[axis]) / 2;
     for (int i = 0; i < 8; ++i) {
@@ -145,9 +145,8 @@ ProjectedPoint Frustum::Pixel(const Vector3& p_W) const {
 
 Camera DefaultCamera(const Scene& scene, double fov_rad, int width, int height) {
   constexpr double kElevation_rad = 0.72;
-  constexpr double kAzimuth_rad =
-      -1.85;                     // from the right of a robot that looks along x, and a little behind it
-  constexpr double kAir = 1.06;  // around what is framed
+  constexpr double kAzimuth_rad = -1.85;  // right of a robot that faces x, and a little behind it
+  constexpr double kAir = 1.06;           // margin around the contents
   const Points points = ContentPoints(scene);
   const Vector3 backward(std::cos(kElevation_rad) * std::cos(kAzimuth_rad),
                          std::cos(kElevation_rad) * std::sin(kAzimuth_rad), std::sin(kElevation_rad));
@@ -189,7 +188,7 @@ Camera CameraFor(const ImageRequest& request, const Scene& scene) {
     camera.look_W = request.look_m.value_or(camera.look_W);
     camera.eye_W = request.eye_m.value_or(camera.look_W + back);
     if ((camera.eye_W - camera.look_W).norm() < 1e-6)
-      camera.look_W.x() += 1;  // an eye at the middle of the scene
+      camera.look_W.x() += 1;  // if the eye is at the look-at point
   }
   double farthest_m = 10;
   for (const Points& points : {ContentPoints(scene), FloorPoints(scene.floor)}) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Cameras: where they stand and how they project. Pure; any thread. The camera looks along −z of its own
-// frame, as GL does.
+// Camera poses and projections. Pure; any thread. As in GL, a camera looks along −z of its frame.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,25 +25,25 @@ struct Camera {
   std::optional<Matrix3> axes = std::nullopt;  // rows: right, up, backward in the world; instead of look_W
 };
 
-/// A pixel and the distance along the view direction; (0, 0) is the upper left corner of the picture.
+/// A pixel, where (0, 0) is the upper left corner of the picture, and the distance along the view direction.
 struct ProjectedPoint {
   double x_px = 0, y_px = 0;
   double depth_m = 0;  // negative: behind the camera
 };
 
-/// World to camera. z points up in the picture; straight down, y does.
+/// World to camera. World z points up in the picture; for a camera that looks straight down, y does.
 Matrix4 ViewMatrix(const Camera& camera);
 /// Camera to clip coordinates.
 Matrix4 ProjectionMatrix(const Camera& camera, int width, int height);
 
-/// What a camera sees of points and spheres.
+/// Projects points and tests the visibility of spheres.
 class Frustum {
  public:
   Frustum(const Camera& camera, int width, int height);
 
   /// True if a part of the sphere may be in the picture.
   bool Sees(const Vector3& center_W, double radius_m) const;
-  /// About how many pixels a length of 1 m at `p_W` covers; large behind the camera.
+  /// Approximate pixels per metre at `p_W`; large behind the camera.
   double PixelsPerMetre(const Vector3& p_W) const;
   Eigen::Vector4d Clip(const Vector3& p_W) const;
   ProjectedPoint Pixel(const Vector3& p_W) const;
@@ -63,12 +62,12 @@ class Frustum {
   int width_, height_;
 };
 
-/// The camera that shows all that stands in `scene` at its start (the floor, if that is nothing), from the
-/// front at a slant. It does not move with the robots.
+/// A fixed camera that shows everything in `scene` at its start (the floor if the scene is empty), from
+/// obliquely above.
 Camera DefaultCamera(const Scene& scene, double fov_rad, int width, int height);
 /// Camera `sensor` (index into the model's sensors) of a robot.
 Camera CameraOf(const Frame& frame, int robot, std::size_t sensor);
-/// The camera of `request`: what it does not say is filled in from the default.
+/// The camera of `request`, with missing values from the default camera.
 Camera CameraFor(const ImageRequest& request, const Scene& scene);
 
 }  // namespace coopdyn

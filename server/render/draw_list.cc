@@ -13,9 +13,9 @@ namespace coopdyn {
 
 namespace {
 
-constexpr double kSmall_px = 7, kLarge_px = 34;  // sizes on screen at which the level of detail changes
+constexpr double kSmall_px = 7, kLarge_px = 34;  // screen sizes at which the level of detail changes
 constexpr double kTiny_px = 7;                   // a robot smaller than this is one cylinder
-constexpr double kNameless_px = 9;               // and below this it has no name
+constexpr double kNameless_px = 9;               // below this a robot has no name
 
 Rgba WithAlpha(const Color& color, double alpha) {
   return {color.r, color.g, color.b, alpha};
@@ -68,7 +68,7 @@ class Builder {
  private:
   void AddShape(const Shape& shape, const Pose& X_WG, const Color& color) {
     const double radius_m = BoundingRadius(shape);
-    // Its shadow may be in the picture when it is not.
+    // The shadow may be in the picture even if the shape is not.
     const double shadow_m = std::max(X_WG.p.z() + radius_m, 0.0) * SunDirection().head<2>().norm();
     if (!frustum_.Sees(X_WG.p, radius_m + shadow_m)) return;
     const double size_px = radius_m * frustum_.PixelsPerMetre(X_WG.p);
@@ -116,8 +116,7 @@ class Builder {
   }
 
   static Instance MakeInstance(const Pose& X_WG, const Vector3& scale, const Color& color) {
-    const Matrix3 axes =
-        X_WG.q.normalized().toRotationMatrix();  // column-major: the axes one after the other
+    const Matrix3 axes = X_WG.q.normalized().toRotationMatrix();  // column-major: the axes in order
     return {ToFloats<9>(axes.data()), ToFloats<3>(scale.data()), ToFloats<3>(X_WG.p.data()),
             ToFloats<3>(&color.r)};
   }
@@ -194,10 +193,10 @@ class Builder {
   const Frame& frame_;
   const ImageRequest& request_;
   const Frustum frustum_;
-  const bool of_robot_;  // drawn is what a robot's camera sees
+  const bool of_robot_;  // draws for a robot's camera
   const bool numbers_;
-  const Texture* texture_ = nullptr;  // of what is added
-  int number_ = kFirstNumber - 1;     // in a segmentation, of what is added
+  const Texture* texture_ = nullptr;  // of the shapes being added
+  int number_ = kFirstNumber - 1;     // segmentation number of the shapes being added
   DrawList list_;
   Overlay floor_marks_;
   std::vector<std::pair<double, Label>> labels_;  // with their depth

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a picture shows, without GL: the shapes in the field of view with their level of detail, marks on the
-// floor, what sensors see and names. Pure function of frame and camera; any thread.
+// The contents of a picture, without GL: the shapes in the field of view with their level of detail, marks on
+// the floor, sensor marks and names. Pure function of frame and camera; any thread.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@
 
 namespace coopdyn {
 
-/// One shape. World frame, m. The layout is that of the vertex attributes.
+/// One shape. World frame, m. The memory layout is that of the vertex attributes.
 struct Instance {
   std::array<float, 9> axes;  // the shape's x, y, z axes in the world
   std::array<float, 3> scale;
@@ -25,14 +25,14 @@ struct Instance {
   std::array<float, 3> color;
 };
 
-/// All that look like one mesh.
+/// All instances of one mesh.
 struct MeshDraw {
   const MeshData* mesh = nullptr;
-  bool in_skin = false;  // its materials and textures, not the instances' colour
+  bool in_skin = false;  // draw with its own materials and textures, not the instances' colour
   std::vector<Instance> instances;
 };
 
-/// Simple shapes with a picture on them.
+/// Simple shapes covered with a texture.
 struct CladDraw {
   Texture texture;
   std::array<std::vector<Instance>, kMeshCount> meshes;
@@ -41,16 +41,16 @@ struct CladDraw {
 /// A name above a robot, or beside a joint.
 struct Label {
   std::string text;
-  double x_px = 0, y_px = 0;  // middle of its lower edge
+  double x_px = 0, y_px = 0;  // middle of the lower edge
   Color color;
-  std::optional<std::array<double, 2>> at_px = std::nullopt;  // a line leads there
+  std::optional<std::array<double, 2>> at_px = std::nullopt;  // draw a line to this pixel
 };
 
 struct DrawList {
   std::array<std::vector<Instance>, kMeshCount> meshes;
   std::vector<CladDraw> clad;
-  std::vector<MeshDraw> model_meshes;      // those of robot models
-  std::vector<OverlayVertex> floor_marks;  // drawn where the floor is seen
+  std::vector<MeshDraw> model_meshes;      // meshes of robot models
+  std::vector<OverlayVertex> floor_marks;  // drawn where the floor is visible
   std::vector<OverlayVertex> sensor_marks;
   std::vector<OverlayVertex> joint_marks;  // drawn over everything
   std::vector<Label> labels;               // far ones first
@@ -62,14 +62,14 @@ inline const Vector3& SunDirection() {
   return direction;
 }
 
-/// What the instances' colours are: how things look, or in red their numbers in a segmentation, of the finest
+/// The instances' colours: natural colours, or the segmentation number in red, with the finest level of
 /// detail.
 enum class Paint { kColors, kNumbers };
 
-/// The numbers of a segmentation; 0 is nothing.
+/// Segmentation numbers; 0 means nothing.
 inline constexpr int kFloorNumber = 1, kFirstNumber = 2;
 
-/// Of a robot's camera (`request` has its size) without marks and names.
+/// Makes the list. For a robot's camera (`request` has its size) it has no marks and names.
 DrawList MakeDrawList(const Frame& frame, const ImageRequest& request, const Camera& camera,
                       Paint paint = Paint::kColors);
 

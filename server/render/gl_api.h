@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The GL functions that we use, found by their names: no GL library is linked. Valid on the thread of the
-// context that they were found for.
+// The GL functions that the renderer uses, looked up by name: no GL library is linked. Valid on the thread of
+// the context they were looked up for.
 #pragma once
 
 #include <GL/glcorearb.h>
@@ -11,10 +11,10 @@
 
 namespace coopdyn {
 
-/// Finds functions in a library or a context.
+/// Looks up functions in a library or a context.
 class SymbolLoader {
  public:
-  /// Becomes a pointer to whatever function it is assigned to.
+  /// Converts to a pointer to any function type.
   struct Symbol {
     void* address;
     template <typename Function>
@@ -30,7 +30,7 @@ class SymbolLoader {
     if (address == nullptr) missing_ += (missing_.empty() ? "" : ", ") + std::string(name);
     return {address};
   }
-  /// The names of what was not found; empty if nothing.
+  /// Names of functions not found; empty if all were found.
   const std::string& missing() const { return missing_; }
 
  private:
@@ -39,7 +39,7 @@ class SymbolLoader {
 };
 
 struct GlApi {
-  SymbolLoader load;  // first: it finds the others
+  SymbolLoader load;  // first: loads all others
 
   PFNGLGETSTRINGPROC GetString = load("glGetString");
   PFNGLGETINTEGERVPROC GetIntegerv = load("glGetIntegerv");

@@ -27,7 +27,7 @@ class OsmesaContext final : public GlContext {
   }
 
  private:
-  // From GL/osmesa.h, whose gl.h cannot stand beside glcorearb.h.
+  // Copied from GL/osmesa.h, whose gl.h conflicts with glcorearb.h.
   using Handle = void*;
   static constexpr int kFormat = 0x22, kDepthBits = 0x30, kProfile = 0x33, kCoreProfile = 0x34, kMajor = 0x36,
                        kMinor = 0x37;
@@ -61,7 +61,7 @@ class OsmesaContext final : public GlContext {
   static constexpr int kSide = 16;
   std::optional<Api> api_;
   Handle context_ = nullptr;
-  std::array<unsigned char, 4 * kSide * kSide> buffer_{};  // a context needs one; pictures are drawn off it
+  std::array<unsigned char, 4 * kSide * kSide> buffer_{};  // required; pictures use framebuffer objects
 };
 
 class EglContext final : public GlContext {
@@ -71,7 +71,7 @@ class EglContext final : public GlContext {
     if (display_ == EGL_NO_DISPLAY) return;
     api_->MakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     if (context_ != EGL_NO_CONTEXT) api_->DestroyContext(display_, context_);
-    // The display is the process's, and stays: eglTerminate would unload the driver under its own
+    // Keep the display, which belongs to the process: eglTerminate would unload the driver under its own
     // thread-local data.
     api_->ReleaseThread();
   }
@@ -161,7 +161,7 @@ RendererKind RendererFromEnvironment(RendererKind fallback, std::string& error) 
 }
 
 void SetRendererDefaults() {
-  // Pictures are small and physics needs its processor: one rasteriser beside the render thread.
+  // Pictures are small and physics needs the CPU: one rasteriser thread beside the render thread.
   setenv("LP_NUM_THREADS", "1", 0);
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A GL 3.3 core context without a window: OSMesa, or EGL on a surfaceless display. Both libraries are loaded
-// when the first picture is asked for, so that one program runs where only one of them is installed, and pays
-// for neither until then.
+// A GL 3.3 core context without a window: OSMesa, or EGL on a surfaceless display. The first picture loads
+// the library, so the program runs where only one of them is installed and does not pay for them before.
 #pragma once
 
 #include <initializer_list>
@@ -13,23 +12,23 @@
 
 namespace coopdyn {
 
-/// kAuto: OSMesa, and EGL where OSMesa is not installed.
+/// kAuto: OSMesa, or EGL if OSMesa is not installed.
 enum class RendererKind { kAuto, kOsmesa, kEgl };
-/// "auto", "osmesa", "egl"; nothing if it is another word.
+/// Parses "auto", "osmesa" or "egl"; nullopt for any other word.
 std::optional<RendererKind> ParseRenderer(const std::string& word);
 const char* ToString(RendererKind kind);
-/// The value of COOPDYN_RENDERER; `fallback` if it is missing. Sets `error` if it is another word.
+/// The value of COOPDYN_RENDERER; `fallback` if it is not set. Sets `error` if the value is unknown.
 RendererKind RendererFromEnvironment(RendererKind fallback, std::string& error);
 
-/// Says how many threads Mesa's software renderer may use, unless LP_NUM_THREADS says it already. Call before
-/// the first thread starts: it writes to the environment.
+/// Limits the threads of Mesa's software renderer, unless LP_NUM_THREADS is set. Writes to the environment:
+/// call before the first thread starts.
 void SetRendererDefaults();
 
-/// Loads the first of `names` that exists, for good: Mesa leaves thread-local data behind that outlives its
-/// contexts. Null, and `error` says why none could be loaded.
+/// Loads the first of `names` that exists and never unloads it: Mesa's thread-local data outlives its
+/// contexts. Null with `error` if none could be loaded.
 void* OpenLibrary(std::initializer_list<const char*> names, std::string& error);
 
-/// Used and destroyed on the thread that made it. One at a time per thread.
+/// Use and destroy it on the thread that made it. One context at a time per thread.
 class GlContext {
  public:
   virtual ~GlContext() = default;
@@ -39,16 +38,16 @@ class GlContext {
   const GlApi& gl() const { return *gl_; }
   RendererKind kind() const { return kind_; }
 
-  /// Makes a context and makes it current. Null with what is missing, and what to install, in `error`.
+  /// Makes a context and makes it current. Null with `error`, which says what is missing and what to install.
   static std::unique_ptr<GlContext> Create(RendererKind kind, std::string& error);
 
  protected:
   explicit GlContext(RendererKind kind) : kind_(kind) {}
 
  private:
-  /// Makes a context and makes it current; an error text, empty if it is there.
+  /// Makes the context and makes it current. Returns an error text, empty on success.
   virtual std::string Start() = 0;
-  /// The GL function of this name. @pre it is current.
+  /// The GL function `name`. @pre the context is current
   virtual void* Find(const char* name) const = 0;
 
   RendererKind kind_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A mesh of a model in the driver's memory. Used and destroyed on the context's thread, while it is current.
+// A mesh of a model in the driver's memory. Use and destroy it on the context's thread while the context is
+// current.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +12,7 @@
 
 namespace coopdyn {
 
-/// With flat faces; what has one material lies together.
+/// Flat-shaded; triangles are grouped by material.
 struct GlMesh {
   struct Range {
     std::uint32_t material = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// GL objects as values with one owner. Used and destroyed on the context's thread, while it is current.
+// RAII wrappers of GL objects. Use and destroy them on the context's thread while the context is current.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace coopdyn {
 /// A linked program.
 class GlProgram {
  public:
-  /// Compiles and links; empty with `error` set if the driver refuses.
+  /// Compiles and links the program; sets `error` if the driver rejects it.
   GlProgram(const GlApi& gl, const std::string& vertex, const std::string& fragment, std::string& error);
   ~GlProgram();
   GlProgram(const GlProgram&) = delete;
@@ -27,7 +27,7 @@ class GlProgram {
   GLuint id_ = 0;
 };
 
-/// A buffer with a vertex array that reads it.
+/// A buffer and a vertex array that reads it.
 class GlVertices {
  public:
   explicit GlVertices(const GlApi& gl);
@@ -39,8 +39,8 @@ class GlVertices {
   GLuint buffer() const { return buffer_; }
   /// Replaces the content.
   void Upload(const void* data, std::size_t bytes, GLenum usage) const;
-  /// Attribute `location`: `count` floats at `offset` of every `stride` bytes; `divisor` 1: one per instance.
-  /// Bound.
+  /// Defines attribute `location`: `count` floats at `offset` in every `stride` bytes; `divisor` 1: one per
+  /// instance. @pre Bind()
   void Attribute(GLuint location, int count, std::size_t stride, std::size_t offset,
                  GLuint divisor = 0) const;
 
@@ -50,7 +50,7 @@ class GlVertices {
   GLuint buffer_ = 0;
 };
 
-/// A picture that covers shapes, repeated.
+/// A texture that repeats over shapes.
 class GlTexture {
  public:
   /// `rgb`: width × height × 3 bytes.
@@ -66,10 +66,10 @@ class GlTexture {
   GLuint id_ = 0;
 };
 
-/// A picture in memory that is drawn with several samples a pixel and read with one.
+/// An off-screen picture, drawn with several samples per pixel and read with one.
 class GlTarget {
  public:
-  /// `samples` 0: one, which is read as it is drawn.
+  /// `samples` 0: no multisampling.
   GlTarget(const GlApi& gl, int width, int height, int samples);
   ~GlTarget();
   GlTarget(const GlTarget&) = delete;
@@ -93,7 +93,7 @@ class GlTarget {
   bool complete_ = false;
 };
 
-/// Two numbers of 32 bits a pixel.
+/// An off-screen picture with two 32-bit floats per pixel.
 class GlNumbers {
  public:
   GlNumbers(const GlApi& gl, int width, int height);

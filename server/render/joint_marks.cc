@@ -70,7 +70,7 @@ class JointMarker {
       const Color color = ColorOf(joint.kind);
       kinds_.push_back(joint.kind);
       AddAxis(p_W, X_WR.q * joint.axis_R.normalized() * length_m, joint, color);
-      std::string name = joint.name;  // the font has ASCII alone
+      std::string name = joint.name;  // the font has only ASCII
       std::ranges::replace_if(
           name, [](char c) { return c < ' ' || c > '~'; }, '?');
       named_.push_back(
@@ -102,7 +102,7 @@ class JointMarker {
     for (int i = 0; i < kParts; ++i) overlay_.AddLine(point(i), point(i + 1), 1.5 * scale_, ink);
   }
 
-  /// Puts the names of one side one below the other, each as near to its joint as the others let it.
+  /// Stacks the names of one side, each as near to its joint as the other names allow.
   void Stack(std::span<NamedJoint> side, double x_px, double step_px) const {
     std::ranges::sort(side, {}, [](const NamedJoint& one) { return one.name.at_px[1]; });
     double next_px = step_px;

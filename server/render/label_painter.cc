@@ -29,8 +29,8 @@ const stbtt_fontinfo& Font() {
 constexpr Color kPlate{0.11, 0.13, 0.17};
 constexpr Color kText{0.98, 0.98, 0.98};
 constexpr std::size_t kMaxLetters = 24;
-constexpr std::size_t kCrowd = 8;  // more names than this are written smaller
-constexpr int kMaxNames = 80;      // beyond that the farthest go without
+constexpr std::size_t kCrowd = 8;  // with more names, the text is smaller
+constexpr int kMaxNames = 80;      // beyond this the farthest robots get no name
 
 void Blend(Picture& picture, int x, int y, const Color& color, double alpha) {
   if (x < 0 || y < 0 || x >= picture.width || y >= picture.height || alpha <= 0) return;
@@ -42,7 +42,7 @@ void Blend(Picture& picture, int x, int y, const Color& color, double alpha) {
   }
 }
 
-/// A thin line from a name to what it belongs to.
+/// Paints a thin line from a name to its pixel.
 void PaintLeader(Picture& picture, const Label& label, double cap_px) {
   if (!label.at_px) return;
   const double x = label.x_px, y = label.y_px - cap_px;
@@ -60,7 +60,7 @@ void PaintLeader(Picture& picture, const Label& label, double cap_px) {
   }
 }
 
-// Covered share of a pixel whose centre lies `inside_px` within a rounded rectangle's edge.
+// The covered share of a pixel whose centre lies `inside_px` inside a rounded rectangle's edge.
 double EdgeCover(double inside_px) {
   return std::clamp(inside_px + 0.5, 0.0, 1.0);
 }
@@ -117,7 +117,7 @@ void LabelPainter::PaintOne(Picture& picture, const Label& label, double cap_px)
   plate.bottom = std::round(label.y_px - 0.5 * cap_px);
   plate.top = plate.bottom - std::ceil(cap_px + 2 * pad_px * 0.85 + stripe_px);
   plate.radius = 0.35 * cap_px;
-  // Far outside there is nothing to paint, and pixel numbers might not fit an int.
+  // Outside the picture there is nothing to paint, and far outside pixel numbers may overflow int.
   if (!(plate.right > 0 && plate.left < picture.width && plate.bottom > 0 && plate.top < picture.height))
     return;
   for (int y = static_cast<int>(plate.top) - 1; y <= static_cast<int>(plate.bottom); ++y) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Writes names into a finished picture: light text on a dark plate with a stripe in the robot's colour. One
+// Paints names into a finished picture: light text on a dark plate with a stripe in the robot's colour. One
 // thread.
 #pragma once
 
@@ -19,8 +19,7 @@ class LabelPainter {
   void Paint(Picture& picture, const std::vector<Label>& labels);
 
  private:
-  /// A character: how much of each pixel it covers, 0…255, from (left, top) as seen from the pen on the
-  /// baseline.
+  /// The coverage of each pixel by a character, 0…255. (left, top) is relative to the pen on the baseline.
   struct Mask {
     int left = 0, top = 0, width = 0, height = 0;
     double advance_px = 0;

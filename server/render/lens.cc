@@ -15,11 +15,11 @@ namespace {
 
 constexpr std::size_t kQuantiles = 4096;
 
-/// Points of the normal distribution, evenly likely, with mean 0 and deviation 1: a table is ten times as
-/// fast as a formula, and a picture has a million values.
+/// Equally likely points of the normal distribution with mean 0 and standard deviation 1. A table is ten
+/// times as fast as a formula, and a picture has a million values.
 const std::array<float, kQuantiles>& NormalQuantiles() {
   static const std::array<float, kQuantiles> table = [] {
-    // Their distribution function by small steps of the density (midpoint rule), turned round.
+    // Inverts the distribution function, integrated from the density with the midpoint rule.
     constexpr double kFrom = -6, kStep = 1e-4;
     std::array<double, kQuantiles> quantiles{};
     double below = 0, x = kFrom;
@@ -48,7 +48,7 @@ std::uint64_t PixelBits(std::uint64_t base, std::uint64_t index) {
   return MixBits(base + kGolden * (index + 1));
 }
 
-/// Part `k` (0, 1 or 2) of `bits` as an even sample from -1 to 1.
+/// Part `k` (0, 1 or 2) of `bits` as a uniform sample from -1 to 1.
 float Centred(std::uint64_t bits, std::size_t k) {
   constexpr std::uint64_t kParts = 1u << 20;
   return static_cast<float>((bits >> (20 * k)) & (kParts - 1)) * (2.0f / (kParts - 1)) - 1;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The noise of a camera's pixels: a function of the key (seed, camera, sample) and the pixel. Pure; any
-// thread.
+// Noise of camera pixels: a function of the key (seed, camera, sample) and the pixel. Pure; any thread.
 #pragma once
 
 #include <span>
@@ -11,7 +10,7 @@
 
 namespace coopdyn {
 
-/// Adds `noise` (0…1 is the whole range) to red, green and blue of each pixel.
+/// Adds `noise` to red, green and blue of each pixel; 1 is the full range.
 void AddNoise(const ValueNoise& noise, const NoiseKey& key, Picture& picture);
 /// Adds `noise`, m, to the depths that are neither 0 nor infinite.
 void AddNoise(const ValueNoise& noise, const NoiseKey& key, std::span<float> depth_m);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The programs that draw what is lit, for a number of lamps. Used and destroyed on the context's thread.
+// The shader programs for lit surfaces with a given number of lamps. Use and destroy them on the context's
+// thread.
 #pragma once
 
 #include <algorithm>
@@ -14,12 +15,12 @@ namespace coopdyn {
 
 inline constexpr std::size_t kMostLamps = 8;
 
-/// The lamps that pictures of `scene` show.
+/// The number of lamps that light pictures of `scene`.
 inline std::size_t LampsOf(const Scene& scene) {
   return std::min(scene.lights.size(), kMostLamps);
 }
 
-/// A shader's text. `variant`: definitions before it.
+/// A shader's source. `variant`: definitions before its body.
 inline std::string Source(const char* body, const std::string& variant = "") {
   return shaders::kHeader + variant + body;
 }

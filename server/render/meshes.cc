@@ -27,7 +27,7 @@ class MeshBuilder {
     }
     meshes_.vertices.push_back(vertex);
   }
-  /// Vertices are counted from Begin().
+  /// Vertex indices count from Begin().
   void Triangle(int a, int b, int c) {
     for (const int i : {a, b, c})
       meshes_.indices.push_back(static_cast<std::uint16_t>(base_ + static_cast<std::size_t>(i)));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The triangles of unit shapes: a box of side 1, a cylinder of diameter and length 1 along z, a sphere of
-// diameter 1, each centred. All in one pair of buffers. Pure; any thread.
+// Triangles of centred unit shapes: a box of side 1, a cylinder of diameter and length 1 along z, a sphere of
+// diameter 1. All share one pair of buffers. Pure; any thread.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace coopdyn {
 
-/// The levels of detail of round shapes differ in the number of segments round.
+/// Round shapes have several levels of detail: the number is their segments around the axis.
 enum class MeshId { kBox, kCylinder8, kCylinder16, kCylinder40, kSphere8, kSphere16, kSphere32, kCount };
 inline constexpr std::size_t kMeshCount = static_cast<std::size_t>(MeshId::kCount);
 

@@ -52,7 +52,7 @@ void Overlay::AddLine(const Vector3& from_W, const Vector3& to_W, double width_p
 void Overlay::AddDot(const Vector3& p_W, double radius_px, const Rgba& color, double lift_m) {
   const Vector3 to_eye_W = frustum_.eye_W() - p_W;
   const double distance_m = to_eye_W.norm();
-  // A surface at a slant would hide half of it.
+  // Otherwise a slanted surface would hide half of the dot.
   const double slant_m = 1.5 * radius_px / frustum_.PixelsPerMetre(p_W);
   const double part = std::min((slant_m + lift_m) / distance_m, 0.5);
   const Eigen::Vector4d at = frustum_.Clip(p_W + part * to_eye_W);
@@ -60,7 +60,7 @@ void Overlay::AddDot(const Vector3& p_W, double radius_px, const Rgba& color, do
   const double half_x = 2 * at.w() * radius_px / frustum_.width(),
                half_y = 2 * at.w() * radius_px / frustum_.height();
   if (std::abs(at.x()) > at.w() + half_x || std::abs(at.y()) > at.w() + half_y) return;
-  // A triangle about the disc: there are many dots, and this is half as much as a square.
+  // One triangle around the disc: there are many dots, and a square would need two.
   const auto corner = [&](double u, double v) {
     const Eigen::Vector4d clip = at + Eigen::Vector4d(u * half_x, v * half_y, 0, 0);
     vertices_.push_back(Corner(clip, u, v, color, 3));

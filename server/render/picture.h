@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pixels, and from them PNG and JPEG, from memory to memory. Any thread.
+// Pixels and their encoding as PNG and JPEG in memory. Any thread.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ struct Picture {
   const std::uint8_t* at(int x, int y) const { return const_cast<Picture*>(this)->at(x, y); }
 };
 
-/// Nothing if memory is short. @pre the picture is not empty.
+/// Nullopt if memory is short. @pre the picture is not empty.
 std::optional<std::vector<std::uint8_t>> EncodePng(const Picture& picture);
 /// `quality` 1…100.
 std::optional<std::vector<std::uint8_t>> EncodeJpeg(const Picture& picture, int quality);

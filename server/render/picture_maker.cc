@@ -45,7 +45,7 @@ std::optional<std::vector<std::uint8_t>> Encode(Picture picture, ImageFormat for
   return std::move(picture.rgb);
 }
 
-/// Looks up the names of `shot`. Why there is no such camera in `frame`; empty if there is.
+/// Looks up the names of `shot`. Returns an error text if `frame` has no such camera, else empty.
 std::string Find(const Frame& frame, CameraShot& shot) {
   const std::vector<SceneRobot>& robots = frame.scene->robots;
   if (!shot.robot_name.empty()) {
@@ -85,7 +85,7 @@ std::vector<std::uint8_t> BytesOf(const std::vector<Value>& values) {
   return copy;
 }
 
-/// `1=floor 3=BOX_1` of the numbers that are there.
+/// The legend of the numbers in the picture: `1=floor 3=BOX_1`.
 std::string LegendOf(const std::vector<std::uint16_t>& numbers, const Scene& scene) {
   std::vector<std::uint16_t> there = numbers;
   std::ranges::sort(there);
@@ -110,7 +110,7 @@ std::string LegendOf(const std::vector<std::uint16_t>& numbers, const Scene& sce
   return legend;
 }
 
-/// Depths for people: the nearest of them white, nothing black.
+/// Depths as a grey picture: the nearest is white, no depth is black.
 Picture GreysOf(const std::vector<float>& depth_m, int width, int height) {
   Picture picture{width, height, std::vector<std::uint8_t>(3 * depth_m.size())};
   float nearest_m = std::numeric_limits<float>::infinity();
@@ -127,7 +127,7 @@ Picture GreysOf(const std::vector<float>& depth_m, int width, int height) {
 Picture ColorsOf(const std::vector<std::uint16_t>& numbers, int width, int height) {
   Picture picture{width, height, std::vector<std::uint8_t>(3 * numbers.size())};
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const std::uint32_t mixed = numbers[i] * 2654435761u;  // of Knuth: neighbours lie far apart
+    const std::uint32_t mixed = numbers[i] * 2654435761u;  // Knuth's hash: adjacent numbers differ clearly
     for (std::size_t k = 0; k < 3 && numbers[i] > 0; ++k)
       picture.rgb[3 * i + k] = static_cast<std::uint8_t>(64 + ((mixed >> (8 * k + 8)) & 0xff) * 3 / 4);
   }
@@ -211,7 +211,7 @@ ImageResult PictureMaker::Make(const Frame& newest, const ImageRequest& asked) {
   ImageRequest key = request;
   key.paced = false;
   const FrameName name{frame.epoch, frame.step, frame.revision};
-  const bool keeps = request.frame == nullptr;  // else it is of another world
+  const bool keeps = request.frame == nullptr;  // else the frame belongs to another world
   if (keeps && name != kept_frame_) kept_.clear();
   if (keeps) kept_frame_ = name;
   for (const Kept& kept : kept_) {

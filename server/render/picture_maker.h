@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// From a request to encoded bytes: makes the GL context at the first picture, keeps the pictures of the
-// newest frame. Used and destroyed on one thread.
+// Turns image requests into encoded bytes: makes the GL context at the first picture and caches the pictures
+// of the newest frame. Use and destroy it on one thread.
 #pragma once
 
 #include <cstdint>
@@ -18,14 +18,13 @@ class PictureMaker {
  public:
   explicit PictureMaker(RendererKind renderer) : renderer_(renderer) {}
 
-  /// The picture of `frame` that `request` asks for, or an error; never throws for want of GL.
+  /// The requested picture of `frame`, or an error; missing GL is an error, not an exception.
   ImageResult Make(const Frame& frame, const ImageRequest& request);
 
-  /// Empty until the first picture was asked for; then "OSMesa, llvmpipe (…)" or the like, or why there is
-  /// none.
+  /// Empty before the first picture; then e.g. "OSMesa, llvmpipe (…)", or why there is no renderer.
   const std::string& description() const { return description_; }
   bool has_context() const { return context_ != nullptr; }
-  /// How many pictures were drawn, not taken from those kept.
+  /// Number of pictures drawn, excluding cached ones.
   std::int64_t drawn() const { return drawn_; }
 
  private:
@@ -42,7 +41,7 @@ class PictureMaker {
   };
 
   bool Start();
-  /// What a robot's camera sees.
+  /// Draws the picture of a robot's camera.
   void DrawShot(const Frame& frame, const ImageRequest& request, ImageResult& result);
   void Draw(const Frame& frame, const ImageRequest& request, ImageResult& result);
 
@@ -51,15 +50,15 @@ class PictureMaker {
   std::string start_error_;
   std::string description_;
   std::unique_ptr<GlContext> context_;
-  std::unique_ptr<SceneRenderer> scene_renderer_;  // after context_: destroyed before it
-  FramePtr recorded_;                              // of the frame that a camera has seen last
+  std::unique_ptr<SceneRenderer> scene_renderer_;  // declared after context_: destroyed before it
+  FramePtr recorded_;                              // the last frame that a camera showed, as recorded
   FrameName kept_frame_;
-  std::vector<Kept> kept_;  // all of kept_frame_
+  std::vector<Kept> kept_;  // all show kept_frame_
   std::int64_t drawn_ = 0;
 };
 
-/// Writes the picture of `frame` to the file `path` as PNG (or JPEG, if it ends in .jpg or .jpeg). Returns
-/// what went wrong; nothing if it is there.
+/// Writes the picture of `frame` to the file `path` as PNG (JPEG if it ends in .jpg or .jpeg). Returns the
+/// error, or nullopt.
 std::optional<std::string> RenderPicture(const Frame& frame, const ImageRequest& request,
                                          RendererKind renderer, const std::string& path);
 

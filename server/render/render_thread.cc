@@ -64,7 +64,7 @@ void RenderThread::Draw(const std::stop_token& stop) {
     std::vector<ImageBoard::Pending> taken = images_.WaitAndTake(stop, clock_, paced_from);
     const bool has_stream =
         std::any_of(taken.begin(), taken.end(), [](const auto& p) { return p.request.paced; });
-    // A tick that was missed is not made up for.
+    // Missed ticks are not made up.
     if (has_stream) paced_from = std::max(paced_from + period, clock_.Now());
     Answer(std::move(taken), stop, maker);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The thread that draws. It sleeps until a picture is asked for; streams are paced to `fps`, single pictures
-// made at once.
+// The render thread. Sleeps until a picture is requested; paces streams to `fps` and makes single pictures at
+// once.
 #pragma once
 
 #include <functional>
@@ -18,8 +18,8 @@ namespace coopdyn {
 
 struct RenderOptions {
   RendererKind renderer = RendererKind::kAuto;
-  double fps = 10;  // of streams; from kMinFps to kMaxFps
-  /// Called on the render thread, once, when it can draw no more; `text` says why.
+  double fps = 10;  // of streams; kMinFps…kMaxFps
+  /// Called once, on the render thread, when it can no longer draw; `text` says why.
   std::function<void(const std::string& text)> on_failure = {};
 
   static constexpr double kMinFps = 0.1, kMaxFps = 60;
@@ -29,21 +29,21 @@ class PictureMaker;
 
 class RenderThread {
  public:
-  /// Starts the thread. The boards and the clock outlive it.
+  /// Starts the thread. The boards and the clock must outlive it.
   RenderThread(ImageBoard& images, const FrameBoard& frames, const Clock& clock, RenderOptions options,
                Logger log);
-  /// Stops.
+  /// Calls Stop().
   ~RenderThread();
   RenderThread(const RenderThread&) = delete;
   RenderThread& operator=(const RenderThread&) = delete;
 
-  /// Ends the thread after the picture it is at; whatever still waits, or comes later, is refused.
+  /// Ends the thread after the current picture; refuses pending and later requests.
   void Stop();
 
  private:
   void Run(std::stop_token stop);
   void Draw(const std::stop_token& stop);
-  /// Draws and answers `taken`; if something throws, it answers all the same.
+  /// Draws and answers `taken`; answers all requests even if drawing throws.
   void Answer(std::vector<ImageBoard::Pending> taken, const std::stop_token& stop, PictureMaker& maker);
   ImageResult Make(const ImageRequest& request, const std::stop_token& stop, PictureMaker& maker);
 
@@ -52,8 +52,8 @@ class RenderThread {
   const Clock& clock_;
   const RenderOptions options_;
   const Logger log_;
-  bool described_ = false;  // what draws; the render thread's
-  std::jthread thread_;     // last: the others live when it starts
+  bool described_ = false;  // the renderer has been logged; render thread only
+  std::jthread thread_;     // last: starts after all other members exist
 };
 
 }  // namespace coopdyn

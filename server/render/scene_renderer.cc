@@ -19,17 +19,17 @@ namespace coopdyn {
 
 namespace {
 
-// A rectangle of ±1, for the floor, and a triangle that covers the picture, for the sky.
+// A square of ±1 for the floor, and a triangle that covers the picture for the sky.
 constexpr float kFloorCorners[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0};
 constexpr unsigned char kWhite[] = {255, 255, 255};
 constexpr float kSkyCorners[] = {-1, -1, 0, 3, -1, 0, -1, 3, 0};
 
-// As the shader of numbers has it.
+// The uniform `roundness` of the number shader.
 int RoundnessOf(MeshId id) {
   return id == MeshId::kBox ? 0 : id < MeshId::kSphere8 ? 1 : 2;
 }
 
-// The slab under the floor, which shows its edge; its top lies a little below the floor that is drawn.
+// The slab under the floor, visible at its edge; its top lies slightly below the drawn floor.
 DrawList Slab(const Floor& floor) {
   constexpr double kGap_m = 0.002, kMaxHeight_m = 0.1;
   DrawList list;
@@ -95,7 +95,7 @@ struct SceneRenderer::Impl {
     SetVector(program, "sun", SunDirection().normalized());
   }
 
-  /// Makes programs for the lamps of `scene`.
+  /// Makes the programs for the number of lamps in `scene`.
   void FitLamps(const Scene& scene) {
     if (lit->lamps == LampsOf(scene)) return;
     std::string error;
@@ -103,7 +103,7 @@ struct SceneRenderer::Impl {
     if (error.empty()) lit = std::move(made);
   }
 
-  /// Use() for a program that is lit by the lamps of `scene`: the nearest to the camera, if there are many.
+  /// Like Use(), and sets the lamps of `scene`; if there are too many, those nearest to the camera.
   void UseLit(const GlProgram& program, const Eigen::Matrix4f& clip_from_W, const Scene& scene,
               const Camera& camera) const {
     Use(program, clip_from_W);
@@ -134,7 +134,7 @@ struct SceneRenderer::Impl {
 
   // Draws all shapes of `list` with the program in use.
   void DrawInstances(const DrawList& list) const { DrawInstances(list.meshes); }
-  // `rounded`: the program, if it wants to know which are round.
+  // `rounded`: the program in use if it has a uniform `roundness`, else null.
   void DrawInstances(const std::array<std::vector<Instance>, kMeshCount>& meshes,
                      const GlProgram* rounded = nullptr) const {
     mesh_vertices.Bind();
@@ -143,7 +143,7 @@ struct SceneRenderer::Impl {
       if (rounded != nullptr)
         gl.Uniform1i(rounded->Uniform("roundness"), RoundnessOf(static_cast<MeshId>(id)));
       instances.Upload(meshes[id].data(), meshes[id].size() * sizeof(Instance), GL_STREAM_DRAW);
-      // Attributes 2…7 are threes of floats, in the order of Instance.
+      // Attributes 2…7 are triples of floats, in the order of Instance.
       for (GLuint i = 0; i < 6; ++i)
         instances.Attribute(2 + i, 3, sizeof(Instance), 3 * i * sizeof(float), 1);
       gl.DrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(ranges[id].count), GL_UNSIGNED_SHORT,
@@ -151,7 +151,7 @@ struct SceneRenderer::Impl {
                                static_cast<GLsizei>(meshes[id].size()));
     }
   }
-  // Binds a mesh, which stays in the driver's memory once drawn, and its instances.
+  // Binds a mesh and its instances. Once drawn, the mesh stays in the driver's memory.
   const GlMesh& BindMesh(const MeshDraw& draw) {
     auto& made = model_meshes[draw.mesh->id];
     if (made == nullptr) made = std::make_unique<GlMesh>(gl, *draw.mesh);
@@ -162,14 +162,14 @@ struct SceneRenderer::Impl {
   }
   // Draws the meshes of models in the colours of their instances.
   void DrawModelMeshes(const DrawList& list, bool also_skins) {
-    gl.Disable(GL_CULL_FACE);  // files do not always say what is outside
+    gl.Disable(GL_CULL_FACE);  // files may not define the outside of faces
     for (const MeshDraw& draw : list.model_meshes) {
       if (draw.in_skin && !also_skins) continue;
       gl.DrawElementsInstanced(GL_TRIANGLES, BindMesh(draw).count, GL_UNSIGNED_INT, nullptr,
                                static_cast<GLsizei>(draw.instances.size()));
     }
   }
-  // Those that have materials of their own.
+  // Draws the meshes that have their own materials.
   void DrawSkins(const DrawList& list) {
     for (const MeshDraw& draw : list.model_meshes) {
       if (!draw.in_skin) continue;
@@ -212,7 +212,7 @@ struct SceneRenderer::Impl {
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
   }
 
-  // Clears the target and expects solid shapes; returns how the camera sees them.
+  // Clears the target and prepares for solid shapes; returns the matrix from world to clip coordinates.
   Eigen::Matrix4f Begin(const Camera& camera, int width, int height) {
     gl.Viewport(0, 0, width, height);
     gl.Enable(GL_DEPTH_TEST);
@@ -230,7 +230,7 @@ struct SceneRenderer::Impl {
     const Eigen::Matrix4f clip_from_W = Begin(camera, width, height);
     FitLamps(scene);
 
-    // Shapes first: the floor behind them need not be shaded.
+    // Draw shapes first: the floor behind them need not be shaded.
     UseLit(lit->mesh, clip_from_W, scene, camera);
     SetVector(lit->mesh, "shadow_along", Vector3::Zero());
     DrawInstances(Slab(floor_model));
@@ -249,7 +249,7 @@ struct SceneRenderer::Impl {
       }
     }
 
-    // Seen pixels of the floor get 1 in the stencil, those in shadow 2, so that shadows do not add up.
+    // Visible floor pixels get 1 in the stencil and shadowed ones 2, so that shadows do not add up.
     gl.Enable(GL_STENCIL_TEST);
     gl.StencilFunc(GL_ALWAYS, 1, 0xff);
     gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
@@ -290,7 +290,7 @@ struct SceneRenderer::Impl {
     gl.DepthMask(GL_TRUE);
   }
 
-  // Depths and numbers; `list` has numbers as colours.
+  // Draws depths and numbers; `list` has numbers as colours.
   void DrawNumbers(const DrawList& list, const Floor& floor_model, const Camera& camera, int width,
                    int height) {
     const Eigen::Matrix4f clip_from_W = Begin(camera, width, height);
@@ -317,15 +317,15 @@ struct SceneRenderer::Impl {
   }
 
   const GlApi& gl;
-  std::unique_ptr<LitPrograms> lit;  // for as many lamps as the scene has that was drawn last
+  std::unique_ptr<LitPrograms> lit;  // for the number of lamps in the last drawn scene
   GlProgram shadow, sky, overlay, number, floor_number;
   GlVertices mesh_vertices, mesh_indices, instances, floor_vertices, sky_vertices, overlay_vertices;
-  GlTexture white;  // of materials without a texture
-  // A picture lives as long as its texture, so that no other takes its address.
+  GlTexture white;  // for materials without a texture
+  // Keeps each image alive as long as its texture, so that its address is not reused.
   std::map<const Image*, std::pair<std::shared_ptr<const Image>, std::unique_ptr<GlTexture>>> textures;
   std::array<MeshRange, kMeshCount> ranges{};
   std::map<std::uint64_t, std::unique_ptr<GlMesh>> model_meshes;  // by MeshData::id
-  // Of the sizes drawn last; the newest last.
+  // Targets of the last used sizes, most recently used last.
   std::vector<std::unique_ptr<GlTarget>> targets;
   std::vector<std::unique_ptr<GlNumbers>> number_targets;
   LabelPainter labels;
@@ -342,10 +342,10 @@ std::unique_ptr<SceneRenderer> SceneRenderer::Create(const GlContext& context, s
 
 namespace {
 
-/// The target that `fits`, which becomes the newest; else what `make()` gives.
+/// The target that `fits`, else a new one from `make()`. Moves it to the end.
 template <typename Target, typename Fits, typename Make>
 const Target& TargetOf(std::vector<std::unique_ptr<Target>>& targets, Fits fits, Make make) {
-  constexpr std::size_t kMost = 6;  // cameras of several sizes, and the view
+  constexpr std::size_t kMost = 6;  // enough for several camera sizes and the view
   const auto found = std::ranges::find_if(targets, [&](const auto& target) { return fits(*target); });
   if (found != targets.end()) {
     std::rotate(found, found + 1, targets.end());
@@ -388,7 +388,7 @@ SceneRenderer::Numbers SceneRenderer::DrawNumbers(const Frame& frame, const Imag
 
 Picture SceneRenderer::Draw(const Frame& frame, const ImageRequest& request, const Camera& camera) {
   const int width = request.width, height = request.height;
-  const int samples = request.shot ? 0 : 4;  // robots' cameras are to be fast
+  const int samples = request.shot ? 0 : 4;  // robots' cameras must be fast
   const GlTarget* const target = &TargetOf(
       impl_->targets,
       [&](const GlTarget& one) {

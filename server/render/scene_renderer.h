@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Draws a frame: sky, floor with its grid, lit shapes with their shadows, marks, what sensors see and names.
-// Used and destroyed on the thread of its context.
+// Draws a frame: sky, floor with its grid, lit shapes with their shadows, marks, sensor marks and names. Use
+// and destroy it on the thread of its context.
 #pragma once
 
 #include <cstdint>
@@ -16,22 +16,21 @@ namespace coopdyn {
 
 class SceneRenderer {
  public:
-  /// Null with `error` set if the driver cannot do it. `context` outlives it and is current.
+  /// Null with `error` set if the driver cannot do it. `context` is current and must outlive the renderer.
   static std::unique_ptr<SceneRenderer> Create(const GlContext& context, std::string& error);
   ~SceneRenderer();
   SceneRenderer(const SceneRenderer&) = delete;
   SceneRenderer& operator=(const SceneRenderer&) = delete;
 
-  /// Draws what `request` asks for. @pre CheckImageRequest(request) is empty. An empty picture if memory is
-  /// short.
+  /// Draws the requested picture; empty if memory is short. @pre CheckImageRequest(request) is empty
   Picture Draw(const Frame& frame, const ImageRequest& request, const Camera& camera);
 
-  /// Of each pixel, row by row from the top, the depth along the view and the number in a segmentation.
+  /// Per pixel, row by row from the top: the depth along the view and the segmentation number.
   struct Numbers {
     std::vector<float> depth_m;          // inf: nothing
     std::vector<std::uint16_t> numbers;  // kFloorNumber, …; 0: nothing
   };
-  /// Draws for a robot's camera; one sample a pixel. Empty if memory is short.
+  /// Draws for a robot's camera with one sample per pixel. Empty if memory is short.
   Numbers DrawNumbers(const Frame& frame, const ImageRequest& request, const Camera& camera);
 
  private:

@@ -14,8 +14,8 @@ namespace coopdyn {
 namespace {
 
 constexpr double kMaxRay_m = 100;
-constexpr std::size_t kFewRays = 32;        // a lidar with more has no rays, just their ends
-constexpr std::size_t kMostPoints = 30000;  // of all lidars in a picture; of more each n-th
+constexpr std::size_t kFewRays = 32;        // a lidar with more shows only the rays' ends
+constexpr std::size_t kMostPoints = 30000;  // of all lidars in a picture; beyond, shows every n-th
 
 constexpr Rgba kHitRay{1, 0.35, 0.1, 0.75}, kHitDot{1, 0.25, 0.05, 0.95}, kFreeRay{0.1, 0.6, 0.35, 0.3};
 constexpr Rgba kScanDot{0.05, 0.35, 0.95, 0.95}, kScanArea{0.15, 0.45, 1, 0.13};
@@ -26,7 +26,7 @@ Rgba WithAlpha(Rgba color, double alpha) {
   return color;
 }
 
-/// The rows of a lidar from the lowest, blue, by green to the uppermost, red.
+/// Colours of a lidar's rows, from blue (lowest) through green to red (uppermost).
 Rgba RowColor(int row, int rows) {
   const double part = static_cast<double>(row) / std::max(rows - 1, 1);
   const auto bump = [part](double middle) { return std::clamp(1.5 - 4 * std::abs(part - middle), 0.0, 1.0); };
@@ -58,7 +58,7 @@ class Marker {
   std::vector<OverlayVertex> Take() { return overlay_.Take(); }
 
  private:
-  /// What it shows, and which of its kind it is.
+  /// A sensor with the frame that it shows and its index within its kind.
   struct Sensor {
     const Frame& frame;
     int robot;
@@ -94,7 +94,8 @@ class Marker {
     }
   }
 
-  /// A pyramid with a flag on its upper edge. It is where the camera is now, so that it does not stutter.
+  /// A pyramid with a flag on its upper edge. Uses the camera's current pose, not its sample's, to avoid
+  /// stutter.
   void Add(const CameraModel& model, const Sensor& sensor) {
     const RobotModel& robot = ModelOf(frame_, sensor.robot);
     const Pose X_WS = MountPose(frame_, sensor.robot, model.mount);
@@ -135,7 +136,7 @@ class Marker {
     }
   }
 
-  /// What lies between a lidar and what its rays meet.
+  /// Adds the area between a lidar and the hits of its rays.
   void AddArea(const std::vector<RaySegment>& rays) {
     for (std::size_t k = stride_; k < rays.size(); k += stride_) {
       const RaySegment &one = rays[k - stride_], &other = rays[k];
@@ -147,7 +148,7 @@ class Marker {
     constexpr int kSides = 24, kArc = 6;
     const Rgba& color = cone.hit ? kHitRay : kFreeRay;
     const double width_px = 1.1 * scale_;
-    // The point on the cap that is turned away from the axis by `off_rad`.
+    // The point on the cap at angle `off_rad` from the axis.
     const auto on_cap = [&](double off_rad, double round_rad) {
       return cone.X_WS * (cone.length_m * Vector3(std::cos(off_rad), std::sin(off_rad) * std::cos(round_rad),
                                                   std::sin(off_rad) * std::sin(round_rad)));
@@ -170,7 +171,7 @@ class Marker {
   const Frame& frame_;
   const Frustum& frustum_;
   Overlay overlay_;
-  const double scale_;      // of widths in pixels
+  const double scale_;      // scales widths in pixels
   std::size_t stride_ = 1;  // of the points of lidars
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What robots' sensors see, for the view: rays, scans of lidars, cones of sonars, fields of view of cameras.
-// Ranges are those that robots read, computed now if nobody has asked for them. Pure; any thread.
+// Marks the view of robots' sensors: rays, lidar scans, sonar cones, cameras' fields of view. Shows the
+// ranges that robots read, computed on demand. Pure; any thread.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace coopdyn {
 
-/// Those of all robots that may be seen through `frustum`.
+/// The marks of all robots that may be visible in `frustum`.
 std::vector<OverlayVertex> SensorMarks(const Frame& frame, const Frustum& frustum);
 
 }  // namespace coopdyn

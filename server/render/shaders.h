@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// GLSL 3.30. Colours come in as they look on screen; they are squared before lighting and rooted after it,
-// which stands for the screen's curve. With SKIN a mesh has the colours of its material.
+// GLSL 3.30. Colours are given as displayed: the shaders square them before lighting and take the root
+// afterwards, which approximates the screen's gamma curve. With SKIN a mesh has the colours of its material.
 #pragma once
 
 namespace coopdyn::shaders {
@@ -129,9 +129,9 @@ out vec4 result;
 void main() { result = vec4(0.05, 0.06, 0.10, 0.30); }
 )";
 
-// The depth along the view, and the number that the instance has in its red. Cylinders and spheres are drawn
-// with flat sides, but have the depth of the round surface: the way there from the flat one is the root of a
-// s² + 2 b s + c.
+// Outputs the depth along the view and the instance's number, passed in red. Cylinders and spheres are drawn
+// with flat sides but get the depth of the round surface: the distance from the flat side is the root of a s²
+// + 2 b s + c.
 inline constexpr const char* kNumberFragment = R"(
 in vec3 world;
 in vec3 base;

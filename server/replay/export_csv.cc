@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::array<const char*, 7> kPoseNames{"x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
 
-/// Of its set-points, if they have one mode; nothing was commanded: velocity.
+/// The mode of the channel's set-points; velocity if nothing was commanded.
 ControlMode ModeOf(const ChannelColumn& channel) {
   return channel.modes.empty() ? ControlMode::kVelocity : *channel.modes.begin();
 }
@@ -159,7 +159,7 @@ std::string ExportCsv(RunReader& reader, const ExportOptions& options, const std
     file.Write(line);
     ++rows;
   };
-  // A full disk is noticed at once, not at the end.
+  // Stop at once when the disk is full, not at the end.
   const auto go_on = [&](double share) { return !file.failed() && (!progress || progress(share)); };
   error = table->ForEach({write_row, nullptr}, go_on);
   if (!file.failed() && !error.empty()) return error;

@@ -21,13 +21,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// What work is lost with the file `path`, which no export has made; null: none.
+/// What `path` is if it is a file that no export makes, whose loss would destroy work; else null.
 const char* Source(const std::string& path) {
   constexpr std::array<std::array<const char*, 2>, 3> kKinds{
       {{".scenario", "a scenario"}, {".world", "a world"}, {".sdf", "a model"}}};
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored)) return nullptr;
-  // A log: its recorder has not written to the file itself yet.
+  // With a log, the recorder may not have written to the file itself yet.
   if (BeginsAsRecording(path) || !UnmergedLog(path).empty()) return "a recording";
   for (const auto& [ending, kind] : kKinds) {
     if (fs::path(path).extension() == ending) return kind;
@@ -120,7 +120,7 @@ void ExportFile::Flush() {
 
 std::string ExportFile::Close() {
   Flush();
-  // Some file systems say only now that the disk is full.
+  // Some file systems report a full disk only at close.
   if (fd_ >= 0 && ::close(fd_) != 0) Fail(errno);
   fd_ = -1;
   return error_;

@@ -22,10 +22,10 @@ namespace coopdyn {
 
 namespace {
 
-/// Of one variable, by the format; some are left for what is not counted.
+/// The format's limit for one variable, less a margin for uncounted bytes.
 constexpr std::uint64_t kFormatLimit = (std::uint64_t{1} << 31U) - (std::uint64_t{1} << 20U);
 
-/// Of the time that an export takes; writing compresses.
+/// Share of the export's time; writing also compresses.
 constexpr double kShareOfReading = 0.25;
 
 constexpr std::array kRunFields{"file", "scenario", "seed",    "version", "time",   "step",   "names",
@@ -43,7 +43,7 @@ struct RobotMatrices {
   MatMatrix pose, pose_3d, channels, setpoints, modes, distances, targets, commands, readings;
 };
 
-/// The numbers of a run; they outlive the values made of them.
+/// The numbers of a run; must outlive the values that reference them.
 struct RunMatrices {
   MatMatrix time, step;
   std::vector<std::string> hashes;
@@ -60,13 +60,13 @@ std::vector<std::string> NamesOf(const RobotColumn& robot) {
   return names;
 }
 
-/// Columns of a robot's matrices that have a row per step.
+/// Total columns of a robot's matrices with one row per step.
 std::uint64_t ColumnsOf(const RobotColumn& robot, const RunColumns& columns, const RecordWhat& what) {
   return 3 + 7 + (what.channels ? 4 : 2) * robot.channels.size() + (what.distances ? robot.sensors : 0) +
          (what.targets ? 2 * columns.targets.size() : 0) + NamesOf(robot).size();
 }
 
-/// No more bytes than this are in the file, commands and texts not counted.
+/// An upper bound of the file's bytes, without commands and texts.
 std::uint64_t MaxBytes(const RunTable& table) {
   constexpr std::uint64_t kHash = 16, kPerRobot = 1024;
   const RunColumns& columns = table.columns();
@@ -79,7 +79,7 @@ std::uint64_t MaxBytes(const RunTable& table) {
   return table.max_rows() * row + around;
 }
 
-/// Bytes that this machine can still give; nothing if it does not tell.
+/// Available memory in bytes; nullopt if unknown.
 std::optional<std::uint64_t> FreeMemory() {
   std::ifstream file("/proc/meminfo");
   for (std::string word; file >> word;) {
@@ -100,7 +100,7 @@ std::string TooLarge(std::uint64_t bytes) {
                      static_cast<double>(bytes) / 1e9);
 }
 
-/// What keeps this table from being a MAT file.
+/// Why this table is too large for a MAT file; empty if it is not.
 std::string CheckSize(const RunTable& table, const std::string& out) {
   const std::uint64_t bytes = MaxBytes(table);
   const double gigabytes = static_cast<double>(bytes) / 1e9;
@@ -255,8 +255,8 @@ MatValue RunValue(RunReader& reader, const RunTable& table, const std::vector<Ev
   return value.Take();
 }
 
-/// libmatio does not look at what its writes return: the room is taken first, and the size is checked at the
-/// end against what the file says of itself.
+/// Writes the file. libmatio ignores the results of its writes: reserve the room first, and at the end check
+/// the size against the size in the file's header.
 std::string Write(MatValue value, const std::string& version, ExportFile& file) {
   const std::uint64_t bytes = MatBytes(*value);
   if (bytes > kFormatLimit) return TooMuch(file.path(), TooLarge(bytes));
@@ -279,10 +279,10 @@ std::string Write(MatValue value, const std::string& version, ExportFile& file) 
   return {};
 }
 
-/// Write(), on a thread of its own so that `progress` is called meanwhile. It cannot be stopped half-way.
+/// Calls Write() on its own thread and `progress` meanwhile. Writing cannot be interrupted.
 std::string WriteWatched(MatValue value, const std::string& version, const ExportProgress& progress,
                          ExportFile& file) {
-  constexpr double kShrunk = 0.2;  // numbers of runs, about
+  constexpr double kShrunk = 0.2;  // typical compression of runs' numbers
   constexpr auto kPeriod = std::chrono::milliseconds(100);
   const double expected = kShrunk * static_cast<double>(MatBytes(*value));
   bool stopped = false;

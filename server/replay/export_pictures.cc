@@ -31,14 +31,14 @@ std::string_view Text(const ImageResult& picture) {
   return {reinterpret_cast<const char*>(picture.bytes->data()), picture.bytes->size()};
 }
 
-/// 000001.png and the like.
+/// Whether `name` is like 000001.png.
 bool IsNumberedPicture(const std::string& name) {
   const auto dot = name.find('.');
   return dot >= 6 && dot != std::string::npos && name.substr(dot) == ".png" &&
          name.find_first_not_of("0123456789") == dot;
 }
 
-/// What keeps `out` from being a new folder of pictures.
+/// Why `out` cannot become a folder of pictures; empty if it can.
 std::string CheckFolder(const std::string& out, bool overwrite) {
   std::error_code code;
   const fs::file_status status = fs::symlink_status(out, code);
@@ -55,14 +55,14 @@ std::string CheckFolder(const std::string& out, bool overwrite) {
   return code ? out + " cannot be read: " + code.message() : "";
 }
 
-/// Why the rows that show `begin` to `end` are not to be trusted; empty: they are as they were written.
+/// Why the rows for `begin` to `end` cannot be trusted; empty if they are unchanged.
 std::string WhyDamagedBetween(RunReader& reader, Nanoseconds begin, Nanoseconds end) {
   const auto first = reader.StepAt(begin, true), last = first ? reader.StepAt(end, true) : std::nullopt;
   if (last) return WhyDamaged(reader, *first, *last);
   return reader.error().empty() ? "this run was recorded without poses" : reader.error();
 }
 
-/// A new folder under a name of its own; goes, unless it is put in its place.
+/// A new folder under a temporary name; removed unless committed.
 class NewFolder {
  public:
   explicit NewFolder(std::string path) : path_(std::move(path)) {}
@@ -95,7 +95,7 @@ class NewFolder {
   std::string path_, temporary_;
 };
 
-/// The times that `options` choose of the run. Sets `error` if there are none, or unusable numbers.
+/// The times of the run that `options` select. Sets `error` if there are none or a number is unusable.
 FilmTimes ChooseTimes(RunReader& reader, const ExportOptions& options, const PictureOptions& pictures,
                       std::string& error) {
   constexpr double kMinSpeed = 1e-3, kMaxSpeed = 1e3, kMinFps = 0.01, kMaxFps = 1000;
@@ -126,7 +126,7 @@ FilmTimes ChooseTimes(RunReader& reader, const ExportOptions& options, const Pic
   return times;
 }
 
-/// Makes the pictures of a run one after the other.
+/// Draws the pictures of a run in order.
 class Film {
  public:
   Film(RunReader& reader, const PictureOptions& options)
@@ -142,7 +142,7 @@ class Film {
     }
     const bool is_new = frame_ == nullptr || frame_->step != *step;
     if (is_new && image.shot) {
-      // A camera shows its samples, with the noise of then.
+      // A camera shows its samples with the noise of the run.
       frame_ = moments_.Make(*step);
       if (frame_ == nullptr) {
         failed.error = reader_.error().empty() ? fmt::format("step {} is damaged", *step) : reader_.error();
@@ -160,7 +160,7 @@ class Film {
     }
     return maker_.Make(*frame_, image);
   }
-  /// Calls `use` with each picture of `times`; an error text, empty if all went well.
+  /// Calls `use` with each picture of `times`. Returns an error text, empty on success.
   std::string ForEach(const FilmTimes& times, const ImageRequest& image, const ExportProgress& progress,
                       const std::function<std::string(std::uint64_t number, const ImageResult&)>& use) {
     for (std::uint64_t i = 0; i < times.count(); ++i) {
@@ -177,7 +177,7 @@ class Film {
   RunReader& reader_;
   PlayFrames moments_;  // for robots' cameras
   PictureMaker maker_;
-  std::shared_ptr<const Frame> frame_;  // shown last
+  std::shared_ptr<const Frame> frame_;  // of the last picture
 };
 
 ImageRequest Encoded(ImageRequest image, ImageFormat format) {
@@ -188,7 +188,7 @@ ImageRequest Encoded(ImageRequest image, ImageFormat format) {
 }  // namespace
 
 std::uint64_t FilmTimes::count() const {
-  // A hair more than the length, so that 1 s at 25 a second ends with the picture of its end.
+  // Add a little, so that 1 s at 25 fps includes the picture of its end despite rounding.
   constexpr double kHair = 1e-6;
   return static_cast<std::uint64_t>(ToSeconds(end - begin) * fps / speed + kHair) + 1;
 }

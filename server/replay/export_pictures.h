@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A recorded run as pictures: one, a folder of numbered ones, or a film. One thread, which makes the GL
-// context.
+// Exports a recorded run as one picture, a folder of numbered pictures, or a film. One thread, which makes
+// the GL context.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 namespace coopdyn {
 
 struct PictureOptions {
-  ImageRequest image;  // what is shown; its format is set by the export
+  ImageRequest image;  // what to draw; the export sets its format
   double fps = 25;     // pictures per second of the film
   double speed = 1;    // simulated seconds per second of the film
   RendererKind renderer = RendererKind::kAuto;
@@ -28,18 +28,17 @@ struct FilmTimes {
   Nanoseconds time(std::uint64_t picture) const;
 };
 
-// Each returns an error text, empty if all is well. Robots, objects and every_s of `options` mean nothing
-// here.
-// @pre LoadScenario() of the reader went well
+// Each returns an error text, empty on success, and ignores robots, objects and every_s of `options`.
+// @pre LoadScenario() of the reader succeeded
 
 /// Writes 000001.png … into the new folder `out`. With options.overwrite it replaces a folder of such
 /// pictures.
 std::string ExportPictures(RunReader& reader, const ExportOptions& options, const PictureOptions& pictures,
                            const std::string& out, const ExportProgress& progress);
-/// Writes the one picture of `time_s` into the file `out`, which ends in .png.
+/// Writes the picture of `time_s` to the file `out`, which ends in .png.
 std::string ExportPicture(RunReader& reader, double time_s, const PictureOptions& pictures,
                           const std::string& out, bool overwrite);
-/// Writes the film `out` (NAME.mp4), which the program ffmpeg makes. @pre SIGPIPE is ignored
+/// Writes the film `out` (NAME.mp4) with the program ffmpeg. @pre SIGPIPE is ignored
 std::string ExportVideo(RunReader& reader, const ExportOptions& options, const PictureOptions& pictures,
                         const std::string& out, const ExportProgress& progress);
 

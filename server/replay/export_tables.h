@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A run as tables of numbers (docs/formats.md says what is in them): CSV for anything that reads text, a MAT
-// file of level 5 for plain `load` in MATLAB and Octave. One thread; knows nothing global, so several may run
-// at once with a reader each.
+// Exports a run as tables of numbers (contents: docs/formats.md): CSV for anything that reads text, or a
+// level 5 MAT file for plain `load` in MATLAB and Octave. One thread; uses no global state, so several
+// exports may run at once with a reader each.
 #pragma once
 
 #include <string>
@@ -12,22 +12,22 @@
 
 namespace coopdyn {
 
-/// Writes `out` (NAME.csv) and NAME-events.csv beside it. An error text, empty if both are there.
-/// @pre LoadScenario() of the reader went well
+/// Writes `out` (NAME.csv) and NAME-events.csv beside it. Returns an error text, empty on success.
+/// @pre LoadScenario() of the reader succeeded
 std::string ExportCsv(RunReader& reader, const ExportOptions& options, const std::string& out,
                       const ExportProgress& progress);
-/// Where the events of `out` go.
+/// The name of the events file beside `out`.
 std::string EventsFile(const std::string& out);
 
 /// The shortest digits that read as the same double; `nan`, `inf`, `-inf`. Independent of the locale.
 void AppendNumber(double value, std::string& text);
-/// `text` in quotes; quotes in it are doubled.
+/// `text` in quotes, with its quotes doubled.
 std::string CsvQuoted(std::string_view text);
 
-/// Writes `out`, with one variable, the struct `run`. An error text, empty if the file is there. Needs as
-/// much memory as the numbers take: 8 bytes each, 2 GB at most, as the format allows no more; beyond that an
-/// error says what to leave out.
-/// @pre LoadScenario() of the reader went well
+/// Writes `out` with one variable, the struct `run`. Returns an error text, empty on success. Needs 8 bytes
+/// of memory per number, at most 2 GB: the format allows no more. Beyond that the error says what to leave
+/// out.
+/// @pre LoadScenario() of the reader succeeded
 std::string ExportMat(RunReader& reader, const ExportOptions& options, const std::string& out,
                       const ExportProgress& progress);
 

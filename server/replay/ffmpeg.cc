@@ -25,7 +25,7 @@ constexpr const char* kProgram = "ffmpeg";
 constexpr const char* kNotInstalled =
     "ffmpeg is not installed: install it (Debian: apt install ffmpeg), or make pictures with --to png";
 
-/// All that was written to `file`.
+/// The whole content of `file`.
 std::string ReadAll(int file) {
   std::string text;
   std::array<char, 4096> part;
@@ -64,7 +64,7 @@ bool HasX264(std::string& error) {
   return text.find(" libx264 ") != std::string::npos;
 }
 
-/// Digits that ffmpeg reads: no exponent.
+/// Formats without exponent, for ffmpeg.
 std::string Digits(double value) {
   std::array<char, 400> digits;
   const auto end =
@@ -116,7 +116,7 @@ std::string Ffmpeg::Write(std::span<const std::uint8_t> rgb) {
     const ssize_t written = ::write(pictures_, rgb.data(), rgb.size());
     if (written >= 0) {
       rgb = rgb.subspan(static_cast<std::size_t>(written));
-    } else if (errno != EINTR) {  // it has ended: what it said tells why
+    } else if (errno != EINTR) {  // ffmpeg has exited: its messages tell why
       const std::string error = Finish();
       return error.empty() ? "ffmpeg ended before the last picture" : error;
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The program ffmpeg, fed with pictures. One thread. @pre SIGPIPE is ignored: a write to an ffmpeg that has
-// ended must fail, not end us.
+// Feeds pictures to the program ffmpeg. One thread. @pre SIGPIPE is ignored: a write to an ffmpeg that has
+// exited must fail, not kill this process.
 #pragma once
 
 #include <sys/types.h>
@@ -17,29 +17,31 @@ struct VideoFormat {
   double fps = 25;
 };
 
-/// What ffmpeg is called with, its own name left out: raw RGB pictures on its standard input, an MP4 file
-/// out. `x264`: its usual encoder for that, with colours that every player knows; else: its default one.
+/// The arguments of ffmpeg, without its name: reads raw RGB pictures from standard input, writes an MP4 file.
+/// `x264`: use the encoder libx264; else ffmpeg's default encoder.
 std::vector<std::string> FfmpegArguments(const VideoFormat& format, bool x264, const std::string& out);
 
 class Ffmpeg {
  public:
   Ffmpeg() = default;
-  /// Kills it, if it has not ended.
+  /// Kills ffmpeg if it is still running.
   ~Ffmpeg();
   Ffmpeg(const Ffmpeg&) = delete;
   Ffmpeg& operator=(const Ffmpeg&) = delete;
 
-  /// Starts the one on PATH; an error text, empty if it runs. `out` is overwritten.
+  /// Starts the ffmpeg on PATH, which overwrites `out`. Returns an error text, empty on success.
   std::string Start(const VideoFormat& format, const std::string& out);
-  /// One picture: width · height · 3 bytes. An error text with what ffmpeg says; empty if all is well.
+  /// Writes one picture: width · height · 3 bytes. Returns an error text with ffmpeg's message; empty on
+  /// success.
   std::string Write(std::span<const std::uint8_t> rgb);
-  /// No more pictures: waits for its end. An error text with what ffmpeg says; empty if the file is there.
+  /// Ends the input and waits for ffmpeg to exit. Returns an error text with ffmpeg's message; empty on
+  /// success.
   std::string Finish();
 
  private:
   pid_t process_ = -1;
   int pictures_ = -1;  // its standard input
-  int messages_ = -1;  // what it writes to standard error; nothing waits for it to be read
+  int messages_ = -1;  // its standard error, a memory file: never blocks ffmpeg
 };
 
 }  // namespace coopdyn

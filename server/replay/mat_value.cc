@@ -9,7 +9,7 @@ namespace coopdyn {
 
 namespace {
 
-/// Code units of UTF-16, as MATLAB keeps text; nothing of it if `text` is not UTF-8.
+/// UTF-16 code units, as MATLAB stores text; empty if `text` is not UTF-8.
 std::vector<std::uint16_t> ToUtf16(const std::string& text) {
   std::vector<std::uint16_t> units;
   for (std::size_t i = 0; i < text.size();) {
@@ -54,7 +54,7 @@ MatMatrix::MatMatrix(std::size_t columns, std::size_t max_rows) : columns_(colum
 }
 
 void MatMatrix::SetRoom(std::size_t room) {
-  if (room < room_) {  // columns move to the left, in order, so none is overwritten before it has moved
+  if (room < room_) {  // moves columns left in order: none is overwritten before it has moved
     for (std::size_t c = 1; c < columns_; ++c) {
       const double* from = data_.data() + c * room_;
       std::copy(from, from + rows_, data_.data() + c * room);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Values of a MAT file, owned until they are written or put into another. One thread.
+// Values of a MAT file, owned until they are written or moved into another value. One thread.
 #pragma once
 
 #include <matio.h>
@@ -18,17 +18,17 @@ struct MatFree {
 };
 using MatValue = std::unique_ptr<matvar_t, MatFree>;
 
-/// A matrix that is filled row by row and kept column by column, as MAT files have it.
+/// A matrix filled row by row and stored column by column, like MAT files.
 class MatMatrix {
  public:
   MatMatrix() = default;
-  /// Room for `max_rows`; more make it grow.
+  /// Reserves room for `max_rows`; grows beyond.
   MatMatrix(std::size_t columns, std::size_t max_rows);
 
   /// @pre row.size() == columns
   void Append(std::span<const double> row);
   std::size_t rows() const { return rows_; }
-  /// The matrix as a value that holds its numbers by reference: this must outlive it.
+  /// The matrix as a value that references its numbers: the matrix must outlive the value.
   MatValue View();
 
  private:
@@ -38,12 +38,12 @@ class MatMatrix {
   std::vector<double> data_;
 };
 
-/// No more bytes than this are in a file for `value` and all that is in it, not compressed.
+/// An upper bound of the bytes in a file for `value` and its contents, uncompressed.
 std::uint64_t MatBytes(const matvar_t& value);
 
 MatValue MatNumber(double number);
 MatValue MatNumber(std::uint64_t number);  // class uint64
-/// UTF-8 as a row of characters, '' if empty. What is not UTF-8 is taken as Latin-1.
+/// UTF-8 as a row of characters, '' if empty. Text that is not UTF-8 is read as Latin-1.
 MatValue MatText(const std::string& text);
 /// Lines of equal length (ASCII) as rows of a character matrix.
 MatValue MatLines(std::span<const std::string> lines);

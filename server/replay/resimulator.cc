@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint64_t kEpoch = 1;
 constexpr int kMaxStoppedNamed = 5;
 
-/// The first controller of `scene` whose file is not there, as its scenario calls it; empty: none.
+/// The first controller of `scene` whose file does not exist, by its name in the scenario; empty if none.
 std::string MissingController(const Scene& scene) {
   for (const ControllerChoice* choice : ControllersOf(scene)) {
     std::error_code error;
@@ -26,7 +26,7 @@ std::string MissingController(const Scene& scene) {
   return {};
 }
 
-/// What the errors of `diagnostics` say, in one line.
+/// The errors of `diagnostics` in one line.
 std::string Errors(const Diagnostics& diagnostics) {
   std::string text;
   for (const Diagnostic& one : diagnostics.all()) {
@@ -84,7 +84,7 @@ void Resimulator::Warn(const std::string& line) {
 }
 
 DrawPictures Resimulator::DrawHere() {
-  std::string error;  // the program has refused a wrong word at its start
+  std::string error;  // the program rejected a wrong renderer name at its start
   const auto maker = std::make_shared<PictureMaker>(RendererFromEnvironment(RendererKind::kAuto, error));
   return [maker](std::span<const PictureWanted> wanted) {
     std::string missing;
@@ -174,7 +174,7 @@ bool Resimulator::Restore(const SavedStatePtr& state, std::uint64_t scene_number
     error_ = file_ + ": its state cannot be restored: " + why;
     return false;
   }
-  if (host_ != nullptr) host_->TakeStopped();  // those that stood in the run, too
+  if (host_ != nullptr) host_->TakeStopped();  // drop controllers that had stopped in the run, too
   scene_number_ = scene_number;
   mode_ = state->mode;
   paused_ = state->paused;
@@ -213,7 +213,8 @@ void Resimulator::Apply(const RunInput& input) {
   if (const auto* set = As<edit::SetMode>(input.what)) {
     mode_ = set->mode;
   } else if (As<edit::StopAll>(input.what) != nullptr) {
-    // The steps say so too, but for a robot whose controller was gone already when the recording began.
+    // The recorded steps contain the stop too, except for robots whose controller was unloaded before the
+    // recording began.
     for (std::size_t i = 0; i < computed_.size() && !controllers_given_up_; ++i) {
       if (computed_[i] == 0) StopChannels(i);
     }
@@ -304,7 +305,7 @@ bool Resimulator::Step(const RecordedStep& step) {
       error_ = where + " is damaged: a robot broadcasts that is not there";
       return false;
     }
-    // The others are sent again by their controllers.
+    // Controllers send their broadcasts again.
     if (computed_[message.robot] == 0) messages_.push_back(message);
   }
   latched_ = in_force_;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Runs a recorded run once more: from a keyframe on, step by step, with the recorded inputs. Robots that a
-// loaded controller drove are driven by it again, so that its set-points are computed, not read. One thread,
-// and no other world steps meanwhile.
+// Repeats a recorded run from a keyframe on, step by step, with the recorded inputs. Loaded controllers drive
+// their robots again: their set-points are computed, not read. One thread, while no other world steps.
 #pragma once
 
 #include <cstdint>
@@ -22,81 +21,81 @@ namespace coopdyn {
 
 class Resimulator {
  public:
-  /// Repeats a run of `header`, called `file` in texts. `services` outlives it.
+  /// Repeats the run of `header`, called `file` in messages. `header` and `services` must outlive the
+  /// resimulator.
   Resimulator(std::string file, const RunHeader& header, const ReplayServices& services);
   ~Resimulator();
 
-  /// Goes on from `state`, a keyframe with scene number `scene` of the file. False, and error() says why, if
-  /// its world cannot be built, or its controllers were not found and their set-points were not recorded.
+  /// Continues from `state`, a keyframe with scene number `scene` of the file. False, with error() set, if
+  /// its world cannot be built, or its controllers are unusable and their set-points were not recorded.
   bool Restore(const SavedStatePtr& state, std::uint64_t scene);
-  /// Inputs of the run for the steps to come, in their order, instead of those given before.
+  /// Replaces the inputs for the next steps, in order.
   void SetInputs(std::vector<RunInput> inputs);
-  /// Whether `step` is the one after frame(): in the same scene, or in the next one if inputs change the
+  /// Whether `step` is the successor of frame(): in the same scene, or in the next scene if inputs change the
   /// world.
   bool Follows(const RecordedStep& step) const {
     if (step.step != frame()->step + 1) return false;
     return step.scene == scene_number_ || (step.scene == scene_number_ + 1 && ChangesWorld());
   }
-  /// Whether the world is changed before `step`, which follows.
+  /// Whether the world changes before `step`. @pre Follows().
   bool BeginsScene(const RecordedStep& step) const { return step.scene != scene_number_; }
-  /// Runs `step`. @pre Follows(). False, and error() says why, if what it says cannot be.
+  /// Runs `step`. False, with error() set, if its content is impossible. @pre Follows().
   bool Step(const RecordedStep& step);
-  /// Runs the steps of `reader` up to `step`, with their inputs. An error text, empty if frame() is that of
-  /// `step`; `check`, called after each step, may give one, too.
+  /// Runs the steps of `reader` up to `step` with their inputs. `check` is called after each step and may
+  /// return an error. Returns an error text, empty if frame() is that of `step`.
   std::string StepTo(RunReader& reader, std::uint64_t step,
                      const std::function<std::string(const RecordedStep&)>& check);
 
-  /// Makes the supervisor's changes among `inputs`, those of frame(): it has asked for them in that step, and
-  /// does not do so again.
+  /// Applies the supervisor's changes among `inputs`, the inputs of frame(): the supervisor requested them in
+  /// that step and will not request them again.
   void Supervise(std::span<const RunInput> inputs);
 
   const FramePtr& frame() const { return simulation_->frame(); }
-  /// What goes on from frame(), with the mode in force then. The controllers are missing from it if they are
-  /// given up.
+  /// The state to continue from frame(), with the mode in force. Lacks the controllers if they were given up.
   SavedState Save() const;
-  /// By channel: the set-points in force as the recording has them. Those of robots with computed() are there
-  /// only if RecordWhat::controllers was on.
+  /// The recorded set-points in force, by channel. For channels that computes() is true of, valid only if
+  /// RecordWhat::controllers was on.
   std::span<const Setpoint> recorded_setpoints() const { return in_force_; }
-  /// A loaded controller drives the robot of this channel here.
+  /// Whether a loaded controller drives the robot of `channel` in the repetition.
   bool computes(std::size_t channel) const {
     return computed_[static_cast<std::size_t>(frame()->scene->channels[channel].robot)] != 0;
   }
-  /// There are controllers, and they are those of the run.
+  /// The run has controllers, and they run here too.
   bool has_controllers() const { return host_ != nullptr; }
-  /// They cannot be used: what they did is taken from the recording.
+  /// The controllers are unusable: their actions are read from the recording.
   bool controllers_given_up() const { return controllers_given_up_; }
 
   const std::string& error() const { return error_; }
-  /// What a reader of the result must know; lines, empty if there is nothing.
+  /// Warnings about the result, one per line; empty if none.
   const std::string& warning() const { return warning_; }
 
  private:
-  /// Draws what controllers see on this thread.
+  /// Draws controllers' camera pictures on this thread.
   static DrawPictures DrawHere();
   bool Build(const std::shared_ptr<const Scene>& scene, std::uint64_t seed);
-  /// The controllers of the run; false with `why` if they cannot be used.
+  /// Builds the simulation with the run's controllers; false with `why` if they are unusable.
   bool BuildWithHost(const std::shared_ptr<const Scene>& scene, std::uint64_t seed, std::string& why);
-  /// Takes what controllers did from the recording from now on. `why`: they cannot be used.
+  /// From now on reads the controllers' actions from the recording. `why`: the reason, for the warning.
   bool GiveUpControllers(const std::shared_ptr<const Scene>& scene, std::uint64_t seed,
                          const std::string& why);
   void Apply(const RunInput& input);
   void Change(WorldChange change);
-  /// An input for the step after frame() changes what stands in the world.
+  /// Whether an input for the step after frame() changes the world.
   bool ChangesWorld() const;
   void ListComputed();
-  /// The robot's channels come to rest.
+  /// Stops the set-points of the robot's channels.
   void StopChannels(std::size_t robot);
   void Warn(const std::string& line);
 
   const std::string file_;
   const RunHeader& header_;
   const ReplayServices& services_;
-  /// Replaces loaded controllers that were not found: then the set-points and broadcasts of their robots are
-  /// taken from the recording, as those of clients' robots are.
+  /// Replaces unusable controllers: set-points and broadcasts of their robots are read from the recording,
+  /// like those of robots that clients drive.
   ControllerDriver recorded_;
   bool controllers_given_up_ = false;
-  std::unique_ptr<ControllerHost> host_;    // null: none are loaded
-  std::unique_ptr<Simulation> simulation_;  // after the drivers, which it uses
+  std::unique_ptr<ControllerHost> host_;    // null: no controllers are loaded
+  std::unique_ptr<Simulation> simulation_;  // declared after the drivers, which it uses
   std::uint64_t scene_number_ = 0;          // in the file
   Mode mode_ = Mode::kRealtime;
   bool paused_ = false;
@@ -107,14 +106,14 @@ class Resimulator {
   std::vector<std::uint8_t> computed_;        // by robot
   std::vector<SentMessage> messages_;
   std::string error_, warning_;
-  int stopped_here_ = 0;  // controllers that did not stop in the run
+  int stopped_here_ = 0;  // controllers that stopped here but not in the run
 };
 
-/// "controller flock is not the one that was recorded (…)": a line for each of `scene` of which `header` has
-/// another hash.
+/// A line "controller flock is not the one that was recorded (…)" for each controller of `scene` with another
+/// hash in `header`.
 std::vector<std::string> OtherPlugins(const RunHeader& header, const Scene& scene);
 /// "made by another build (…), with another libode.so.8.0.1, on another processor (…)", as far as `header`
-/// says so, and what to do; else empty.
+/// differs from this program, and what to do; empty if nothing differs.
 std::string OtherOrigin(const RunHeader& header);
 
 }  // namespace coopdyn

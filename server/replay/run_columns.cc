@@ -16,7 +16,7 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-/// What is there to choose from.
+/// Lists the names to choose from, for an error message.
 std::string Listed(const Names& known, const std::string& plural) {
   constexpr std::size_t kListed = 20;
   if (known.empty()) return ": this run has no " + plural;
@@ -26,7 +26,7 @@ std::string Listed(const Names& known, const std::string& plural) {
          (all ? "" : " … (" + std::to_string(known.size()) + " " + plural + ")");
 }
 
-/// What is there instead of `word`.
+/// Suggests a name instead of `word`, for an error message.
 std::string Instead(const std::string& word, const Names& known, const std::string& plural) {
   const std::string near = Nearest(word, known);
   return near.empty() ? Listed(known, plural) : "; did you mean '" + near + "'?";
@@ -102,7 +102,7 @@ void ChooseNumbers(const Names& words, const std::string& what, std::vector<Colu
   std::erase_if(columns, [&](const Column& column) { return !IsIn(std::invoke(name_of, column), words); });
 }
 
-/// Sensors of `model` that `words` name, and what could have been named.
+/// The sensors of `model` that `words` name. Adds all possible names to `known`.
 std::vector<ReadingColumn> ReadingsOf(const RobotModel& model, const Names& words, Names& known) {
   std::vector<ReadingColumn> readings;
   for (const SensorModel& sensor : model.sensors) {
@@ -118,7 +118,7 @@ std::vector<ReadingColumn> ReadingsOf(const RobotModel& model, const Names& word
   return readings;
 }
 
-/// red1, red2, blue1 …
+/// Sets the labels: red1, red2, blue1 …
 void LabelTargets(std::vector<TargetColumn>& targets) {
   std::sort(targets.begin(), targets.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   std::map<std::string, int> seen;
@@ -132,7 +132,7 @@ RunColumns ChooseColumns(std::span<const std::shared_ptr<const Scene>> scenes, c
   RunColumns columns;
   std::unordered_set<std::string> robots, objects, fixed;
   std::unordered_set<std::uint32_t> targets;
-  Names modules;  // whose readings can be chosen
+  Names modules;  // names accepted in options.readings
   for (const auto& scene : scenes) {
     for (const SceneRobot& robot : scene->robots) {
       if (!robots.insert(robot.entry.name).second) continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which robots, things, targets, scores and logged numbers of a run become columns, chosen by name. Pure; any
+// Chooses by name which robots, things, targets, scores and logged numbers of a run become columns. Pure; any
 // thread.
 #pragma once
 
@@ -18,13 +18,13 @@ namespace coopdyn {
 struct ChannelColumn {
   std::string joint;            // ChannelName()
   std::string unit;             // ChannelUnit()
-  std::set<ControlMode> modes;  // of the set-points that were read so far
+  std::set<ControlMode> modes;  // of the set-points read so far
 };
 
-/// A sensor whose readings are wanted: computed from what was recorded, with the noise of then.
+/// A sensor whose readings are exported: computed from the recording with the noise of the run.
 struct ReadingColumn {
   std::string module;
-  std::vector<std::string> values;  // their names, FixedNames()
+  std::vector<std::string> values;  // names of the values: FixedNames()
 };
 
 struct RobotColumn {
@@ -36,7 +36,7 @@ struct RobotColumn {
 
 struct TargetColumn {
   TargetId id;
-  std::string label;  // red1: the first red one, by increasing id
+  std::string label;  // red1: the red target with the lowest id
   std::string color;
   Vector3 p_WT = Vector3::Zero();
 };
@@ -54,15 +54,15 @@ struct RunColumns {
   std::vector<std::string> logged;  // names
 };
 
-/// What a run has besides the things of its scenes.
+/// Numbers of a run besides the contents of its scenes.
 struct RunNumbers {
   bool scores = false;              // they were recorded
   std::vector<std::string> logged;  // names
 };
 
-/// The columns of a run through `scenes`, in order: robots and things of all of them, each once, in the order
-/// of their first appearance; scores in the order of the scenario, logged numbers by name. Sets `error` if a
-/// name that was chosen is in none of them; it says which is near.
+/// The columns of a run through `scenes`, in order: robots and things of all scenes, each once, in order of
+/// first appearance; scores in the scenario's order, logged numbers by name. If a chosen name is unknown,
+/// sets `error`, which suggests a similar name.
 RunColumns ChooseColumns(std::span<const std::shared_ptr<const Scene>> scenes, const RunNumbers& numbers,
                          const ExportOptions& options, std::string& error);
 

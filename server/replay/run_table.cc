@@ -43,7 +43,7 @@ bool RowPicker::Takes(Nanoseconds time) {
 }
 
 std::string ToNanoseconds(const char* option, double seconds, Nanoseconds& ns) {
-  constexpr double kMax_s = 9e9;  // 285 years: what fits
+  constexpr double kMax_s = 9e9;  // 285 years: fits into Nanoseconds
   if (!(std::abs(seconds) <= kMax_s)) return fmt::format("{}: write simulated seconds, e.g. 12.5", option);
   ns = static_cast<Nanoseconds>(std::llround(seconds * 1e9));
   return {};
@@ -337,7 +337,7 @@ std::string RunTable::ForEach(const Uses& uses, const ExportProgress& progress) 
   const auto use = [&](const RecordedStep& recorded) {
     const Places* places = PlacesOf(recorded.scene);
     if (places == nullptr) return fail(recorded.step);
-    if (recorded.step != expected) {  // steps were lost, and commands with them; then a keyframe follows
+    if (recorded.step != expected) {  // steps and their commands were lost; a keyframe follows
       const SavedStatePtr next = reader_.Keyframe(recorded.step);
       if (next == nullptr) return fail(recorded.step);
       if (next->frame->step == recorded.step) TakeSetpoints(*next);

@@ -14,14 +14,14 @@ namespace coopdyn {
 
 namespace {
 
-constexpr double kMaxTime_s = 9e9;  // so that it fits into Nanoseconds
+constexpr double kMaxTime_s = 9e9;  // fits into Nanoseconds
 
 std::string RangeOf(const std::string& file, const RunExtent& extent) {
   return fmt::format("{} has {:g} s to {:g} s (steps {} to {})", file, ToSeconds(extent.begin),
                      ToSeconds(extent.end), extent.first, extent.last);
 }
 
-/// What must be said of a repetition that went another way than the run.
+/// The error for a repetition that diverges from the run.
 std::string PartsAt(const RunReader& reader, std::uint64_t step, const std::string& warning) {
   std::string text = fmt::format("{}: step {} differs from the recording", reader.file(), step);
   const std::string origin = OtherOrigin(reader.header());
@@ -30,7 +30,7 @@ std::string PartsAt(const RunReader& reader, std::uint64_t step, const std::stri
   return text + ": coopdyn verify " + reader.file() + " says what differs";
 }
 
-/// A run cannot go on without those that drive its robots; empty: all are there.
+/// Names missing controllers, without which a run cannot continue; empty if none are missing.
 std::string MissingControllers(const Scene& scene) {
   std::string name;
   std::size_t robots = 0;
@@ -94,7 +94,7 @@ SavedStatePtr StateAt(RunReader& reader, std::uint64_t step, const ReplayService
     return nullptr;
   }
   if (run.controllers_given_up()) {
-    error = fmt::format("{}: no run can go on from step {}: {}", reader.file(), step, run.warning());
+    error = fmt::format("{}: no run can continue from step {}: {}", reader.file(), step, run.warning());
     return nullptr;
   }
   if (from < step) {

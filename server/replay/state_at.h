@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The exact state of a recorded run after any of its steps: from the keyframe before it, stepped with the
-// recorded inputs. What branches begin with.
+// The exact state of a recorded run after any of its steps: steps on from the preceding keyframe with the
+// recorded inputs. Branches start from it.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace coopdyn {
 
-/// What a repetition runs with; all outlives it.
+/// The services that a repetition uses; all must outlive it.
 struct ReplayServices {
   const Clock& clock;
   const Logger& logger;
@@ -24,15 +24,15 @@ struct ReplayServices {
   SearchPath path;  // where loaded controllers are found
 };
 
-/// The state after step `step` of the run, whose frame has the scene that `reader` made. Null with `error` if
-/// the file is damaged, the step is not in it, or the repetition does not give the recorded hash there
-/// (another build or library; the text says so). Its `warning` names controllers that have
-/// changed. Takes as long as the steps since the keyframe. Any one thread, while no other steps a world.
+/// The state after step `step` of the run; its frame has the scene that `reader` made. Null with `error` if
+/// the file is damaged, the step is not in it, or the repetition does not reproduce the recorded hashes
+/// (another build or library; the text says so). The state's `warning` names controllers that have changed.
+/// Takes as long as the steps since the keyframe. Any one thread, while no other thread steps a world.
 SavedStatePtr StateAt(RunReader& reader, std::uint64_t step, const ReplayServices& services,
                       std::string& error);
 
-/// The newest step at or before `when`: seconds ("12.5"), or `end`, or `start`. Nothing with `error` if it is
-/// unreadable or lies outside.
+/// The newest step at or before `when`: seconds ("12.5"), a step ("#1200"), `end` or `start`. Nullopt with
+/// `error` if `when` cannot be parsed or lies outside the run.
 std::optional<std::uint64_t> FindStep(RunReader& reader, const std::string& when, std::string& error);
 
 }  // namespace coopdyn

@@ -18,11 +18,11 @@ namespace coopdyn {
 
 namespace {
 
-/// How far a difference is followed when no exact state is ahead that could tell more.
+/// How many steps to follow a difference when there is no later exact state.
 constexpr std::uint64_t kMaxFollowed = 2000;
 constexpr std::uint64_t kTellEvery = 16;
 
-/// Goes through a recording once, from keyframe to keyframe.
+/// Repeats a recording once, from keyframe to keyframe.
 class Verifier {
  public:
   Verifier(RunReader& reader, const ReplayServices& services, const Progress& progress)
@@ -50,7 +50,7 @@ class Verifier {
   }
 
  private:
-  /// False: `report_` says all.
+  /// Returns false, with `report_` filled in.
   bool Fail(std::string error) {
     report_.error = error.empty() ? reader_.file() + " cannot be read" : std::move(error);
     return false;
@@ -60,10 +60,10 @@ class Verifier {
     return false;
   }
 
-  /// A row that is not as it was written.
+  /// Reports a row that was changed after it was written.
   bool Differs(const ChainDamage& damage) { return Differs(DifferenceOf(damage, reader_)); }
 
-  /// What can only be said at the end.
+  /// Reports findings that are known only at the end.
   void Conclude() {
     const bool equal = report_.error.empty() && !report_.difference && !changed_;
     if (equal && !reader_.growing() && extent_.missing > 0) {
@@ -96,7 +96,7 @@ class Verifier {
     note += fmt::format("{}{} is not as it was written", note.empty() ? "" : "; ", damage.what);
   }
 
-  /// Puts the first frame in force, and compares it with what is recorded of it.
+  /// Restores the first frame and compares it with its recorded row.
   bool Begin() {
     std::string error;
     chain_ = RunChain::Open(reader_.file(), error);
@@ -108,7 +108,7 @@ class Verifier {
     return Resume(extent_.first) && CheckRows(extent_.first, 0);
   }
 
-  /// Goes on from the keyframe of `step`.
+  /// Continues from the keyframe of `step`.
   bool Resume(std::uint64_t step) {
     const SavedStatePtr state = reader_.Keyframe(step);
     if (state == nullptr) return Fail(reader_.error());
@@ -139,7 +139,7 @@ class Verifier {
     return Differs(std::move(*difference));
   }
 
-  /// Steps `from` + 1 to `to`; `keyframe`: there is an exact state of `to`.
+  /// Checks the steps `from` + 1 to `to`; `keyframe`: there is an exact state of `to`.
   bool Segment(std::uint64_t from, std::uint64_t to, bool keyframe) {
     run_.SetInputs(reader_.Inputs(from, to - 1));
     if (!reader_.error().empty()) return Fail(reader_.error());
@@ -165,7 +165,7 @@ class Verifier {
     return true;
   }
 
-  /// False: it differs (`failed_`, if its hash does), or cannot be.
+  /// Runs and checks `step`. False if it differs (sets `failed_` if its hash does) or is impossible.
   bool Check(const RecordedStep& step) {
     if (lost_track_ || !run_.Follows(step)) {
       lost_track_ = true;
@@ -186,7 +186,7 @@ class Verifier {
       difference->note = "the state is as recorded: the recorded poses or readings of this step are damaged";
       return Differs(std::move(*difference));
     }
-    if (changed_) return false;  // and nothing shows it
+    if (changed_) return false;  // but the repetition shows no difference
     if (!CheckRows(step.step, report_.steps++)) return false;
     const std::uint64_t done = step.step - extent_.first;
     if (progress_ && done % kTellEvery == 0) {
@@ -195,8 +195,9 @@ class Verifier {
     return true;
   }
 
-  /// Nothing that was repeated differs up to `step`: are the rows those that were written? What was changed
-  /// may show in the next step, as a broadcast or an input does, which tells more: changed_ waits for that.
+  /// After the repetition equals the run up to `step`, checks whether the rows were changed. A changed
+  /// broadcast or input may show as a more telling difference in the next step, so changed_ is kept until
+  /// then.
   bool CheckRows(std::uint64_t step, std::uint64_t steps_before) {
     changed_ = chain_->CheckRows(step);
     steps_unchanged_ = steps_before;
@@ -211,14 +212,14 @@ class Verifier {
     return false;
   }
 
-  /// A command that no recorder writes: one to a part of an actuator, one that changes nothing and comes from
-  /// nobody, or a client's to a robot that a controller drives.
+  /// Finds a command that no recorder writes: for a part of an actuator, without a sender and without effect,
+  /// or from a client for a robot that a controller drives.
   std::optional<Difference> FindImpossible(const RecordedStep& step) const {
     if (run_.BeginsScene(step)) return std::nullopt;  // the first row of a scene has all commands
     const Scene& scene = *run_.frame()->scene;
     const std::span<const Setpoint> in_force = run_.recorded_setpoints();
     for (auto next = step.commands.begin(); next != step.commands.end();) {
-      if (next->channel >= in_force.size()) return std::nullopt;  // Step() says so
+      if (next->channel >= in_force.size()) return std::nullopt;  // Step() reports it
       const CommandRecord& first = *next;
       const SceneActuator& actuator = scene.actuators[ActuatorOf(scene, first.channel)];
       bool changes = false, whole = first.channel == static_cast<std::uint32_t>(actuator.first_channel);
@@ -247,13 +248,13 @@ class Verifier {
     return std::nullopt;
   }
 
-  /// Set-points of loaded controllers.
+  /// Compares the set-points of loaded controllers.
   std::optional<Difference> FindComputed(const Frame& frame) const {
     return FindSetpoint(run_.recorded_setpoints(), frame,
                         [this](std::size_t channel) { return run_.computes(channel); });
   }
 
-  /// What is recorded of loaded controllers against what they did now.
+  /// Compares the recorded actions of loaded controllers with the repeated ones.
   std::optional<Difference> FindInRecord(const RecordedStep& step) const {
     if (!run_.has_controllers()) return std::nullopt;
     const Frame& frame = *run_.frame();
@@ -287,7 +288,7 @@ class Verifier {
                         worded(b, repeated.end(), place));
   }
 
-  /// What it is in `failed_`, the step that frame() is of, whose hash differs; looks up to `to` for it.
+  /// Locates the difference in `failed_`, the step of frame() whose hash differs; searches up to step `to`.
   Difference Locate(std::uint64_t to, bool keyframe) {
     const RecordedStep failed = std::move(*failed_);
     failed_.reset();
@@ -304,7 +305,7 @@ class Verifier {
     return difference;
   }
 
-  /// What shows at once in the present step: set-points of controllers, poses.
+  /// Finds a difference visible in the current step: set-points of controllers, poses.
   std::optional<Difference> FindVisible(std::uint64_t step) {
     const Frame& frame = *run_.frame();
     if (run_.has_controllers() && reader_.header().what.controllers) {
@@ -314,7 +315,8 @@ class Verifier {
     return row ? FindPose(row->bodies, frame) : std::nullopt;
   }
 
-  /// Repeats on from `from`: to the exact state of `to` if there is one, else until the difference shows.
+  /// Repeats steps after `from`: up to the exact state of `to` if there is one, else until the difference
+  /// shows.
   std::optional<Difference> Follow(std::uint64_t from, std::uint64_t to, bool keyframe, std::string& note) {
     std::optional<Difference> visible;
     bool equal_again = false, broken = false;
@@ -347,12 +349,12 @@ class Verifier {
   Resimulator run_;
   RunExtent extent_;
   std::unique_ptr<RunChain> chain_;
-  std::string head_;                    // what of meta and texts was changed
-  bool head_said_ = false;              // that is the error
-  std::optional<ChainDamage> changed_;  // the first row found to be
-  std::uint64_t steps_unchanged_ = 0;   // report_.steps before that
+  std::string head_;                    // the change of table meta or the texts; or empty
+  bool head_said_ = false;              // head_ is in report_.error
+  std::optional<ChainDamage> changed_;  // the first changed row
+  std::uint64_t steps_unchanged_ = 0;   // report_.steps before changed_
   std::vector<std::uint64_t> keyframes_;
-  std::optional<RecordedStep> failed_;  // its hash is not that of frame()
+  std::optional<RecordedStep> failed_;  // the step whose hash differs from frame()
   bool lost_track_ = false;             // until the next keyframe
   std::uint64_t first_not_verified_ = 0;
   VerifyReport report_;

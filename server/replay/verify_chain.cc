@@ -12,7 +12,7 @@ Difference DifferenceOf(const ChainDamage& damage, RunReader& reader) {
   const RunExtent extent = reader.extent();
   const std::uint64_t step = std::min(damage.step, extent.last);
   std::optional<RecordedStep> row = reader.Read(step, true);
-  if (!row) row = reader.Read(reader.NextShown(step, true).value_or(extent.first), true);  // it was lost
+  if (!row) row = reader.Read(reader.NextShown(step, true).value_or(extent.first), true);  // a lost step
   Difference difference{damage.step,
                         row ? row->time : extent.begin,
                         damage.what,

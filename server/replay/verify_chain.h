@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the chains and the seal of a recording tell, in words: for the repetition of one, and for two that are
-// compared. One thread, as the reader.
+// Reports damage that the chains and the seal of a recording show, for verifying one recording and for
+// comparing two. One thread, the reader's.
 #pragma once
 
 #include <cstdint>
@@ -13,28 +13,28 @@
 
 namespace coopdyn {
 
-/// A row of the run of `reader` that is not as it was written.
+/// Describes a damaged row of the run of `reader`.
 Difference DifferenceOf(const ChainDamage& damage, RunReader& reader);
 
 /// "1 step is", "2 steps are".
 std::string StepsAre(std::uint64_t count);
 
-/// What was changed in the part of the run of `reader` from `first` to `last`, or in what it says of the run
-/// as a whole; with the file's name and the row, or why it cannot be looked for. Empty: nothing, and no row
-/// of that part is missing; or the file has no chains. Reads each row of it.
+/// Describes a change in the steps `first` to `last` of the run of `reader` or in its header, with the file's
+/// name and the row, or why the check failed. Empty if no row of that part was changed or is missing, or if
+/// the file has no chains. Reads each row of that part.
 std::string WhyDamaged(RunReader& reader, std::uint64_t first, std::uint64_t last);
 
-/// Goes along one recording that is not repeated.
+/// Checks the chains of a recording that is not repeated.
 class ChainCheck {
  public:
-  /// Null with `error` if it cannot be read, or has no chains.
+  /// Null with `error` if the file cannot be read or has no chains.
   static std::unique_ptr<ChainCheck> Begin(RunReader& reader, std::string& error);
-  /// Looks at the rows up to `step`, if all before are as they were written.
+  /// Checks the rows up to `step`, unless damage was found before.
   void GoTo(std::uint64_t step);
-  /// Looks at all that is left. Returns the damage, with the file's name and the row, or why it cannot be
-  /// looked for; empty: there is none.
+  /// Checks the remaining rows. Returns the damage with the file's name and the row, or why the check failed;
+  /// empty if there is no damage.
   std::string Finish();
-  /// The same, of WhyDamaged(). Instead of GoTo() and Finish().
+  /// Implements WhyDamaged(). Use instead of GoTo() and Finish().
   std::string CheckPart(std::uint64_t first, std::uint64_t last);
 
  private:
@@ -43,7 +43,7 @@ class ChainCheck {
 
   RunReader& reader_;
   std::unique_ptr<RunChain> chain_;
-  std::string head_;  // what of meta and texts was changed
+  std::string head_;  // the change of table meta or the texts; or empty
   std::optional<ChainDamage> damage_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Two runs against each other: where they part, and by what.
+// Compares two runs: where they diverge, and the first difference.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -35,14 +35,14 @@ std::vector<CommandRecord> OnlyIn(const std::vector<CommandRecord>& one,
   return only;
 }
 
-/// How long step `step` took, if it and the one before it are there.
+/// The simulated length of step `step`, if it and the step before are recorded.
 std::optional<Nanoseconds> StepLength(RunReader& reader, std::uint64_t step) {
   if (step <= reader.extent().first) return std::nullopt;
   const auto before = reader.Read(step - 1, true), at = reader.Read(step, true);
   return before && at ? std::optional(at->time - before->time) : std::nullopt;
 }
 
-/// Such decide when a step runs, not what it gives.
+/// Inputs that decide when a step runs, not its result.
 bool IsPace(const RunInput& input) {
   return std::holds_alternative<RunEdit>(input.what) && As<edit::SetStep>(input.what) == nullptr &&
          As<edit::StopAll>(input.what) == nullptr && As<edit::UnloadController>(input.what) == nullptr &&
@@ -63,21 +63,21 @@ std::string Worded(const RunInput* input) {
                      input->step);
 }
 
-/// Goes along steps that are equal in both recordings; their commands need not be.
+/// Compares the commands of steps that are equal in both recordings.
 class CommandCompare {
  public:
   CommandCompare(RunReader& one, RunReader& other) : runs_{&one, &other} {}
   /// Both by increasing channel.
   void Look(std::uint64_t step, const std::vector<CommandRecord>& one,
             const std::vector<CommandRecord>& other);
-  /// What was commanded in one run only, if nothing is damaged; lines, empty: nothing.
+  /// Commands found in only one run, provided that nothing is damaged; lines, or empty.
   std::string ToString() const;
 
  private:
   std::array<const RunReader*, 2> runs_;
-  const RunReader* only_ = nullptr;   // that alone has the commands of controllers
-  const RunReader* again_ = nullptr;  // was the first to be sent commands that were in force already
-  std::uint64_t again_step_ = 0;      // when
+  const RunReader* only_ = nullptr;   // the only run with commands of controllers
+  const RunReader* again_ = nullptr;  // the first run with commands that were already in force
+  std::uint64_t again_step_ = 0;      // the step of again_
 };
 
 void CommandCompare::Look(std::uint64_t step, const std::vector<CommandRecord>& one,
@@ -110,7 +110,7 @@ std::string CommandCompare::ToString() const {
   return text;
 }
 
-/// How long step `step` took, if it did not take as long in both.
+/// The difference in length of step `step`, if any.
 std::optional<Difference> FindStepLength(RunReader& one, RunReader& other, std::uint64_t step) {
   const std::optional<Nanoseconds> ours = StepLength(one, step), theirs = StepLength(other, step);
   if (!ours || !theirs || *ours == *theirs) return std::nullopt;
@@ -122,8 +122,8 @@ std::optional<Difference> FindStepLength(RunReader& one, RunReader& other, std::
                     fmt::format("{}", ToSeconds(*theirs))};
 }
 
-/// The first input after steps first…last, of those that decide what a step gives, which is not in both
-/// recordings; empty: none.
+/// The first input after steps first…last that affects a step's result and is not in both recordings; empty
+/// if none.
 std::string InputsThatDiffer(RunReader& one, RunReader& other, std::uint64_t first, std::uint64_t last) {
   const std::vector<RunInput> ours = InputsOf(one, first, last), theirs = InputsOf(other, first, last);
   const auto [a, b] = std::mismatch(
@@ -132,7 +132,7 @@ std::string InputsThatDiffer(RunReader& one, RunReader& other, std::uint64_t fir
   const RunInput* mine = a == ours.end() ? nullptr : &*a;
   const RunInput* yours = b == theirs.end() ? nullptr : &*b;
   if (mine == nullptr && yours == nullptr) return {};
-  // Of two that came after other steps the first one: the other run lacks it.
+  // If the inputs follow different steps, the earlier one is missing in the other run.
   if (mine != nullptr && yours != nullptr && mine->step != yours->step) {
     (mine->step < yours->step ? yours : mine) = nullptr;
   }
@@ -149,7 +149,7 @@ bool ReadHashes(RunReader& reader, std::uint64_t first, std::uint64_t last, std:
   });
 }
 
-/// The exact frame of step `step` of a run, which need not come out as recorded. Null with `why`.
+/// The exact frame of step `step` of a run, which may differ from the recording. Null with `why` on failure.
 FramePtr ExactFrame(RunReader& reader, std::uint64_t step, const ReplayServices& services, std::string& why,
                     std::string& warning) {
   const SavedStatePtr keyframe = reader.Keyframe(step);
@@ -167,7 +167,7 @@ FramePtr ExactFrame(RunReader& reader, std::uint64_t step, const ReplayServices&
   if (!why.empty()) return nullptr;
   std::string said = run.warning();
   if (parted != 0) {
-    said = fmt::format("{} does not come out as recorded from step {} on: coopdyn verify {}", reader.file(),
+    said = fmt::format("{} differs from its recording from step {} on: coopdyn verify {}", reader.file(),
                        parted, reader.file()) +
            (said.empty() ? "" : "\n" + said);
   }
@@ -188,7 +188,7 @@ std::string SpanOf(RunReader& reader) {
   return fmt::format("{} has steps {} to {}", reader.file(), extent.first, extent.last);
 }
 
-/// `line`, of `reader`'s run; empty stays so.
+/// `line` prefixed with the file of `reader`; empty stays empty.
 std::string Of(const RunReader& reader, const std::string& line) {
   return line.empty() ? line : reader.file() + ": " + line;
 }
@@ -200,7 +200,7 @@ bool Load(RunReader& reader, const ReplayServices& services, std::string& error)
   return false;
 }
 
-/// The exact values of the first thing that differs at `at`; both runs are there from step `first` on.
+/// Finds the exact values of the first difference at step `at`; both runs have steps from `first` on.
 VerifyReport Explain(RunReader& one, RunReader& other, std::uint64_t first, const StepHash& at,
                      const StepHash& there, const ReplayServices& services, VerifyReport report) {
   const std::string scenarios = "their scenarios differ: " + one.header().scenario_name + " in " +
@@ -277,7 +277,7 @@ VerifyReport CompareSteps(RunReader& one, RunReader& other, const ReplayServices
     return report;
   }
   if (!SameTexts(one.header(), other.header())) {
-    AddLine("their scenarios differ, though nothing that moves does", report.warning);
+    AddLine("their scenarios differ, but all motion is equal", report.warning);
   }
   report.not_verified = last - first - std::min(last - first, report.steps);
   if (a.last != b.last || a.first != b.first) {
@@ -310,7 +310,7 @@ VerifyReport Compare(RunReader& one, RunReader& other, const ReplayServices& ser
   }
   const bool equal = report.error.empty() && !report.difference;
   if (damage.empty()) {
-    // Only now is it known that what is recorded of commands is what came.
+    // Only now is it known that the recorded commands are undamaged.
     if (equal) AddLine(commands.ToString(), report.warning);
     return report;
   }

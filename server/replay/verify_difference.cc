@@ -21,7 +21,7 @@ namespace coopdyn {
 
 namespace {
 
-/// More than what rounding and normalising make of a component of a quaternion.
+/// Exceeds the error of a quaternion component after rounding and normalising.
 constexpr double kTurnRounding = 3e-6;
 
 bool SameBits(double a, double b) {
@@ -32,7 +32,7 @@ std::string Exact(double value) {
   return fmt::format("{:.17g}", value);
 }
 
-/// The numbers of a body, as they lie in memory (state_hash.cc makes sure of that).
+/// The numbers of a body in memory order (state_hash.cc checks the layout).
 constexpr std::array kBodyFields{
     "x_m",  "y_m",  "z_m",  "qw",   "qx",   "qy",     "qz",     "R_11",   "R_12",     "R_13",     "R_21",
     "R_22", "R_23", "R_31", "R_32", "R_33", "vx_m_s", "vy_m_s", "vz_m_s", "wx_rad_s", "wy_rad_s", "wz_rad_s"};
@@ -44,7 +44,7 @@ BodyNumbers NumbersOf(const BodyState& body) {
   return numbers;
 }
 
-/// Sets the values if they differ.
+/// If the values differ, stores them in `difference` and returns true.
 template <typename Number>
 bool Differs(Number recorded, Number repeated, Difference& difference) {
   if constexpr (std::is_same_v<Number, double>) {
@@ -65,7 +65,7 @@ std::optional<Difference> FindBody(const Frame& recorded, const Frame& repeated)
     const BodyNumbers ours = NumbersOf(a), theirs = NumbersOf(b);
     Difference difference = DifferenceAt(repeated, "", "sleep_counter");
     bool differs = Differs(a.sleep_counter, b.sleep_counter, difference);
-    for (std::size_t k = ours.size(); k-- > 0;) {  // the first one last
+    for (std::size_t k = ours.size(); k-- > 0;) {  // backwards: the first difference is stored last
       if (!Differs(ours[k], theirs[k], difference)) continue;
       difference.field = kBodyFields[k];
       differs = true;
@@ -124,7 +124,7 @@ std::optional<Difference> FindMessage(std::span<const SentMessage> recorded,
     const SentMessage* a = i < recorded.size() ? &recorded[i] : nullptr;
     const SentMessage* b = i < repeated.size() ? &repeated[i] : nullptr;
     if (a != nullptr && b != nullptr && Same(*a, *b)) continue;
-    // Of two senders the one that comes first: the other list lacks its broadcast.
+    // If sender or step differ, the other list lacks the earlier broadcast.
     if (a != nullptr && b != nullptr && (a->step != b->step || a->robot != b->robot)) {
       const bool ours = a->step != b->step ? a->step < b->step : a->robot < b->robot;
       (ours ? b : a) = nullptr;
@@ -137,8 +137,8 @@ std::optional<Difference> FindMessage(std::span<const SentMessage> recorded,
   return std::nullopt;
 }
 
-/// The first of `recorded` that is not what `encode` makes of `frame`. `name` gives the robot of the reading
-/// at a place, and what it is called.
+/// The first of `recorded` that differs from the output of `encode` for `frame`. `name` returns the robot and
+/// the name of the reading at an index.
 template <typename Name>
 std::optional<Difference> FindReading(const std::vector<float>& recorded, const Frame& frame,
                                       void (*encode)(const Frame&, std::vector<std::byte>&), Name name) {
@@ -188,7 +188,7 @@ std::optional<Difference> FindTarget(const std::vector<float>& recorded, const F
   });
 }
 
-/// What is recorded of the channels' motion.
+/// Compares the recorded motion of the channels.
 std::optional<Difference> FindRecordedMotion(const RecordedStep& step, const Frame& frame) {
   if (step.channels.size() != frame.channels.size()) return std::nullopt;
   std::vector<std::byte> blob;
@@ -206,7 +206,7 @@ std::optional<Difference> FindRecordedMotion(const RecordedStep& step, const Fra
                       worded(*theirs), worded(*ours), false);
 }
 
-/// What is recorded of what physics measured for sensors.
+/// Compares the recorded values that physics measured for sensors.
 std::optional<Difference> FindMeasured(const RecordedStep& step, const Frame& frame) {
   const std::vector<double>& recorded = step.sensed.measured;
   if (recorded.size() != frame.measured.size()) return std::nullopt;
@@ -393,7 +393,7 @@ std::string ToString(const VerifyReport& report) {
     text = fmt::format("equal, {} step{}", report.steps, report.steps == 1 ? "" : "s");
   }
   if (report.not_verified > 0) {
-    // Of a damaged file nobody knows whether they were lost or taken out.
+    // In a damaged file, steps may have been lost or removed.
     const bool lost = report.error.empty() && !(report.difference && report.difference->of_file);
     text += fmt::format("; {}{} step{} could not be verified", report.not_verified, lost ? " lost" : "",
                         report.not_verified == 1 ? "" : "s");

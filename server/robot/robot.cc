@@ -38,7 +38,7 @@ Robot::Robot(const RobotEntry& entry, const RobotServices& services, IoThread& i
 Robot::~Robot() {
   CloseYarpPorts("the module is closed");
   for (const std::string& name : registered_) services_.names.RemoveOwn(name);
-  // Nothing of this robot may run on its thread after this.
+  // After this, nothing of this robot may run on its thread.
   io_.Call([this] {
     yars_ports_.clear();
     servers_.clear();

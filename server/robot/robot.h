@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A robot: its modules on their ports, and their names. Lives over a reset, and over a load that keeps its
-// name and type.
+// A robot: its modules on their ports, and their names. Survives a reset, and a load that keeps its name and
+// type.
 #pragma once
 
 #include <cstddef>
@@ -15,12 +15,13 @@
 
 namespace coopdyn {
 
-/// Built and used on one thread (control, or main before it runs); what it does for clients happens on `io`.
+/// Built and used on one thread (control, or main before control runs); serves its clients on `io`.
 class Robot {
  public:
-  /// Its modules without ports and names yet. `services` and `io` outlive it.
+  /// Makes its modules, without ports and names. `services` and `io` outlive it.
   Robot(const RobotEntry& entry, const RobotServices& services, IoThread& io);
-  /// Takes the names away and closes all connections with the notice of Close(), or "the module is closed".
+  /// Removes the names and closes all connections with the notice of CloseConnections(), or "the module is
+  /// closed".
   ~Robot();
   Robot(const Robot&) = delete;
   Robot& operator=(const Robot&) = delete;
@@ -33,27 +34,27 @@ class Robot {
   /// 0: reached through OPEN only.
   int port(std::size_t module) const { return servers_[module]->port(); }
 
-  /// It has motors and values for clients of YARS.
+  /// True if the module has motors and values for clients of YARS.
   bool is_channel(std::size_t module) const { return core_.devices()[module]->drives_all(); }
-  /// Where its model says that it is to listen; 0: nowhere in particular.
+  /// The port that the robot's model asks for; 0: none.
   int said_port(std::size_t module) const;
-  /// Makes a module listen, a channel also by UDP; returns an error text, empty if it listens. At most once
-  /// each.
+  /// Makes a module listen, a channel also by UDP. Returns an error text, or empty on success. At most once
+  /// per module.
   std::string Listen(std::size_t module, const std::vector<std::string>& addresses, int port);
-  /// The same, with the port and the connections that a channel before it has left.
+  /// The same with the port and connections of the channel's predecessor.
   void Listen(std::size_t module, const std::vector<std::string>& addresses, LoosePort port);
-  /// What the channel on `module` leaves to the next one: its client goes on there. To be followed by its
-  /// end.
+  /// Releases the port and connections of the channel on `module` for its successor, where its client
+  /// continues. Destroy the robot next.
   LoosePort Release(std::size_t module) { return servers_[module]->Release(); }
-  /// Lists the modules in the name table; their ports must be settled. False if a name is taken by one of our
-  /// own.
+  /// Lists the modules in the name table, after their ports are assigned. Returns false if the daemon already
+  /// has one of the names.
   bool Register();
   /// YarpPorts::Open() if `name` is a port of one of its modules.
   void OpenYarpPort(const std::string& name, const std::string& asker);
   bool RunsOn(const IoThread& io) const { return &io == &io_; }
-  /// Closes all connections with a notice, in time for it to be written.
+  /// Closes all connections with a notice, early enough for it to be written.
   void CloseConnections(const std::string& reason);
-  /// Closes that connection with a notice, if it is one of this robot's.
+  /// Closes the client's connection with a notice, if it is one of this robot's.
   void CloseClient(ClientId client, const std::string& reason);
 
  private:

@@ -16,7 +16,7 @@ namespace coopdyn {
 
 namespace {
 
-/// After the start: at most this many busy ports are passed over before a module stays without one.
+/// After the start: number of busy ports tried before a module stays without port.
 constexpr int kMaxBusyPorts = 1000;
 
 /// Calls `use` with each port for clients of YARS.
@@ -27,7 +27,7 @@ void ForChannels(const Robot& robot, Use use) {
   }
 }
 
-/// The first of them.
+/// Removes and returns the first robots.
 std::vector<std::unique_ptr<Robot>> TakeSome(std::deque<std::unique_ptr<Robot>>& robots) {
   std::vector<std::unique_ptr<Robot>> some;
   for (; !robots.empty() && some.size() < RobotHost::kGoAtOnce; robots.pop_front())
@@ -36,7 +36,7 @@ std::vector<std::unique_ptr<Robot>> TakeSome(std::deque<std::unique_ptr<Robot>>&
 }
 
 std::string CureOf(const std::string& error) {
-  return error == kTooManyFiles ? ": raise `ulimit -n`, or let fewer robots have `sockets`" : "";
+  return error == kTooManyFiles ? ": raise `ulimit -n`, or give fewer robots `sockets`" : "";
 }
 
 }  // namespace
@@ -82,7 +82,7 @@ void RobotHost::NoteChannel(const Robot& robot, std::size_t module) {
   file << port << "\n";
   file.close();
   std::error_code error;
-  if (file) std::filesystem::rename(whole, name, error);  // a reader finds the old port or the new one
+  if (file) std::filesystem::rename(whole, name, error);  // atomic: readers find the old port or the new one
   if (!file || error) services_.net.logger()->error("{} cannot be written", name);
 }
 
@@ -123,7 +123,7 @@ bool RobotHost::ListenAsBefore(Robot& robot, std::size_t module) {
 
 std::string RobotHost::OpenModule(Robot& robot, std::size_t module) {
   PortPlan& ports = PlanFor(robot, module);
-  // Clients of YARS look for the next free port, and others may have the first.
+  // Clients of YARS look for the next free port, and other programs may have the first.
   const bool must_be_free = change_->at_start && &ports == &ports_;
   if (ListenAsBefore(robot, module)) {
     NoteChannel(robot, module);
@@ -148,7 +148,7 @@ std::string RobotHost::OpenModule(Robot& robot, std::size_t module) {
       ports.Release(port);
       return error;
     }
-    // Stays taken in the plan: trying it again for every module would only cost time.
+    // The port stays taken in the plan: retrying it for every module would only cost time.
     if (!ports.any_port()) {
       NoteFailure(robot.module_path(module) + ": " + error, "the next free port is taken");
     }
@@ -181,7 +181,7 @@ std::string RobotHost::Apply(std::shared_ptr<const Scene> scene, bool at_start) 
 
 void RobotHost::Begin(std::shared_ptr<const Scene> scene) {
   Change change;
-  // The board has forgotten those that were not in the scene before, even if they are in this one.
+  // The board has forgotten robots that were not in the previous scene, even if they are in this one.
   if (change_) change.leaving = std::move(change_->leaving);
   change.scene = std::move(scene);
   const std::vector<SceneRobot>& robots = change.scene->robots;
@@ -237,7 +237,7 @@ void RobotHost::BringUp() {
       robot = std::make_unique<Robot>(entry, services_, io);
       if (own) threads_.back().only = robot.get();
       Open(*robot, entry);
-    } catch (const std::exception& exception) {  // e.g. no files are left for a thread
+    } catch (const std::exception& exception) {  // e.g. too few file descriptors for a thread
       Fail(entry.name, std::string("cannot be reached: ") + exception.what());
     }
     if (!change_->error.empty()) return;

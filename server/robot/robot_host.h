@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The robots of the scenario in force, their threads and ports. One thread: control, or main before that
+// The robots of the current scenario, their threads and ports. One thread: control, or main before control
 // runs.
 #pragma once
 
@@ -25,53 +25,53 @@
 namespace coopdyn {
 
 struct RobotHostOptions {
-  bool sockets = true;                 // false: `--no-net`, modules can only adopt
+  bool sockets = true;                 // false: `--no-net`, modules can only adopt connections
   std::vector<std::string> addresses;  // ListenAddresses(--host)
-  int threads = 0;  // `--robot-threads`: for all robots; 0: one each for those with sockets, else a pool
+  int threads = 0;  // `--robot-threads`, for all robots; 0: one each for robots with sockets, else a pool
   std::chrono::microseconds spin{0};  // IoThread
-  std::size_t cores = 0;              // 0: those of this machine
-  PortPlan* channel_ports = nullptr;  // of modules for clients of YARS; null: as all others
-  bool said_channel_ports = true;     // they try that of their model first
-  std::string channel_ports_file{};   // begins the names of files that have these ports; empty: none
+  std::size_t cores = 0;              // 0: all of this machine
+  PortPlan* channel_ports = nullptr;  // for channels, i.e. clients of YARS; null: like all other modules
+  bool said_channel_ports = true;     // channels first try the port of their model
+  std::string channel_ports_file{};   // prefix of the files that hold channels' ports; empty: none
 };
 
 class RobotHost {
  public:
-  /// Each robot with sockets of its own runs in its own thread as long as no more have some; beyond that all,
-  /// and those without sockets (of swarms) always, share a pool.
+  /// Up to this many robots with sockets run in a thread each. With more, all robots share a pool. Robots
+  /// without sockets (of swarms) always do.
   static constexpr std::size_t kMaxOwnThreads = 64;
-  /// The pool: one thread for this many robots, at most kMaxPool and half the cores, as their clients need
-  /// the others.
+  /// Size of the pool: one thread per this many robots, at most kMaxPool and at most half the cores, because
+  /// clients need the others.
   static constexpr std::size_t kRobotsPerThread = 4, kMaxPool = 2;
-  /// The most that go or come in one GoOn(): a few milliseconds, tens if they have sockets. To let robots
-  /// go takes two visits to each thread, so they are more.
+  /// Robots removed or added per GoOn(): a few milliseconds, tens of them with sockets. Removal visits each
+  /// thread only twice, so more are removed.
   static constexpr std::size_t kGoAtOnce = 256, kComeAtOnce = 32;
 
   /// `services` and `ports` outlive it.
   RobotHost(RobotServices services, RobotHostOptions options, PortPlan& ports);
-  /// Stop().
+  /// Calls Stop().
   ~RobotHost();
   RobotHost(const RobotHost&) = delete;
   RobotHost& operator=(const RobotHost&) = delete;
 
-  /// Begins to bring up the robots of `scene`, also before those of another one are up. Those that keep name
-  /// and type stay as they are, with ports, connections and owners; the others are closed with a notice. To
-  /// be called when the board has been configured for the scene.
+  /// Starts to bring up the robots of `scene`, even while those of another one are not all up. Robots of the
+  /// same name and type are unchanged, with ports, connections and owners; the others are closed with a
+  /// notice. Call it once the board is configured for the scene.
   void Begin(std::shared_ptr<const Scene> scene);
-  /// Goes on with it for a while, so that others are served between two calls. True: all robots are up.
+  /// Continues for a while: other work can run between calls. Returns true once all robots are up.
   bool GoOn();
-  /// Both, until all are up. A busy port: with `at_start` an error text that names it, and nothing is brought
-  /// up; otherwise, as after Begin(), the next free one is taken. Returns "" if all is well.
+  /// Begin() and GoOn() until all robots are up. A busy port with `at_start` is an error: returns a text that
+  /// names it, and no robots stay up. Otherwise takes the next free port. Returns "" on success.
   std::string Apply(std::shared_ptr<const Scene> scene, bool at_start);
-  /// Robot::OpenYarpPort() of the robot whose name begins `name`, if it has sockets.
+  /// Calls Robot::OpenYarpPort() of the robot whose name begins `name`, if it has sockets.
   void OpenYarpPort(const std::string& name, const std::string& asker);
-  /// Closes a connection to `robot` with a notice. False if there is no such robot.
+  /// Closes a connection to `robot` with a notice. Returns false if there is no such robot.
   bool CloseClient(const std::string& robot, ClientId client, const std::string& reason);
-  /// Closes all connections with a notice, takes all names away, ends the threads.
+  /// Closes all connections with a notice, removes all names, ends the threads.
   void Stop(const std::string& reason = "the daemon is stopping");
   void SetSpin(std::chrono::microseconds spin);
 
-  /// In the scene's order; null: it is still to come.
+  /// In the scene's order; null: not up yet.
   const std::vector<std::unique_ptr<Robot>>& robots() const { return robots_; }
   std::size_t thread_count() const;
 
@@ -84,29 +84,29 @@ class RobotHost {
     LoosePort port;
     std::string why;
   };
-  /// What is under way between Begin() and the end.
+  /// The state between Begin() and the end of the change.
   struct Change {
     std::shared_ptr<const Scene> scene;
-    std::unordered_map<std::string_view, std::size_t> places;  // of its robots, by name
-    std::deque<std::unique_ptr<Robot>> leaving;  // they go first: their names and ports may be wanted
-    std::size_t next = 0;                        // all before are up
+    std::unordered_map<std::string_view, std::size_t> places;  // of the scene's robots, by name
+    std::deque<std::unique_ptr<Robot>> leaving;  // removed first, because their names and ports may be needed
+    std::size_t next = 0;                        // all earlier ones are up
     bool own_threads = false;
     bool at_start = false;
-    bool out_of_files = false;  // for ports: to try it again for each module would take long
+    bool out_of_files = false;  // while opening ports: retrying for each module would take long
     std::string error;
   };
   struct Thread {
     std::unique_ptr<IoThread> io;
-    const Robot* only = nullptr;  // whose own it is; null: of the pool
+    const Robot* only = nullptr;  // its only robot; null: in the pool
   };
 
   bool HasSockets(const RobotEntry& entry) const { return options_.sockets && entry.sockets; }
-  /// A thread for a robot of `scene`; `own`: for it alone.
+  /// A thread for a robot of `scene`; `own`: exclusively.
   IoThread& ThreadFor(const Scene& scene, bool own);
-  /// The next ones go; they come.
+  /// Removes or adds the next robots.
   void LetGo();
   void BringUp();
-  /// All are up: what is left of those that are gone ends.
+  /// All robots are up: drops the remains of removed robots.
   void End();
   void Open(Robot& robot, const RobotEntry& entry);
   PortPlan& PlanFor(const Robot& robot, std::size_t module) {
@@ -115,21 +115,22 @@ class RobotHost {
   std::string ChannelFile(const std::string& robot) const {
     return options_.channel_ports_file + "-" + robot;
   }
-  /// A channel listens on a port that is its robot's from now on.
+  /// Records that a channel's port belongs to its robot from now on.
   void NoteChannel(const Robot& robot, std::size_t module);
-  /// A robot without a channel has no file of its port.
+  /// Removes the port file of a robot that no longer has a channel.
   void ForgetFile(const std::string& robot);
-  /// What the channels of `robot`, which goes, leave to those that get their ports; else, when the new robots
-  /// are up, it ends for the reason `why`.
+  /// Keeps ports and connections of the channels of `robot`, which is removed, for their successors on these
+  /// ports. Without a successor they end, for the reason `why`, once the new robots are up.
   void Release(Robot& robot, const std::string& why);
-  /// The channel listens on the port that its robot had before, or else on one of a robot that is gone.
+  /// Makes the channel listen on the port that its robot had before, else on the port of a removed robot.
+  /// Returns false if there is none.
   bool ListenAsBefore(Robot& robot, std::size_t module);
   std::string OpenModule(Robot& robot, std::size_t module);
-  /// At the start an error; else LogFailures() says in one line for each `what` with how many it went wrong.
+  /// At the start, sets the error; later, LogFailures() logs one line per `what` with the number of failures.
   void Fail(const std::string& who, const std::string& what);
   void NoteFailure(const std::string& who, const std::string& what);
   void LogFailures();
-  /// Visits each thread twice, not each robot: with thousands of them that would take seconds.
+  /// Visits each thread twice, not each robot: that would take seconds with thousands of robots.
   void Drop(std::vector<std::unique_ptr<Robot>> robots,
             const std::function<std::string(const Robot&)>& reason);
 
@@ -139,13 +140,13 @@ class RobotHost {
   std::vector<Thread> threads_;
   std::size_t next_of_pool_ = 0;
   std::vector<std::unique_ptr<Robot>> robots_;
-  std::optional<Change> change_;                             // none: all are up
-  std::unordered_map<std::string, int> last_channel_ports_;  // by robot: its client stays where it is
-  std::map<std::string, Affected> failures_;                 // by what; until all are up
-  // Until all are up: of robots that are gone.
-  std::deque<int> freed_channel_ports_;   // of those that are not in the new scene, in their order
+  std::optional<Change> change_;                             // nullopt: all are up
+  std::unordered_map<std::string, int> last_channel_ports_;  // by robot, so its client can stay on its port
+  std::map<std::string, Affected> failures_;                 // by cause; until all are up
+  // Until all are up: data of removed robots.
+  std::deque<int> freed_channel_ports_;   // of robots not in the new scene, in order
   std::set<int> vacant_;                  // ports of all their channels
-  std::vector<std::string> had_channel_;  // names
+  std::vector<std::string> had_channel_;  // their names
   std::unordered_map<int, Left> left_;    // by port
 };
 

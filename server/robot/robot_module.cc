@@ -113,7 +113,7 @@ std::optional<Message> RobotModule::Tune(Peer& peer, const Message& request, edi
   const Verdict verdict = board().MayTune(slot_, peer.client.client);
   if (verdict.error != Error::kOk) return ErrorReply(request.command, verdict.error, verdict.text);
   tuning.robot = robot_.name();
-  // The poster calls nothing once the robot is gone, and its modules with it.
+  // The poster does nothing once the robot and its modules are gone.
   const auto done = [this, poster = inbox().MakePoster(), id = peer.id()](const EditResult& result) {
     poster([this, id, result] {
       const FramePtr newest = inbox().Current();
@@ -130,7 +130,7 @@ std::optional<Message> RobotModule::Tune(Peer& peer, const Message& request, edi
 }
 
 void RobotModule::Draw(Peer& peer, ImageRequest picture) {
-  // As in Tune().
+  // The poster: as in Tune().
   const auto done = [this, poster = inbox().MakePoster(), id = peer.id()](const ImageResult& result) {
     poster([this, id, result] {
       Peer* const waiting = FindWaiting(id);

@@ -16,7 +16,7 @@ namespace coopdyn {
 
 class RobotModule final : public PeerModule<ModulePeer> {
  public:
-  /// Module number `index` of `robot`, which outlives it. Any thread.
+  /// Module `index` of `robot`, which outlives it. Any thread.
   RobotModule(RobotCore& robot, std::size_t index);
   ~RobotModule() override;
 
@@ -43,23 +43,23 @@ class RobotModule final : public PeerModule<ModulePeer> {
   void Closed(ClientId client) override;
 
   std::optional<Message> Drive(Peer& peer, const Message& request, Actuation actuation);
-  /// Changes how the joints are driven, between two steps.
+  /// Changes control parameters of joints, between two steps.
   std::optional<Message> Tune(Peer& peer, const Message& request, edit::TuneJoints tuning);
-  /// Has a picture drawn.
+  /// Requests a picture from the render thread.
   void Draw(Peer& peer, ImageRequest picture);
   Message Send(Peer& peer, const Message& request, const RobotMessage& message);
   std::optional<Message> Ready(Peer& peer, const Message& request);
   Message Hello(Peer& peer, const Message& request);
   Message ClaimOrRelease(Peer& peer, const Message& request);
-  /// Device::StepNote(), which a run that has ended aborts.
+  /// Device::StepNote(), or kAborted once the run has ended.
   std::string StepNote(const Frame& frame, int robot) const;
-  /// The reply that `verdict` allows now; nothing if the board will call back.
+  /// The reply to `verdict`; nullopt if the board will call back.
   std::optional<Message> Settle(Peer& peer, const Verdict& verdict);
 
   RobotCore& robot_;
   const Device& device_;
-  const std::vector<SlotId> slots_;  // of a device that drives all: those of its robot
-  const SlotId slot_;                // the first; of a module without actuators its robot's first
+  const std::vector<SlotId> slots_;  // of a device that drives all: all slots of its robot
+  const SlotId slot_;                // the first; for a module without actuators, the robot's first
   const std::size_t index_;          // among the robot's modules
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the channel of a robot carries: values in, set-points out.
+// Readings and set-points of a robot's channel modules.
 #include <cmath>
 
 #include "server/base/portable_math.h"
@@ -16,12 +16,12 @@ using Quantity = ChannelModel::Quantity;
 
 constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
-/// Position and velocity of a joint that no motor has, from its two bodies.
+/// Position and velocity of a joint without motor, from its two bodies.
 struct JointState {
   double position = 0, velocity = 0;
 };
 
-/// Velocity of a point that is fixed to a link, in the world.
+/// World velocity of a point fixed to a link.
 Vector3 PointVelocity(const Frame& frame, int robot, int link, const Vector3& p_W) {
   const SceneRobot& of = frame.scene->robots[static_cast<std::size_t>(robot)];
   const BodyState& body = frame.bodies[static_cast<std::size_t>(of.first_body) +
@@ -31,7 +31,7 @@ Vector3 PointVelocity(const Frame& frame, int robot, int link, const Vector3& p_
 
 JointState StateOf(const Frame& frame, int robot, const JointModel& joint) {
   const RobotModel& model = ModelOf(frame, robot);
-  // The model's axes as each body carries them.
+  // The model frame R as a link carries it.
   const auto carried = [&](int link) {
     return LinkPose(frame, robot, link) * model.links[static_cast<std::size_t>(link)].X_RL.Inverse();
   };
@@ -48,7 +48,7 @@ JointState StateOf(const Frame& frame, int robot, const JointModel& joint) {
   return {joint.start + turned_rad, axis_W.dot(w_W)};
 }
 
-/// The channel of a joint; null if nothing drives it.
+/// The channel of a joint; null if no motor drives it.
 const ChannelState* FindChannel(const Frame& frame, int robot, std::size_t joint) {
   const SceneRobot& of = frame.scene->robots[static_cast<std::size_t>(robot)];
   for (int i = 0; i < of.channel_count; ++i) {
@@ -58,11 +58,11 @@ const ChannelState* FindChannel(const Frame& frame, int robot, std::size_t joint
   return nullptr;
 }
 
-/// `cells`: of the value.
+/// `cells`: the value's measured cells.
 double JointValue(const Frame& frame, int robot, const ChannelModel::Value& value,
                   std::span<const double> cells) {
   if (value.sums_work) {
-    // Without bodies of their own wheels have no effort.
+    // Wheels without their own bodies have no effort.
     const bool is_measured =
         !frame.scene->robots[static_cast<std::size_t>(robot)].one_body() && !cells.empty();
     return is_measured ? cells.front() : kNoValue;
@@ -112,7 +112,7 @@ double Noise(const MappedNoise& noise, const NoiseKey& key) {
   return 0;
 }
 
-/// The last reading that was computed: values of one sensor follow each other.
+/// Caches the last reading computed: values of one sensor are adjacent.
 struct LastReading {
   std::size_t sensor = std::numeric_limits<std::size_t>::max();
   std::vector<double> values;
@@ -164,7 +164,7 @@ void AppendChannelValues(const Frame& frame, int robot, std::size_t number, std:
     const ChannelModel::Value& value = model->values[i];
     double external = raw[i];
     if (value.filter.cells() > 0) {
-      // Recorded without its memory nobody knows what it put out.
+      // A recording without the filter's memory cannot reproduce its output.
       external = cells.empty() ? kNoValue : FilteredValue(value.filter, value.FilterCells(cells), external);
     }
     data.push_back(value.map.CutExternal(external));

@@ -27,7 +27,7 @@ void TakeValue(const ValueFilter& filter, double value, double step_s, std::span
   if (!std::isfinite(value)) return;
   if (filter.kind == ValueFilter::Kind::kLowPass) {
     const bool is_first = cells[0] < 1;
-    // Exact for a value that stays as it is through the step.
+    // Exact for a value that is constant during the step.
     cells[1] = is_first ? value : value + (cells[1] - value) * portable::Exp(-step_s / filter.time_s);
     cells[0] = 1;
     return;
@@ -50,7 +50,7 @@ void AdvanceFilters(const Frame& before, Frame& frame) {
       const std::span<double> measured = std::span(frame.measured).subspan(first, channel->cells());
       CountTurns(frame, robot, *channel, measured);
       const std::vector<double> raw = UnfilteredValues(frame, robot, model.NumberOf(sensor));
-      std::vector<double> start;  // a filter begins with the value of the frame before
+      std::vector<double> start;  // a filter starts with the previous frame's value
       for (std::size_t k = 0; k < channel->values.size(); ++k) {
         const ChannelModel::Value& value = channel->values[k];
         if (!value.is_filtered()) continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Filters of the values of channels: their memory goes from frame to frame. Pure; any thread.
+// Filters for the values of channels; their memory is stored in frames. Pure; any thread.
 #pragma once
 
 #include <span>
@@ -8,14 +8,15 @@
 
 namespace coopdyn {
 
-/// Gives the filters the values of `frame`, the one after `before`, whose memory it has.
-/// Counts on by how far hinges have turned since the step before: `cells` of the channel's measured values.
+/// Updates the turns counted for hinges by their rotation since the last step. `cells`: the channel's
+/// measured values.
 void CountTurns(const Frame& frame, int robot, const ChannelModel& model, std::span<double> cells);
+/// Feeds the values of `frame`, the successor of `before`, to its filters, whose memory it already has.
 void AdvanceFilters(const Frame& before, Frame& frame);
 
-/// What a filter puts out; `otherwise` if it has taken no value yet.
+/// The filter's output; `otherwise` if the filter has no value yet.
 double FilteredValue(const ValueFilter& filter, std::span<const double> cells, double otherwise);
-/// Takes a value into its memory. One that is not finite changes nothing.
+/// Adds a value to the filter's memory; ignores non-finite values.
 void TakeValue(const ValueFilter& filter, double value, double step_s, std::span<double> cells);
 
 }  // namespace coopdyn

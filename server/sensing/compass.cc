@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The compass: where the robot's x axis points in the world.
+// The compass: the heading of the robot's x axis in the world.
 #include "server/sensing/readings.h"
 #include "server/state/noise.h"
 

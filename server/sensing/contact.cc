@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What touches a robot: skins and bumpers.
+// Contact sensors: skins and bumpers.
 #include <algorithm>
 #include <cmath>
 
@@ -22,7 +22,7 @@ std::vector<Touch> Touches(const Frame& frame, int robot, std::size_t number) {
     if (contact.a.robot != robot && contact.b.robot != robot) continue;
     const double force_n = contact.force_W.norm();
     const Vector3 p_R = X_RW * contact.p_W, normal_R = X_RW.q * contact.normal_W;
-    // Two parts of one robot may touch each other: each of them feels it.
+    // Two parts of one robot may touch each other; both feel the contact.
     if (is_felt(contact.a)) touches.push_back({contact.b, force_n, p_R, normal_R});
     if (is_felt(contact.b)) touches.push_back({contact.a, force_n, p_R, -normal_R});
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The distance module: ranges by rays. Worth keeping, so the frame's cache holds them.
+// The distance module: ranges by rays. The readings are costly, so the frame's cache keeps them.
 #include <algorithm>
 
 #include "server/sensing/fan_cast.h"
@@ -11,10 +11,10 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::size_t kReadingGrain = 64;  // robots that one thread takes at a time
-constexpr double kWorthThreads_us = 60;    // less work is done before another thread has woken up
+constexpr std::size_t kReadingGrain = 64;  // robots per work unit of a thread
+constexpr double kWorthThreads_us = 60;    // less work is done before another thread wakes up
 
-/// About what the distances of one robot cost (docs/decisions.md has the figures measured).
+/// Approximate cost of one robot's distances (measured figures: docs/decisions.md).
 double Cost_us(const SceneSensing::RobotType& type) {
   double cost = 0.1;
   for (const KeptSensor& sensor : type.kept) {

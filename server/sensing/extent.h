@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How far things fixed to a robot reach from it, however it leans. Pure; any thread.
+// How far the things fixed to a robot extend from it, at any tilt. Pure; any thread.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace coopdyn {
 
-/// How a frame leans: the angle between its z axis and the vertical.
+/// A frame's tilt: the angle between its z axis and the vertical.
 struct Tilt {
   double sine = 0, cosine = 1;
 
@@ -33,8 +33,8 @@ struct Extent {
     max_z = std::max(max_z, high);
   }
 
-  /// The upright cylinder about the vertical through the frame's origin that holds this one when its frame
-  /// stands at height `z` and leans by `tilt`. @pre not empty.
+  /// The upright cylinder about the vertical through the frame's origin that contains this one when the frame
+  /// is at height `z` with tilt `tilt`. @pre not empty.
   Extent Upright(double z, const Tilt& tilt) const {
     const double high = max_z * tilt.cosine, low = min_z * tilt.cosine;
     return {radius_m + tilt.sine * std::max(std::abs(min_z), std::abs(max_z)) + kPad_m,
@@ -42,7 +42,7 @@ struct Extent {
             z + std::max(low, high) + tilt.sine * radius_m + kPad_m};
   }
 
-  /// Bounds are a little larger than what they hold, so that rounding cannot lose a hit.
+  /// Margin of bounds: rounding must not lose a hit.
   static constexpr double kPad_m = 1e-6;
 };
 

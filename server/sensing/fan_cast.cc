@@ -9,11 +9,11 @@ namespace coopdyn {
 
 namespace {
 
-// With more robots near than this per ray, each ray searches the grid along its own path.
+// With more nearby robots than this per ray, each ray searches the grid along its own path.
 constexpr std::size_t kManyPerRay = 24;
 // Up to this many robots are tested one by one.
 constexpr std::size_t kFewRobots = 8;
-// The same with more objects near than this.
+// Likewise with more nearby objects than this.
 constexpr std::size_t kManyItems = 8;
 
 inline Vector3 Turned(const Matrix3& R, const Vector3& v) {
@@ -91,7 +91,7 @@ void FanCast::MeetFewRobots(std::span<const RobotField::Entry> entries) {
 }
 
 void FanCast::MeetManyRobots(std::span<const RobotField::Entry> entries) {
-  // In two passes over a few at a time: the first has no branches to guess, and leaves little to the second.
+  // Two passes over small chunks: the first has no branches, and leaves few entries for the second.
   constexpr std::size_t kChunk = 64;
   std::array<std::uint64_t, kChunk> rays;
   std::array<const RobotField::Entry*, kChunk> found;

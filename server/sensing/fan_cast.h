@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One fan of rays of one robot in one frame: what each ray meets. The robots and things nearby are looked up
-// once for all rays. In a swarm with short rays most robots have nothing near, and the work ends there.
+// Casts one robot's fan of rays in one frame. Nearby robots and things are looked up once for all rays. In a
+// swarm with short rays, most robots have nothing near and need no further work.
 #pragma once
 
 #include <array>
@@ -26,10 +26,10 @@ class FanCast {
         tilt_(X_WR_.q),
         has_map_(fan.HasMap(tilt_)) {}
 
-  /// False if no ray meets anything.
+  /// Casts all rays. Returns false if no ray hits anything.
   bool Run();
-  /// After Run() returned true: the distance to what ray `k` of the fan meets within its range, the floor
-  /// included; kNoHit if that is nothing.
+  /// After Run() has returned true: the distance at which ray `k` hits something within its range, including
+  /// the floor; kNoHit if nothing.
   double distance_m(std::size_t k) const {
     return nearest_m_[k] < fan_.rays()[k].limit_m ? nearest_m_[k] : kNoHit;
   }
@@ -38,16 +38,16 @@ class FanCast {
 
  private:
   struct WorldRay {
-    Vector3 origin, direction;  // left unset until needed
+    Vector3 origin, direction;  // uninitialised until needed
   };
 
   void Start();
   const WorldRay& GetRay(std::size_t k);
-  /// The rays that may meet a thing inside a vertical cylinder whose axis is (dx, dy) away in the world.
+  /// The rays that may hit a thing inside a vertical cylinder whose axis is at (dx, dy) from R in the world.
   std::uint64_t RaysNear(double dx, double dy, double radius_m) const;
   void MeetFloor();
   void MeetFewRobots(std::span<const RobotField::Entry> entries);
-  /// The same if Start() was called and there is a map.
+  /// The same with a map. @pre has_map_ and Start() was called
   void MeetManyRobots(std::span<const RobotField::Entry> entries);
   void MeetRobot(const RobotField::Entry& entry, std::uint64_t rays);
   void MeetRobotsRayByRay();
@@ -59,15 +59,15 @@ class FanCast {
   const Pose& X_WR_;
   const Tilt tilt_;
   const bool has_map_;
-  Extent reach_W_;  // holds all rays; upright about R's origin
+  Extent reach_W_;  // contains all rays; upright about R's origin
 
-  // Set by Start(), when the first thing is found near.
+  // Set by Start(), once something is near.
   bool started_ = false;
   Matrix3 R_WR_;
   SensorFan::Turn turn_;
   std::uint64_t made_ = 0;  // bit k: rays_W_[k] is set
   std::array<WorldRay, SensorFan::kMaxRays> rays_W_;
-  std::array<double, SensorFan::kMaxRays> nearest_m_;  // ray's limit_m: nothing yet
+  std::array<double, SensorFan::kMaxRays> nearest_m_;  // limit_m of the ray: no hit yet
 };
 
 }  // namespace coopdyn

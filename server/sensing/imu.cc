@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Inertial measurement units: turn rates, acceleration and orientation, each with its noise.
+// Inertial measurement units: turn rates, acceleration and orientation, with noise.
 #include "server/base/portable_math.h"
 #include "server/sensing/readings.h"
 #include "server/state/noise.h"

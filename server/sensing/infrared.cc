@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Infrared range finders: what they put out by their curve at the distance of the nearest thing in their
-// beam.
+// Infrared range finders: the output of their curve at the distance of the nearest thing in the beam.
 #include <algorithm>
 #include <cmath>
 

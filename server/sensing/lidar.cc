@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Lidars: ranges along many rays from one point. Worth keeping, so the frame's cache holds them.
+// Lidars: ranges along many rays from one point. The readings are costly, so the frame's cache keeps them.
 #include <cmath>
 #include <vector>
 
@@ -12,7 +12,7 @@ namespace coopdyn {
 
 namespace {
 
-/// `count` angles, evenly spread.
+/// Angle `index` of `count` evenly spread ones.
 double Spread(double first, double last, int count, int index) {
   return count > 1 ? first + (last - first) * index / (count - 1) : first;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Light sensors: the lamps that they see, and the light all round. docs/physics.md has the formula.
+// Light sensors: visible lamps and ambient light. docs/physics.md has the formula.
 #include <algorithm>
 #include <cmath>
 
@@ -12,9 +12,9 @@ namespace coopdyn {
 
 namespace {
 
-constexpr double kNearest_m = 0.01;  // a lamp is no brighter than from here
+constexpr double kNearest_m = 0.01;  // nearer lamps do not get brighter
 
-/// What an eye reads.
+/// The light that an eye receives.
 class EyeLight {
  public:
   EyeLight(const Frame& frame, int robot, const LightModel::Eye& eye)
@@ -32,7 +32,7 @@ class EyeLight {
     }
     return sum;
   }
-  /// Each colour counts up to that of the eye; all of it reads 1.
+  /// Each colour counts up to the eye's value in `most`; full colour reads 1.
   double Saturated(const Vector3& most) const {
     Vector3 sum = Vector3::Zero();
     for (const PointLight& light : scene_.lights)
@@ -42,14 +42,14 @@ class EyeLight {
   }
 
  private:
-  /// 1 along the eye's axis, 0 on the edge of its cone.
+  /// 1 on the eye's axis, 0 at the edge of its cone.
   double AngleFactor(const PointLight& light) const {
     if (eye_.opening_rad <= 0) return 1;
     const Vector3 p_SP = X_WS_.q.conjugate() * (light.p_WP - X_WS_.p);
     const double angle_rad = portable::Atan2(portable::Hypot(p_SP.y(), p_SP.z()), p_SP.x());
     return 1 - 2 * angle_rad / eye_.opening_rad;
   }
-  /// By the square of its distance; 0 of a lamp that something hides.
+  /// Falls with the square of the distance; 0 if something hides the lamp.
   double Power(const PointLight& light, double factor) const {
     if (factor <= 0 || light.power <= 0) return 0;
     const Vector3 p_SP_W = light.p_WP - X_WS_.p;

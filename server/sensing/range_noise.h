@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the sensors that cast rays have in common. Pure; any thread.
+// Helpers shared by sensors that cast rays. Pure; any thread.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace coopdyn {
 
-/// The key of the noise of sensor `number` of its kind, for its first value.
+/// The noise key for the first value of the robot's sensor `number` of a kind.
 inline NoiseKey KeyOf(const Frame& frame, int robot, NoiseKind kind, std::size_t number) {
   return {frame.seed,
           kind,
@@ -31,8 +31,8 @@ inline ValueNoise WithBias(ValueNoise noise, NoiseKey key) {
   return noise;
 }
 
-/// `range_m` as a sensor from `min_m` to `max_m` reads it: 0 nearer, kNoHit further. Noise leaves neither
-/// end.
+/// `range_m` as read by a sensor with range `min_m` to `max_m`: 0 if nearer, kNoHit if further. Noise never
+/// exceeds these limits.
 inline double NoisyRange(double range_m, double min_m, double max_m, const ValueNoise& noise,
                          const NoiseKey& key) {
   if (range_m > max_m) return kNoHit;
@@ -40,12 +40,12 @@ inline double NoisyRange(double range_m, double min_m, double max_m, const Value
   return noise.exact() ? range_m : std::clamp(Noisy(range_m, noise, key), min_m, max_m);
 }
 
-/// Angle `index` of `count` that are spread evenly over `opening_rad` from right to left; of one: the middle.
+/// Angle `index` of `count`, evenly spread over `opening_rad` from right to left; 0 for a single one.
 inline double BeamAngle(double opening_rad, int count, int index) {
   return count > 1 ? opening_rad * (static_cast<double>(index) / (count - 1) - 0.5) : 0;
 }
 
-/// What the curve of an infrared range finder says of a distance.
+/// The interpolated row of an infrared range finder's curve.
 InfraredModel::Row OnCurve(std::span<const InfraredModel::Row> curve, double distance_m);
 
 }  // namespace coopdyn

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the rays of a sensor meet in one frame: the floor, objects, other robots, and of its own robot the
-// links that move against the one that carries it. Any thread.
+// Casts a sensor's rays in one frame, against the floor, objects, other robots, and those links of its own
+// robot that move relative to the sensor's link. Any thread.
 #pragma once
 
 #include "server/model/sensor_models.h"
@@ -11,14 +11,14 @@ namespace coopdyn {
 
 class RayCaster {
  public:
-  /// Of a sensor on link `link` of `robot`. `cache` must outlive the caster.
+  /// For a sensor on link `link` of `robot`. `cache` must outlive the caster.
   RayCaster(const SensingCache& cache, int robot, int link)
       : cache_(cache), robot_(robot), link_(link), X_WR_(cache.field().pose(robot)) {}
 
-  /// The distance of the nearest thing at `max_range_m` (finite) or nearer, 0 if the ray starts inside it;
-  /// kNoHit if there is none.
+  /// The distance to the nearest thing within `max_range_m` (finite), 0 if the ray starts inside it; kNoHit
+  /// if nothing is hit.
   double Cast(const Ray& ray_W, double max_range_m) const;
-  /// The ray up to there, for drawing.
+  /// The ray up to that distance, for drawing.
   RaySegment Segment(const Ray& ray_W, double max_range_m) const {
     const double range_m = Cast(ray_W, max_range_m);
     const bool hit = range_m < kNoHit;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The readings of a fixed length: how long they are, and what their values are called.
+// Readings of fixed length: the names of their values.
 #include <algorithm>
 #include <initializer_list>
 
@@ -56,7 +56,7 @@ Names Named(const BatteryModel& /*model*/) {
 Names Named(const OdometryModel& /*model*/) {
   return {"x_m", "y_m", "heading_rad", "forward_m_s", "turn_rad_s"};
 }
-// Of values that are called alike with their numbers.
+// Numbers adjacent values of the same name.
 Names Named(const ChannelModel& model) {
   Names names;
   for (std::size_t i = 0, number = 0; i < model.values.size(); ++i) {

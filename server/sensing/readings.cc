@@ -10,7 +10,7 @@ namespace coopdyn {
 
 namespace {
 
-/// Sensor `number` of a kind of robot `robot` in `frame`.
+/// Sensor `number`, within its kind, of robot `robot` in `frame`.
 struct Place {
   const Frame& frame;
   int robot;
@@ -25,7 +25,7 @@ void Append(std::span<const double> values, std::vector<double>& data) {
   data.insert(data.end(), values.begin(), values.end());
 }
 
-// The table of the sensors: the reading of each kind, a line each.
+// The table of sensors: one overload per kind.
 
 void Append(const DistanceModel& /*model*/, const Place& at, std::vector<double>& data) {
   Append(Distances(at.frame, at.robot, at.number), data);

@@ -7,7 +7,7 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::size_t kPlaceGrain = 256;  // robots that one thread takes at a time
+constexpr std::size_t kPlaceGrain = 256;  // robots per work unit of a thread
 constexpr double kMinCell_m = 0.05;
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// All robots of one frame: where they stand, and who is near a point or along a ray. Read-only once built;
-// any thread.
+// All robots of one frame: their poses, and look-up of those near a point or along a ray. Read-only once
+// built; any thread.
 #pragma once
 
 #include <algorithm>
@@ -16,24 +16,24 @@
 
 namespace coopdyn {
 
-/// The nearest thing on a ray.
+/// The nearest hit of a ray.
 struct ThingHit {
   double distance_m = kNoHit;
-  int robot = -1;  // that was hit; -1: something else
+  int robot = -1;  // the robot hit; -1: something else
 
   explicit operator bool() const { return distance_m < kNoHit; }
 };
 
 class RobotField {
  public:
-  /// A robot with an upright cylinder that holds it.
+  /// A robot and an upright cylinder that contains it.
   struct Entry {
     double x = 0, y = 0;
     double radius_m = 0;
     double min_z = 0, max_z = 0;
     int robot = 0;
 
-    /// False only if the ray meets nothing inside the cylinder nearer than `nearest_m`.
+    /// False only if the ray hits nothing inside the cylinder nearer than `nearest_m`.
     bool MayMeet(const Vector3& origin_W, const Vector3& direction_W, double nearest_m) const {
       const double dx = x - origin_W.x(), dy = y - origin_W.y();
       const double along = dx * direction_W.x() + dy * direction_W.y();
@@ -46,27 +46,27 @@ class RobotField {
     }
   };
 
-  /// Fills the field with the robots of `frame`, on `pool`'s threads too unless that is null.
+  /// Fills the field with the robots of `frame`, also using `pool`'s threads unless it is null.
   void Build(const Frame& frame, const SceneSensing& scene, WorkerPool* pool);
 
   /// X_WR of robot `robot`.
   const Pose& pose(int robot) const { return poses_[static_cast<std::size_t>(robot)]; }
 
-  /// Calls visit(entries) for spans of robots that together hold every one whose centre is within `radius_m`
-  /// of (x, y), and others nearby; each robot once.
+  /// Calls visit(entries) for spans that together contain every robot whose centre is within `radius_m` of
+  /// (x, y), and others nearby; each robot once.
   template <typename Visit>
   void ForCenters(double x, double y, double radius_m, Visit visit) const {
     grid_.ForRuns({x - radius_m, y - radius_m, x + radius_m, y + radius_m},
                   [&](std::uint32_t first, std::uint32_t end) { visit(Entries(first, end)); });
   }
-  /// The same for the robots of which any part is within `radius_m`; some may come twice.
+  /// The same for robots with any part within `radius_m`; may visit a robot twice.
   template <typename Visit>
   void ForHulls(double x, double y, double radius_m, Visit visit) const {
     ForCenters(x, y, radius_m + hull_radius_m_, visit);
     if (!wide_.empty()) visit(std::span(wide_));
   }
 
-  /// The nearest robot but `ignored_robot` on `ray_W`, nearer than `nearest_m`, a finite number.
+  /// The nearest hit of `ray_W` with a robot other than `ignored_robot`, nearer than `nearest_m` (finite).
   ThingHit Cast(const Frame& frame, const SceneSensing& scene, const Ray& ray_W, double nearest_m,
                 int ignored_robot) const;
 
@@ -80,8 +80,8 @@ class RobotField {
   std::vector<Entry> by_robot_;
   PointGrid grid_;              // of centers_
   std::vector<Entry> entries_;  // in the grid's order
-  std::vector<Entry> wide_;     // those that have come apart, which the next number leaves out
-  double hull_radius_m_ = 0;    // largest of all others
+  std::vector<Entry> wide_;     // robots that have come apart; hull_radius_m_ ignores them
+  double hull_radius_m_ = 0;    // largest radius of all other robots
 };
 
 }  // namespace coopdyn

@@ -13,9 +13,9 @@ namespace {
 
 constexpr double kPad_m = Extent::kPad_m;
 constexpr double kParallel = 1e-9;
-// A robot that leans a little is this much wider.
+// Factor by which a slight tilt widens a robot.
 constexpr double kLean = 1.02;
-// A wheel that wobbles in its joint stays within this.
+// How far a wheel may wobble in its joint.
 constexpr double kWobble_m = 0.02;
 
 const JointModel* JointOf(const RobotModel& model, int link) {
@@ -94,7 +94,7 @@ RobotHull::Part RobotHull::MakePart(const RobotModel& model, int link, const Lin
   part.radius_m = BoundingRadius(collision.shape) + kPad_m;
   part.body_radius_m = part.radius_m + (collision.X_LG.p - link_model.X_LI.p).norm();
   if (const JointModel* joint = JointOf(model, link); link > 0 && joint != nullptr) {
-    // It turns about the joint's axis, and so does its centre if that is off the axis.
+    // The part turns about the joint's axis, and so does its centre unless it lies on the axis.
     const Vector3 axis_R = joint->axis_R.normalized();
     part.p_RC = joint->p_RJ + axis_R * axis_R.dot(part.X_RG.p - joint->p_RJ);
     part.radius_m += (part.X_RG.p - part.p_RC).norm();
@@ -111,7 +111,7 @@ Extent RobotHull::ExtentOf(const RobotModel& model, const Part& part) {
                         (part.X_RG.p - part.p_RC).norm() < kParallel &&
                         axis_R.cross(joint->axis_R.normalized()).norm() < kParallel;
   if (is_wheel) {
-    // Turning leaves it as it is: a disc on edge.
+    // Turning does not change it: a disc on edge.
     const double along = std::abs(axis_R.dot(part.X_RG.p)) + cylinder->length_m / 2;
     const double ahead = std::abs(axis_R.cross(Vector3::UnitZ()).dot(part.X_RG.p)) + cylinder->radius_m;
     extent.Include(portable::Hypot(along, ahead) + kPad_m, part.X_RG.p.z() - cylinder->radius_m - kPad_m,

@@ -37,7 +37,7 @@ SceneSensing::RobotType::RobotType(const RobotModel& model) : hull(model) {
 }
 
 SceneSensing::SceneSensing(const Scene& scene) {
-  std::map<const RobotModel*, std::uint32_t> indices;  // looked up, never walked through
+  std::map<const RobotModel*, std::uint32_t> indices;  // for look-up only; never iterated
   for (const SceneRobot& robot : scene.robots) {
     const RobotModel& model = *robot.entry.model;
     const auto [found, is_new] = indices.emplace(&model, static_cast<std::uint32_t>(types_.size()));
@@ -85,7 +85,7 @@ std::unique_ptr<FrameBuffers> SceneSensing::TakeBuffers() const {
 }
 
 void SceneSensing::GiveBuffers(std::unique_ptr<FrameBuffers> buffers) const {
-  // The newest frame, the one in the making, and a reader's or two.
+  // The newest frame, the next one, and one or two held by readers.
   constexpr std::size_t kMostFree = 4;
   const MutexLock lock(mutex_);
   if (free_.size() < kMostFree) free_.push_back(std::move(buffers));

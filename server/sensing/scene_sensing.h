@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What sensing derives from a scene, once for all its frames: the fans of rays and the hulls of its robot
-// types, the grid of what never moves, and buffers that frames hand on to later ones. Lives in Scene::cache.
-// Any thread.
+// Data that sensing derives from a scene, once for all its frames: ray fans and hulls of its robot types, the
+// grid of static objects, and buffers that frames pass on to later ones. Lives in Scene::cache. Any thread.
 #pragma once
 
 #include <cstddef>
@@ -20,12 +19,12 @@ namespace coopdyn {
 
 struct FrameBuffers;
 
-/// A sensor whose values a frame keeps, since computing them costs more than looking them up.
+/// A sensor whose values the frame keeps, because computing them costs more than a look-up.
 struct KeptSensor {
   const SensorKind* kind = nullptr;  // its model
   std::uint32_t number = 0;          // of its kind, from 0
-  /// Of a distance sensor: of its values among those of its robot. Others have lists of their own, which are
-  /// as long as `count` once somebody has read them.
+  /// Distance sensor: offset of its values among those of its robot. Other kinds have their own lists, of
+  /// length `count` once read.
   std::uint32_t first = 0;
   std::uint32_t count = 0;
   std::vector<SensorFan> fans;
@@ -35,7 +34,7 @@ struct KeptSensor {
 
 class SceneSensing final : public SceneCache {
  public:
-  /// That of `scene`, made now if this is the first call.
+  /// The object of `scene`, created on the first call.
   static const SceneSensing& Of(const Scene& scene);
 
   explicit SceneSensing(const Scene& scene);
@@ -47,11 +46,11 @@ class SceneSensing final : public SceneCache {
     explicit RobotType(const RobotModel& model);
 
     RobotHull hull;
-    std::vector<KeptSensor> kept;      // the distance sensors first
-    std::size_t distance_sensors = 0;  // of them
-    std::uint32_t ranges = 0;          // of these
+    std::vector<KeptSensor> kept;      // distance sensors first
+    std::size_t distance_sensors = 0;  // the number of these
+    std::uint32_t ranges = 0;          // the number of their values
 
-    /// The index into `kept` of sensor `number` of a kind; kept.size() if there are fewer.
+    /// The index into `kept` of sensor `number` of a kind; kept.size() if there is none.
     template <typename Kind>
     std::size_t IndexOf(std::size_t number) const {
       for (std::size_t i = 0; i < kept.size(); ++i) {
@@ -62,7 +61,7 @@ class SceneSensing final : public SceneCache {
   };
   const RobotType& type(int robot) const { return types_[types_of_robots_[static_cast<std::size_t>(robot)]]; }
 
-  /// Where the kept sensors of a robot and its distances begin among those of all robots.
+  /// A robot's first kept sensor and first distance value, among those of all robots.
   struct Place {
     std::uint32_t first_kept = 0, first_range = 0;
   };
@@ -70,19 +69,19 @@ class SceneSensing final : public SceneCache {
   std::size_t robots() const { return places_.size(); }
   std::size_t kept_sensors() const { return kept_sensors_; }
   std::size_t ranges() const { return ranges_; }
-  /// The largest radius of a hull that is whole.
+  /// The largest radius of an intact hull.
   double max_hull_radius_m() const { return max_hull_radius_m_; }
   const RayGrid& static_grid() const { return static_grid_; }
-  /// Indices into Scene::objects of those that move.
+  /// Indices into Scene::objects of the dynamic ones.
   const std::vector<int>& movable() const { return movable_; }
 
-  /// Buffers of an older frame, or new ones.
+  /// Reuses buffers of an older frame, or makes new ones.
   std::unique_ptr<FrameBuffers> TakeBuffers() const EXCLUDES(mutex_);
   void GiveBuffers(std::unique_ptr<FrameBuffers> buffers) const EXCLUDES(mutex_);
 
  private:
   std::vector<RobotType> types_;
-  std::vector<std::uint32_t> types_of_robots_;  // apart from places_: rays look at it of all who are near
+  std::vector<std::uint32_t> types_of_robots_;  // separate from places_: rays read it for every nearby robot
   std::vector<Place> places_;                   // by robot
   std::uint32_t kept_sensors_ = 0, ranges_ = 0;
   double max_hull_radius_m_ = 0;

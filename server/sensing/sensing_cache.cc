@@ -90,7 +90,7 @@ void SensingCache::Need(int robot, const SceneSensing::Place& place, std::size_t
       };
       try {
         Make(robot, place, kept);
-      } catch (...) {  // e.g. no more memory: the next reader tries
+      } catch (...) {  // e.g. out of memory: the next reader tries again
         leave(kNobody);
         throw;
       }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What sensing derives from one frame: the field of robots at the first use of anything, the grid of movable
-// objects and each kept sensor's values at their first use. Lives in Frame::cache. Any thread; whoever needs
-// a part first makes it, others wait for that part only.
+// Data that sensing derives from one frame: the field of robots on first use of anything, the grid of movable
+// objects and each kept sensor's values on their first use. Lives in Frame::cache. Any thread: the first user
+// of a part computes it; others wait for that part only.
 #pragma once
 
 #include <atomic>
@@ -21,8 +21,8 @@ namespace coopdyn {
 
 class SensingCache;
 
-// The kinds of sensors whose values are kept have two functions each: ValueCount() and Compute(). All others
-// are computed each time they are read.
+// A kind of sensor whose values are kept has two functions: ValueCount() and Compute(). All other kinds are
+// computed on each reading.
 inline std::size_t ValueCount(const DistanceModel& model) {
   return model.sectors.size();
 }
@@ -48,22 +48,22 @@ concept IsKept = requires(const Kind& kind) { ValueCount(kind); };
 
 RayItem MakeRayItem(const Shape& shape, const Pose& X_WG);
 
-/// The memory behind a cache, used again by later frames of the scene.
+/// The memory of a cache, reused by later frames of the scene.
 struct FrameBuffers {
   explicit FrameBuffers(const SceneSensing& scene);
 
   RobotField field;
   std::vector<RayItem> movable_items;
   RayGrid movable_grid;
-  std::unique_ptr<std::atomic<std::uint8_t>[]> progress;  // of each kept sensor
-  // A sensor's part is guarded by its progress.
+  std::unique_ptr<std::atomic<std::uint8_t>[]> progress;  // per kept sensor
+  // A sensor's values are guarded by its progress.
   std::vector<double> ranges;              // of distance sensors
-  std::vector<std::vector<double>> lists;  // of each kept sensor; empty until somebody reads it
+  std::vector<std::vector<double>> lists;  // per kept sensor; empty until read
 };
 
 class SensingCache final : public FrameCache {
  public:
-  /// The cache of `frame`, made now if this is the first call; with `pool`'s help unless that is null.
+  /// The cache of `frame`, created on the first call, using `pool`'s threads unless it is null.
   static const SensingCache& Of(const Frame& frame, WorkerPool* pool = nullptr);
 
   SensingCache(const Frame& frame, WorkerPool* pool);
@@ -78,23 +78,22 @@ class SensingCache final : public FrameCache {
 
   /// The values of kept sensor `kept` (index into RobotType::kept) of `robot`; empty if there is none.
   std::span<const double> Values(int robot, std::size_t kept) const;
-  /// Those of sensor `number` of a kind.
+  /// The values of sensor `number` of a kind.
   template <typename Kind>
   std::span<const double> ValuesOf(int robot, std::size_t number) const {
     return Values(robot, scene_.type(robot).IndexOf<Kind>(number));
   }
-  /// Those of all its distance sensors.
+  /// The values of all distance sensors of `robot`.
   std::span<const double> Distances(int robot) const;
 
-  /// The nearest thing at `max_range_m` (finite) or nearer on `ray_W`, the floor and `ignored_robot` left
-  /// out.
+  /// The nearest hit of `ray_W` within `max_range_m` (finite), ignoring the floor and `ignored_robot`.
   ThingHit Cast(const Ray& ray_W, double max_range_m, int ignored_robot) const;
 
  private:
-  /// Computes the values of a kept sensor unless they are there. One thread computes, others wait for it.
+  /// Computes the values of a kept sensor unless available. One thread computes; others wait.
   void Need(int robot, const SceneSensing::Place& place, std::size_t kept) const;
   void Make(int robot, const SceneSensing::Place& place, std::size_t kept) const;
-  /// Where they are.
+  /// The memory of the values.
   std::span<double> PlaceOf(int robot, const SceneSensing::Place& place, std::size_t kept) const;
 
   const Frame& frame_;

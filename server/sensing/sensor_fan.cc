@@ -16,7 +16,7 @@ std::vector<SensorFan> SensorFan::MakeAll(const DistanceModel& model, double thi
   for (std::size_t k = 0; k < model.sectors.size(); ++k) {
     const SectorModel& sector = model.sectors[k];
     for (int i = 0; i < sector.rays; ++i) {
-      // Spread evenly from the right edge of the sector to its left one.
+      // Spread evenly from the sector's right edge to its left one.
       const double angle_rad =
           sector.rays > 1 ? sector.opening_rad * (static_cast<double>(i) / (sector.rays - 1) - 0.5) : 0;
       const auto [sine, cosine] = portable::SinCos(angle_rad);
@@ -50,12 +50,12 @@ SensorFan::Turn SensorFan::TurnToMap(const Matrix3& R_WR) const {
 }
 
 void SensorFan::DrawMap() {
-  // Leaning moves a point of a ray, seen from above, by its height times the tilt and by a part of its
-  // distance that falls with the square of the tilt.
+  // Seen from above, tilt moves a point of a ray by its height times the tilt, and by a part of its distance
+  // that is quadratic in the tilt.
   const double lean_m = kMaxTilt * std::max(std::abs(reach_.min_z), std::abs(reach_.max_z)) +
                         kMaxTilt * kMaxTilt * reach_.radius_m;
   const double near_m = thing_radius_m_ + lean_m + Extent::kPad_m;
-  // One cell more on each side, and room for a thing anywhere in its cell.
+  // One extra cell on each side, and room for a thing anywhere in its cell.
   const double cell_m = 2 * (reach_.radius_m + near_m) / (kCells - 4);
   const double half_m = cell_m * kCells / 2;
   cells_per_m_ = 1 / cell_m;

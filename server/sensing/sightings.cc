@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The target and the neighbours module: what a robot sees of landmarks and of other robots, and what it
-// hears.
+// The target and neighbours modules: the landmarks and robots that a robot sees, and the broadcasts it hears.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -15,17 +14,17 @@ namespace coopdyn {
 
 namespace {
 
-/// How the noise of one kind of sighting is keyed.
+/// The noise kinds of one kind of sighting.
 struct SightNoise {
   NoiseKind distance, bearing;
 };
 
-/// One robot looking around: what the modules share. `Kind`: the sensor's model, TargetModel or
+/// One robot looking around: code shared by both modules. `Kind`: the sensor's model, TargetModel or
 /// NeighboursModel.
 template <typename Kind>
 class Lookout {
  public:
-  /// Sensor `number` of its kind of robot `robot`. The frame and the model outlive it.
+  /// For sensor `number`, within its kind, of robot `robot`. The frame and the model outlive it.
   Lookout(const Frame& frame, int robot, std::size_t number, const Kind& model)
       : frame_(frame),
         cache_(SensingCache::Of(frame)),
@@ -43,7 +42,8 @@ class Lookout {
   const Kind& model() const { return model_; }
   const Pose& X_WR() const { return X_WR_; }
 
-  /// The thing `index` at `p_W`, `distance_m` away, as read with noise; at most `most_m` away. `id`: its own.
+  /// The noisy sighting of the thing `index` at `p_W`, `distance_m` and at most `most_m` away. `id`: the
+  /// thing's.
   Sighting See(int index, std::uint32_t id, const Vector3& p_W, double distance_m, double most_m,
                const SightNoise& noise) const {
     Sighting sighting{index, distance_m, 0};
@@ -77,8 +77,8 @@ class Lookout {
   const double heading_rad_;
 };
 
-// --- the target module: landmarks and other robots, seen by a camera above the robot's origin, at its full
-// height
+// --- the target module: landmarks and other robots, seen by a camera above the robot's origin at the robot's
+// full height
 
 using Eye = Lookout<TargetModel>;
 
@@ -88,12 +88,12 @@ bool IsHidden(const Eye& eye, const Vector3& p_W, int robot) {
   const double length_m = way.norm();
   if (length_m <= 0) return false;
   const ThingHit hit = eye.cache().Cast({eye_W, way / length_m}, length_m, eye.robot());
-  // What lies behind the surface that was hit can only be the thing itself.
+  // A hit in front of p_W may still be the robot itself.
   return hit && (robot < 0 || hit.robot != robot);
 }
 
-/// Appends the sighting of the thing `index` at `p_W` if it is in range and in view. `robot`: the robot that
-/// it is, -1 if none.
+/// Appends a sighting of the thing `index` at `p_W` if it is in range and visible. `robot`: its index if it
+/// is a robot, else -1.
 void Look(const Eye& eye, int index, std::uint32_t id, const Vector3& p_W, int robot, const SightNoise& noise,
           std::vector<Sighting>& seen) {
   const double distance_m = portable::Hypot(p_W.x() - eye.X_WR().p.x(), p_W.y() - eye.X_WR().p.y());
@@ -128,7 +128,7 @@ std::vector<Sighting> SeenRobots(const Frame& frame, int robot, std::size_t numb
   for (int other = 0; other < static_cast<int>(robots.size()); ++other) {
     if (other == robot) continue;
     const SceneRobot& scene_robot = robots[static_cast<std::size_t>(other)];
-    // The middle of its body; in the plane that is its origin unless it leans.
+    // The centre of the body; in the plane it is the robot's origin unless the robot tilts.
     Vector3 p_W = eye.field().pose(other).p;
     p_W.z() += scene_robot.entry.model->height_m / 2;
     Look(eye, other, scene_robot.id.value, p_W, other, {NoiseKind::kRobotDistance, NoiseKind::kRobotBearing},
@@ -139,11 +139,11 @@ std::vector<Sighting> SeenRobots(const Frame& frame, int robot, std::size_t numb
 
 namespace {
 
-// --- the neighbours module: who is near, and what they broadcast
+// --- the neighbours module: nearby robots and their broadcasts
 
 constexpr SightNoise kNeighbourNoise{NoiseKind::kNeighbourDistance, NoiseKind::kNeighbourBearing};
 
-/// A robot that senses others.
+/// A robot that senses other robots.
 class Receiver : public Lookout<NeighboursModel> {
  public:
   using Lookout::Lookout;
@@ -163,7 +163,7 @@ class Receiver : public Lookout<NeighboursModel> {
     return Distance(p_W.x(), p_W.y()) <= range_m;
   }
 
-  /// `other` as read, with noise, at most `range_m` away.
+  /// The noisy sighting of `other`, at most `range_m` away.
   Sighting Look(int other, double range_m) const {
     const Vector3& p_W = field().pose(other).p;
     return See(other, IdOf(other), p_W, Distance(p_W.x(), p_W.y()), range_m, kNeighbourNoise);
@@ -186,7 +186,7 @@ class Receiver : public Lookout<NeighboursModel> {
 
 using Messages = std::span<const SentMessage>;
 
-/// The broadcasts that were sent `delay_steps` before `frame`, by sender.
+/// The broadcasts sent `delay_steps` steps before `frame`, by sender.
 Messages SentBefore(const Frame& frame, int delay_steps) {
   const auto delay = static_cast<std::uint64_t>(delay_steps);
   if (frame.step < delay) return {};
@@ -200,7 +200,7 @@ Messages SentBefore(const Frame& frame, int delay_steps) {
 /// The message of `sender`; null if it sent none.
 const SentMessage* FindMessage(Messages messages, int sender) {
   const auto index = static_cast<std::uint32_t>(sender);
-  // In a swarm all send.
+  // Fast path: in a swarm every robot sends.
   if (index < messages.size() && messages[index].robot == index) return &messages[index];
   const auto found = std::lower_bound(
       messages.begin(), messages.end(), index,

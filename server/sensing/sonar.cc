@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Sonars: the nearest point in a cone, or on rays in it.
+// Sonars: the nearest point in a cone, or on rays within it.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace coopdyn {
 
 namespace {
 
-/// Looks for the nearest thing in one cone.
+/// Finds the nearest thing in a cone.
 class ConeSearch {
  public:
   ConeSearch(const SensingCache& cache, int robot, const SonarModel::Beam& beam)

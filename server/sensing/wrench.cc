@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Force and torque through a joint: what physics measured, with noise.
+// Force and torque through a joint: measured by physics, with noise.
 #include "server/sensing/readings.h"
 #include "server/state/noise.h"
 

@@ -13,10 +13,9 @@ namespace coopdyn {
 
 namespace {
 
-// A change whose things only stand is written as it always was; likewise one without watchdogs, or without
-// drive trains as well.
+// Changes without motions, then without watchdogs, then without drive trains use the older, shorter versions.
 constexpr std::uint8_t kVersion = 4, kWithoutMotions = 3, kWithoutWatchdogs = 2, kWithoutTrains = 1;
-// Least bytes of each.
+// Least encoded size of each, bytes.
 constexpr std::size_t kObjectBytes = 100, kRobotBytes = 130, kTargetBytes = 60, kLightBytes = 65;
 
 void CodeIds(auto& codec, auto& ids) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A change of the world as text, as inputs of recordings have it (docs/formats.md): base64 of bytes. Pure;
-// any thread.
+// Encodes a change of the world as text, base64 of bytes, for the inputs of recordings (docs/formats.md).
+// Pure; any thread.
 #pragma once
 
 #include <optional>
@@ -12,9 +12,9 @@
 
 namespace coopdyn {
 
-/// Without its label.
+/// Omits the label.
 std::string EncodeChange(const WorldChange& change);
-/// Nothing if the text is no change, or names a model that `context` does not have.
+/// Nullopt if `text` is no change, or names a model that `context` does not have.
 std::optional<WorldChange> DecodeChange(std::string_view text, const SceneContext& context);
 
 }  // namespace coopdyn

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The part of the board that connections' threads call. command_board_steps.cc has the stepping thread's.
+// The part of the board called by connections' threads. command_board_steps.cc has the stepping thread's.
 #include "server/state/command_board.h"
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace coopdyn {
 
-// --- who may do what, who owns what
+// --- permissions and ownership
 
 std::optional<Verdict> CommandBoard::Objection(std::size_t index, const Client& client) const {
   if (stopping_) return Verdict{Error::kNotPossible, why_stopping_};
@@ -204,7 +204,7 @@ Verdict CommandBoard::TrySend(SlotId id, const Client& client, const RobotMessag
   return Fine();
 }
 
-// --- many robots at once, for /swarm: one lock and one callback for a batch
+// --- many robots at once, for /swarm: one lock and one callback per batch
 
 Verdict CommandBoard::StepAll(const TeamStep& step, const Client& client, int steps, StepDone done) {
   if (step.setpoints.empty() && WaitInPlayback(steps, done)) return {.answer_now = false};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Who drives which robot, with what, for how many steps; and who waits for a step. The contract of lockstep
-// (docs/protocol.md) lives here, free of sockets and threads: robot and control threads write commands, the
-// stepping thread latches them and gets back whom to answer.
+// Records who drives which robot, with which set-points, for how many steps, and who waits for a step.
+// Implements the contract of lockstep (docs/protocol.md), free of sockets and threads: robot and control
+// threads write commands; the stepping thread latches them and receives the callbacks of those to answer.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@
 
 namespace coopdyn {
 
-/// What nobody may do while a recording is played is answered with this.
+/// The answer to requests that are not possible while a recording is played.
 inline constexpr const char* kPlayingText = "playing a recording: branch of /playback goes on live from here";
 
 /// How a wait for a step ended.
@@ -32,21 +32,21 @@ enum class StepEnd {
   kRan,
   kReset,     // error 5 `reset`
   kLoad,      // error 5 `load`
-  kRemoved,   // the robot was taken out of the world: error 5
+  kRemoved,   // the robot was removed from the world: error 5
   kReplaced,  // another client became owner first: error 6
   kPaused,    // `pause` ended a `step n`: error 5
-  kStopping,  // the daemon ends: error 5
+  kStopping,  // the daemon shuts down: error 5
 };
 
 struct StepResult {
   StepEnd end = StepEnd::kRan;
-  FramePtr frame;  // of the step that ended the wait, or the newest
+  FramePtr frame;  // of the step that ended the wait, else the newest
   Mode mode = Mode::kRealtime;
-  std::int64_t ran = 0, asked = 0;  // kPaused: steps of the `step n` that have run, and n
+  std::int64_t ran = 0, asked = 0;  // kPaused: number of steps run, and n of `step n`
   std::string why = {};             // kStopping
 };
 
-/// The connection that owns what somebody else wants.
+/// The connection that owns what another client requests.
 struct Holder {
   ClientId id = 0;
   std::shared_ptr<InputEnd> input_end = {};
@@ -58,125 +58,129 @@ struct Verdict {
   std::string text = {};   // of the error
   bool answer_now = true;  // false: `done` will be called
   Mode mode = Mode::kRealtime;
-  ClientId displaced = 0;  // hello: the connection that was taken over and must get its closing notice
-  Holder holder = {};      // of kOwned
+  ClientId displaced = 0;  // hello: the connection that was taken over; it must receive its closing notice
+  Holder holder = {};      // for kOwned
 };
 
-/// Whom the world waits for.
+/// Somebody the world waits for.
 struct Awaited {
   std::string robot;
   std::string why;  // "no client", "no command from ana"
   double seconds = 0;
-  std::string cure = {};  // what to do about it; empty: nothing but wait
+  std::string cure = {};  // how to end the wait; empty: only by waiting
 };
 
-/// What one connection wants of many robots in one step: all of it is accepted, or nothing happens.
+/// One connection's request to many robots for one step: accepted as a whole or not at all.
 struct TeamStep {
   std::span<const SlotId> slots;
-  std::span<const Setpoint> setpoints;  // of the channels of `slots`, slot by slot; empty: they keep theirs
-  std::span<const SlotId> others = {};  // more of the client's robots: they keep their set-points
+  std::span<const Setpoint> setpoints;  // for the channels of `slots`, slot by slot; empty: unchanged
+  std::span<const SlotId> others = {};  // more of the client's robots, with unchanged set-points
 };
 
-/// A deadline that fired: an input of the run.
+/// A deadline that fired; an input of the run.
 struct FiredDeadline {
   std::string robot;
   LossPolicy policy = LossPolicy::kHold;
 };
 
-/// A robot whose client has gone, and what that changed: an input of the run.
+/// A robot whose client was lost, and the effect; an input of the run.
 struct LostClient {
-  std::size_t robot = 0;  // index into the scene
+  std::size_t robot = 0;  // index into the scene's robots
   std::string client;     // its name, else peer
   LossPolicy policy = LossPolicy::kStop;
-  Nanoseconds silent = 0;  // it is there, but has said nothing for so long; 0: it has gone
+  Nanoseconds silent = 0;  // > 0: the client is connected but has been silent this long; 0: it is gone
 };
 
-/// The requests of all connections and what came of them. Any thread: one lock guards all but what the
-/// stepping thread alone reads. Callbacks are never called with it held.
+/// The requests of all connections and their state. Thread-safe: one lock guards everything except the
+/// stepping thread's own members. Callbacks run without that lock.
 ///
-/// A client owns nothing once its input has ended, even if its connection's thread has yet to read that:
-/// before the board refuses a request, it looks for the end of the input of whoever is in the way.
+/// A client owns nothing once its input has ended, even if its connection's thread has yet to notice: before
+/// the board refuses a request, it checks whether the input of the client in the way has ended.
 class CommandBoard {
  public:
   // --- robot threads and the control thread
-  /// The slot of module `module` of `robot`; if it is no actuator module, or empty, the robot's first slot. 0
-  /// if there is no such robot.
+  /// The slot of `module` of `robot`; the robot's first slot if `module` is empty or no actuator module. 0 if
+  /// there is no such robot.
   SlotId FindSlot(const std::string& robot, const std::string& module = {}) const;
-  /// The slots of the actuators of `scene`, in their order, found by the names of robots and modules.
+  /// The slots of the scene's actuators, in their order, looked up by robot and module names.
   std::vector<SlotId> FindSlots(const Scene& scene) const;
-  /// Who owns a slot: client name, else peer, or `controller diffuse`; empty: nobody.
+  /// The slot's owner: client name, else peer, or `controller diffuse`; empty: nobody.
   std::string OwnerOf(SlotId slot) const;
-  /// The client, not `client` or one of its party, that owns a slot; empty: none does.
+  /// The client that owns a slot, if it is neither `client` nor of its party; else empty.
   std::string ClientBeside(SlotId slot, const Client& client);
-  /// An actuator command: the client becomes owner if there is none. `steps` empty: one step, answered at
-  /// once unless in lockstep; given (≥ 1): it stands for that many steps and is answered after the last, in
-  /// every mode. If the verdict says answer_now, `done` is never called. `setpoints`: of the slot's channels.
+  /// An actuator command; makes the client the owner if there is none. Without `steps`: one step, answered at
+  /// once unless in lockstep. With `steps` (≥ 1): valid for that number of steps and answered after the last,
+  /// in every mode. If the verdict has answer_now, `done` is never called. `setpoints`: of the slot's
+  /// channels.
   Verdict Command(SlotId slot, const Client& client, std::span<const Setpoint> setpoints,
                   std::optional<int> steps, StepDone done);
   /// `ready` on an actuator module: keeps the set-points; answered after `steps` steps in every mode.
   Verdict Ready(SlotId slot, const Client& client, int steps, StepDone done);
   Verdict Claim(SlotId slot, const Client& client);
-  /// Whether the client may change how the module drives: nobody else owns it.
+  /// Whether the client may change how the module drives: true if no other client owns it.
   Verdict MayTune(SlotId slot, const Client& client);
   Verdict Release(SlotId slot, const Client& client);
-  /// The connection calls itself client.name from now on; takes the module over from an older connection of
-  /// that name.
+  /// Names the connection client.name from now on. Takes the module over from an older connection of that
+  /// name.
   Verdict Hello(SlotId slot, const Client& client);
-  /// End of input: the module is free at once, what is pending still runs.
+  /// End of input: frees the module at once; the pending request still runs.
   void InputEnded(SlotId slot, ClientId client);
-  /// The connection is gone, and its last request has arrived: `on_disconnect` acts once that has run.
+  /// The connection is gone and its last request has arrived. Applies `on_disconnect` once that request has
+  /// run.
   void Closed(SlotId slot, ClientId client);
-  /// `client` has said something on a module of the slot's robot: whoever it speaks for there is not silent.
+  /// `client` has sent something to a module of the slot's robot: its program is not silent.
   void NoteHeard(SlotId slot, const Client& client, Nanoseconds now);
-  /// Likewise on a connection to /swarm: of all that it owns.
+  /// Likewise for a connection to /swarm, for every robot that it owns.
   void NoteHeardAll(ClientId client, Nanoseconds now);
-  /// Whether silence counts. Without lock.
+  /// Whether silence counts. Lock-free.
   bool is_real_time() const { return is_real_time_.load(std::memory_order_relaxed); }
-  /// The robot broadcasts `message` in the next step; a later call replaces it. While a client drives the
-  /// robot, only connections with that client's name may send. Nobody may send for a driver without a name.
+  /// Makes the robot broadcast `message` in the next step; a later call replaces it. While a client drives
+  /// the robot, only connections with that client's name may send. Nobody may send for a nameless driver.
   Verdict Send(SlotId slot, const Client& client, const RobotMessage& message);
 
-  // Many robots with one lock: the connections of /swarm. `client.is_team`.
-  /// Every participant among the robots is ready for `steps` steps; `done` after the last of them, in every
-  /// mode. Unowned ones are claimed. kOwned names the first robot that somebody else owns.
+  // Many robots under one lock, for the connections of /swarm. @pre `client.is_team`
+  /// Makes every participant among the robots ready for `steps` steps; calls `done` after the last of them,
+  /// in every mode. Claims unowned robots. kOwned names the first robot that another client owns.
   Verdict StepAll(const TeamStep& step, const Client& client, int steps, StepDone done);
   Verdict ClaimAll(std::span<const SlotId> slots, const Client& client);
-  /// Claims whatever nobody owns and no controller drives.
+  /// Claims all robots without owner and controller.
   Verdict ClaimFree(const Client& client);
-  /// As Release() of each; unowned ones are left alone.
+  /// Release() of each; ignores unowned robots.
   Verdict ReleaseAll(std::span<const SlotId> slots, const Client& client);
-  /// Zeroes the set-points of these robots if they are the client's, also those still to come.
+  /// Zeroes the current and pending set-points of those robots that the client owns.
   void StopTeam(std::span<const SlotId> slots, const Client& client);
-  /// All robots of older teams of that name are the client's from now on; returns the older connections.
+  /// Gives the client all robots of older teams of its name; returns the older connections.
   std::vector<ClientId> HelloAll(const Client& client);
-  /// InputEnded() and Closed() of all that the client owns.
+  /// InputEnded() and Closed() for all robots that the client owns.
   void InputEndedAll(ClientId client);
   void ClosedAll(ClientId client);
-  /// The robots of a client in the scene's order; after the end of its input those that it has left.
+  /// The client's robots in the scene's order; after the end of its input, those that it has left.
   std::vector<SlotId> Team(ClientId client) const;
-  /// The run has ended, and stands until Configure(). Without lock.
+  /// The run has ended, until Configure(). Lock-free.
   void NoteRunEnded() { run_ended_.store(true, std::memory_order_release); }
   bool run_ended() const { return run_ended_.load(std::memory_order_acquire); }
-  /// Grows whenever a team loses or gets a robot and with each Configure(). Without lock.
+  /// Grows whenever a team loses or gains a robot, and with each Configure(). Lock-free.
   std::uint64_t team_revision() const { return team_revision_.load(std::memory_order_acquire); }
-  /// Grows with each Configure(): slots may be others. Without lock.
+  /// Grows with each Configure(), which may change slots. Lock-free.
   std::uint64_t layout_revision() const { return layout_revision_.load(std::memory_order_acquire); }
 
-  /// Waits for `steps` steps without making anybody ready (`ready` elsewhere).
-  /// `asked`: it is for a `step n` of that many steps, which EndSteps() ends; 0: it is not.
+  /// Waits for `steps` steps without making anybody ready (`ready` on other modules). `asked`: n if the wait
+  /// is for a `step n`, which EndSteps() ends; else 0.
   void WaitSteps(std::int64_t steps, StepDone done, std::int64_t asked = 0);
-  /// Registers a function called after every step before any StepDone of it (subscriptions). Returns its key.
+  /// Registers a function called after every step, before any StepDone of that step (subscriptions). Returns
+  /// its key.
   using StepObserver = std::function<void(const FramePtr&)>;
   std::uint64_t AddObserver(StepObserver observer);
   void RemoveObserver(std::uint64_t key);
-  /// Called, without lock, by whoever makes the last awaited robot ready. Set once before threads start.
+  /// Called, without lock, by the thread that makes the last awaited robot ready. Set once before threads
+  /// start.
   void set_all_ready_hook(std::function<void()> hook) { all_ready_hook_ = std::move(hook); }
 
-  // A program that reads, for which lockstep waits beside robots if the scenario names it: its readers have
-  // taken the sample of the last step, or none was due to them.
-  /// The reader `name`, called `id` here, has taken the sample of `step`; it gets one every `every` steps.
+  // Programs that only read. Lockstep also waits for those that the scenario names: a program is ready when
+  // its readers have acknowledged the sample of the last step, or none was due.
+  /// Reader `name`, identified by `id`, acknowledged `step`; it receives every `every`th step.
   void NoteSampleTaken(std::uint64_t id, const std::string& name, std::uint64_t step, int every);
-  /// It reads no more.
+  /// The reader has stopped reading.
   void ForgetReader(std::uint64_t id);
 
   struct Owner {
@@ -187,87 +191,84 @@ class CommandBoard {
     bool dropped = false;
     bool is_team = false;                   // owned through /swarm
     bool driven = false;                    // by a loaded controller
-    bool still_moving = false;              // nobody drives it, and its set-points in force are not zero
-    bool silenced = false;                  // its watchdog has stopped it: until its next command
-    std::optional<Nanoseconds> heard = {};  // in real time: when its client said something last
+    bool still_moving = false;              // nobody drives it, but its set-points in force are not zero
+    bool silenced = false;                  // stopped by its watchdog until its next command
+    std::optional<Nanoseconds> heard = {};  // real time only: when its client last sent something
   };
-  /// Of all robots in the scene's order: who owns the first of its actuator modules that is owned.
+  /// For each robot, in the scene's order, the owner of its first owned actuator module.
   std::vector<Owner> Owners() const;
-  /// Up to `max` awaited robots, the count of all in `total`. Empty unless in lockstep and not ready.
+  /// Up to `max` awaited robots; `total` receives the number of all. Empty unless lockstep waits.
   std::vector<Awaited> Awaiting(Nanoseconds now, std::size_t max, std::size_t* total) const;
 
-  /// How long the world has waited for a robot in lockstep, since the last reset or load.
+  /// How long lockstep has waited for a robot since the last reset or load.
   struct Wait {
     std::string robot;
-    std::string client;      // name, else peer; empty: nobody
+    std::string client;      // name, else peer; empty: no client
     bool is_team = false;    // owned through /swarm
-    Nanoseconds waited = 0;  // from the ends of steps to the robot's commands for the next ones
-    Nanoseconds alone = 0;   // of that: when all others were ready
+    Nanoseconds waited = 0;  // from ends of steps to the robot's next commands
+    Nanoseconds alone = 0;   // the part of `waited` when all other robots were ready
   };
   struct Waits {
-    std::vector<Wait> robots;  // that were awaited, in the scene's order
-    Nanoseconds total = 0;     // from the ends of steps until all were ready
+    std::vector<Wait> robots;  // all robots that were awaited, in the scene's order
+    Nanoseconds total = 0;     // from ends of steps until all robots were ready
   };
-  /// Of the steps that have run. Empty without MeasureWaits().
+  /// For the steps run so far. Empty without MeasureWaits().
   Waits waits() const;
-  /// Measures them from now on: reads the clock when a robot becomes ready. Set once before threads start;
+  /// Starts measuring waits: reads the clock when a robot becomes ready. Call once before threads start;
   /// `clock` outlives the board.
   void MeasureWaits(const Clock& clock) { wait_clock_ = &clock; }
 
   // --- the stepping thread (holder of the baton)
-  /// Lays out the slots for a new scene. Robots of the same name and type keep slot, owner and name; all
-  /// waits end with `end` (kReset keeps participants, kLoad takes them from the scene).
+  /// Lays out the slots for a new scene. Robots of the same name and type keep slot, owner and name. Ends all
+  /// waits with `end` (kReset keeps participants, kLoad uses those of the scene).
   void Configure(const Scene& scene, StepEnd end, FramePtr frame, Nanoseconds now);
-  /// The scene has been edited: who stays keeps what it has and waits for; waits of who goes end with
-  /// kRemoved.
-  /// `unloaded`: robots (by index, increasing) whose controller was taken away.
+  /// Adapts to an edited scene: remaining robots keep their state and waits; waits for removed robots end
+  /// with kRemoved. `unloaded`: robots (by index, increasing) whose controller was unloaded.
   void Revise(const Scene& scene, std::span<const int> unloaded, FramePtr frame, Nanoseconds now);
   void SetMode(Mode mode, Nanoseconds now);
   Mode mode() const;
-  /// Names of the robots to wait for; empty: as in the scenario. Unknown names: error 10, nothing changes.
+  /// The names of the robots to wait for; empty: as in the scenario. Unknown names: error 10, no change.
   Verdict SetParticipants(std::span<const std::string> names, Nanoseconds now);
-  /// Set-points to go on from, by the scene's channels; after the Configure() of a restore.
+  /// Sets the set-points in force, by the scene's channels; after the Configure() of a restore.
   void SetInForce(std::span<const Setpoint> setpoints);
-  /// Set-points in force, by the scene's channels; those of loaded controllers mean nothing.
+  /// Set-points in force, by the scene's channels; meaningless for loaded controllers.
   std::vector<Setpoint> InForce() const;
-  /// While a recording is played nobody drives: commands, claims and broadcasts get error 5, `ready` is
+  /// While a recording is played nobody drives: commands, claims and broadcasts fail with error 5; `ready` is
   /// answered after the next frame shown.
   void SetPlaying(bool playing);
   /// Ends the waits of `step n` with kPaused.
   void EndSteps();
-  /// Zeroes set-points and replaces commands that have not run.
-  /// Also drops broadcasts that wait.
+  /// Zeroes set-points, replaces commands that have not run, and drops pending broadcasts.
   void StopAll();
-  /// The robot (its index in the scene) is driven by the loaded controller `name`, which ends whatever a
-  /// client owned or wanted of it. `name` empty: clients drive it from now on; it starts at rest.
+  /// Hands the robot (index into the scene) to the loaded controller `name`: ends any client's ownership and
+  /// pending requests. `name` empty: clients drive it from now on, starting at rest.
   void SetDriven(std::size_t robot, const std::string& name, Nanoseconds now);
-  /// Every participant is ready for the next step.
+  /// True if every participant is ready for the next step.
   bool AllReady() const;
-  /// Takes the pending set-points in force for step number `step`, which is to run now; the result is by the
-  /// scene's channels, valid until Configure(). What is written into it is for this step only.
+  /// Puts the pending set-points in force for step `step`, which runs next. Returns them by the scene's
+  /// channels, valid until Configure(). Values written into the result apply to this step only.
   std::span<Setpoint> Latch(std::uint64_t step);
-  /// By the scene's actuators: 1 if a client's command came in force with the step latched last.
+  /// By the scene's actuators: 1 if the last Latch() put a client's command in force.
   std::span<const std::uint8_t> LatchedCommands() const { return latched_commands_; }
-  /// The broadcasts of the step latched last, by increasing robot; valid until the next Latch().
+  /// The broadcasts of the last latched step, by increasing robot; valid until the next Latch().
   std::span<const SentMessage> LatchedMessages() const { return latched_messages_; }
-  /// Clients that were lost before the step latched last, if that changed anything; valid until the next
-  /// Latch().
+  /// Clients lost before the last latched step, if that changed anything; valid until the next Latch().
   std::span<const LostClient> LatchedLosses() const { return latched_losses_; }
-  /// After the step: calls the observers, then answers those whose wait it ends.
+  /// After the step: calls the observers, then the StepDones of waits that the step ends.
   void FinishStep(const FramePtr& frame, Nanoseconds now);
-  /// Waiting starts anew (after a pause): deadlines count from `now`.
+  /// Restarts all waiting times (after a pause): deadlines count from `now`.
   void RestartWaiting(Nanoseconds now);
-  /// No step is to follow for now: how long it takes to the next command counts for no robot.
+  /// No step follows for now: the time until the next command counts for no robot.
   void IgnoreWait();
-  /// Fires the deadlines of awaited robots that have passed.
+  /// Fires the expired deadlines of awaited robots.
   std::vector<FiredDeadline> FireDeadlines(Nanoseconds now);
-  /// In real time, before Latch(): stops the robots that still move though their clients have been silent for
-  /// as long as their watchdogs allow. They are among its losses.
+  /// In real time, before Latch(): stops moving robots whose clients have been silent for as long as their
+  /// watchdogs allow. LatchedLosses() includes them.
   void StopSilent(Nanoseconds now);
-  /// When the next deadline of an awaited robot fires; INT64_MAX: never.
+  /// Time of the next deadline of an awaited robot; INT64_MAX: none.
   Nanoseconds NextDeadline() const;
-  /// Ends all waits with kStopping; later ones end at once, and commands are refused, until Configure().
-  /// `why`: what those who wait are told.
+  /// Ends all waits with kStopping, and until Configure() also later waits, at once, and refuses commands.
+  /// `why`: the reason given to those who wait.
   void Stop(FramePtr frame, std::string why = "the daemon is stopping");
 
  private:
@@ -276,34 +277,34 @@ class CommandBoard {
   static constexpr std::size_t kNoSlot = DriveTable::kNoSlot;
 
   struct Waiter {
-    std::uint64_t batch = 0;  // 0: of nobody's robots
-    std::size_t members = 0;  // robots of the batch that nobody has taken yet
+    std::uint64_t batch = 0;  // 0: not from StepAll()
+    std::size_t members = 0;  // robots of the batch not yet replaced or removed
     std::int64_t steps_left = 0;
     bool latched = false;
     StepDone done;
-    std::int64_t asked = 0;  // of `step n`: n; 0: of something else
+    std::int64_t asked = 0;  // n of a `step n`; else 0
   };
   struct Reader {
     std::string name;
-    std::uint64_t taken = 0;  // step
+    std::uint64_t taken = 0;  // last acknowledged step
     std::uint64_t every = 1;
   };
   struct Observer {
     std::uint64_t key = 0;
     std::shared_ptr<const StepObserver> call;
   };
-  /// Whom to call once the lock is gone.
+  /// Callbacks to call after unlocking.
   struct Completions {
     FramePtr frame;
     Mode mode = Mode::kRealtime;
     std::vector<std::pair<StepDone, StepEnd>> calls;
-    std::string why = {};  // of kStopping
+    std::string why = {};  // for kStopping
 
     void Call() const;
   };
 
   static Verdict Gone() { return {Error::kNotPossible, "this robot is no longer part of the scenario"}; }
-  /// Asks again as long as the holder that it is refused for has ended. `ask`: Verdict().
+  /// Retries while the holder that blocks the request has in fact ended. `ask` returns a Verdict.
   template <typename Ask>
   Verdict Insist(const Ask& ask) EXCLUDES(mutex_) {
     while (true) {
@@ -311,7 +312,7 @@ class CommandBoard {
       if (!FreeIfEnded(verdict.holder)) return verdict;
     }
   }
-  /// Frees what the holder owns if its input has ended; true then.
+  /// If the holder's input has ended, frees everything that it owns and returns true.
   bool FreeIfEnded(const Holder& holder) EXCLUDES(mutex_);
   Verdict TryCommand(SlotId slot, const Client& client, std::span<const Setpoint> setpoints,
                      std::optional<int> steps, StepDone& done) EXCLUDES(mutex_);
@@ -325,7 +326,7 @@ class CommandBoard {
   Holder HolderOf(std::size_t index) const REQUIRES(mutex_) {
     return {table_.drive(index).owner, table_.slot(index).owner.input_end};
   }
-  /// A client that is neither `client` nor of its party owns it.
+  /// True if a client other than `client` and its party owns it.
   bool IsHeldBeside(std::size_t index, const Client& client) const REQUIRES(mutex_) {
     const ClientId owner = table_.drive(index).owner;
     return owner != 0 && owner != client.id && !client.IsAllyOf(table_.slot(index).owner);
@@ -333,40 +334,39 @@ class CommandBoard {
   Verdict NotOwner(std::size_t index) const REQUIRES(mutex_) {
     return Owned(index, ": only its owner can release it");
   }
-  /// What keeps `client` from acting on a robot, if anything does.
+  /// The reason why `client` may not act on a robot, if any.
   std::optional<Verdict> Objection(std::size_t index, const Client& client) const REQUIRES(mutex_);
   std::optional<Verdict> TeamObjection(std::size_t index, const Client& client) const REQUIRES(mutex_);
-  /// Makes the client owner, unless its input has ended. @pre no Objection()
+  /// Makes the client the owner, unless its input has ended. @pre no Objection()
   void TakeOwnership(std::size_t index, const Client& client) REQUIRES(mutex_);
   void Disown(std::size_t index) REQUIRES(mutex_);
-  /// One robot less that a batch waits for; the last ends it.
+  /// Removes one robot from a batch; ends the batch's wait with `end` if it was the last.
   void LeaveBatch(std::uint64_t batch, StepEnd end, Completions& completions) REQUIRES(mutex_);
-  /// Clears what another client has pending, which then gets kReplaced.
+  /// Clears another client's pending request, which ends with kReplaced.
   void ReplacePending(std::size_t index, const Client& client, Completions& completions) REQUIRES(mutex_);
-  /// Clears what is pending; somebody who waits for it gets `end`.
+  /// Clears the pending request; a waiting caller receives `end`.
   void EndPending(std::size_t index, StepEnd end, Completions& completions) REQUIRES(mutex_) {
     if (table_.drive(index).has_done) completions.calls.emplace_back(std::move(table_.slot(index).done), end);
     table_.ClearPending(index);
   }
-  /// The owner sends no more: the robot is free, what it sent still runs.
+  /// The owner sends no more: frees the robot; requests already sent still run.
   void EndInput(std::size_t index) REQUIRES(mutex_);
   void LoseClient(std::size_t index) REQUIRES(mutex_);
-  /// What on_disconnect, or its default, makes of a robot whose client is lost.
+  /// Applies on_disconnect, or its default, to a robot whose client is lost.
   void ApplyLoss(std::size_t index) REQUIRES(mutex_);
-  /// Stops a robot without its program.
-  /// `silent`: as in LostClient.
+  /// Stops a robot whose program is gone or silent. `silent`: as in LostClient.
   void StopAbandoned(std::size_t index, Nanoseconds silent = 0) REQUIRES(mutex_);
   void NoteLoss(std::size_t index, LossPolicy policy, Nanoseconds silent = 0) REQUIRES(mutex_);
-  /// What `client` is heard for among the slots of a robot.
+  /// Notes that `client` was heard, for those slots of a robot for whose owners it speaks.
   void HearOn(std::size_t robot, const Client& client, Nanoseconds now) REQUIRES(mutex_);
   void EndAllWaits(StepEnd end, Completions& completions) REQUIRES(mutex_);
-  /// Corrects the count of awaited robots after a change of a slot; true if that made the last one ready.
-  /// `now`: read when it is first needed, then the same for all changes of one request.
+  /// Updates the count of awaited robots after a slot has changed; returns true if all are ready now. `now`:
+  /// read on first use, then shared by all changes of one request.
   bool NoteChange(std::size_t index, bool was_awaited, std::optional<Nanoseconds>& now) REQUIRES(mutex_);
-  /// The robot of a slot has become ready; `last`: and so are all.
+  /// The slot's robot has become ready; `last`: all robots are now ready.
   void NoteReady(std::size_t index, bool last, std::optional<Nanoseconds>& now) REQUIRES(mutex_);
   void ClearMessages() REQUIRES(mutex_);
-  /// Why the program that the scenario waits for is not ready for the next step; empty: it is.
+  /// Why a program that the scenario waits for is not ready for the next step; empty if it is.
   std::string LackOf(const std::string& program) const REQUIRES(mutex_);
   bool IsReady() const REQUIRES(mutex_) {
     return awaited_ == 0 && std::ranges::all_of(programs_, [this](const std::string& program) REQUIRES(
@@ -374,7 +374,7 @@ class CommandBoard {
   }
   void NoteTeams() { team_revision_.fetch_add(1, std::memory_order_release); }
   Completions MakeCompletions() const REQUIRES(mutex_) { return {last_frame_, mode_, {}, why_stopping_}; }
-  /// True, and `done` is taken, if a recording is played: it is answered after that many frames.
+  /// In playback, queues `done` to be called after `steps` frames and returns true.
   bool WaitInPlayback(int steps, StepDone& done) EXCLUDES(mutex_);
   Verdict Fine() const REQUIRES(mutex_) { return {.mode = mode_}; }
 
@@ -385,25 +385,25 @@ class CommandBoard {
   std::vector<SentMessage> latched_messages_;             // stepping thread only
   std::vector<LostClient> latched_losses_;                // stepping thread only
   std::vector<LostClient> losses_ GUARDED_BY(mutex_);     // since the last Latch()
-  std::vector<SentMessage> messages_ GUARDED_BY(mutex_);  // for the next step, in order of arrival
+  std::vector<SentMessage> messages_ GUARDED_BY(mutex_);  // for the next step, by arrival
   std::vector<Waiter> waiters_ GUARDED_BY(mutex_);
   std::vector<Observer> observers_ GUARDED_BY(mutex_);
-  std::vector<std::string> programs_ GUARDED_BY(mutex_);  // that read, and that lockstep waits for
+  std::vector<std::string> programs_ GUARDED_BY(mutex_);  // reading programs that lockstep waits for
   std::map<std::uint64_t, Reader> readers_ GUARDED_BY(mutex_);
   Mode mode_ GUARDED_BY(mutex_) = Mode::kRealtime;
   std::size_t awaited_ GUARDED_BY(mutex_) = 0;        // participants that are not ready
-  std::size_t calls_at_once_ GUARDED_BY(mutex_) = 0;  // the most that one step had to answer
+  std::size_t calls_at_once_ GUARDED_BY(mutex_) = 0;  // largest number of answers to one step
   Nanoseconds waiting_since_ GUARDED_BY(mutex_) = 0;
-  Nanoseconds silence_from_ GUARDED_BY(mutex_) = 0;  // silence before that does not count
+  Nanoseconds silence_from_ GUARDED_BY(mutex_) = 0;  // earlier silence does not count
   struct WaitTimes {
     Nanoseconds waited = 0, alone = 0;
   };
   const Clock* wait_clock_ = nullptr;                     // constant after construction
   std::vector<WaitTimes> wait_times_ GUARDED_BY(mutex_);  // by robot
-  Nanoseconds waited_ GUARDED_BY(mutex_) = 0;             // in all
-  Nanoseconds waits_from_ GUARDED_BY(mutex_) = 0;         // the end of the step before; 0: it does not count
-  Nanoseconds newest_ready_ GUARDED_BY(mutex_) = 0;       // when a robot became ready last,
-  Nanoseconds ready_before_ GUARDED_BY(mutex_) = 0;       // and the last one at another time before
+  Nanoseconds waited_ GUARDED_BY(mutex_) = 0;             // total
+  Nanoseconds waits_from_ GUARDED_BY(mutex_) = 0;         // end of the last step; 0: not measuring
+  Nanoseconds newest_ready_ GUARDED_BY(mutex_) = 0;       // when the last robot became ready
+  Nanoseconds ready_before_ GUARDED_BY(mutex_) = 0;       // the latest earlier time at which one did
   std::uint64_t next_observer_ GUARDED_BY(mutex_) = 1;
   std::uint64_t next_batch_ GUARDED_BY(mutex_) = 1;
   bool stopping_ GUARDED_BY(mutex_) = false;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The part of the board that is about clients that leave, or fall silent: who is gone and no longer in the
-// way of others, and what becomes of the robots.
+// The part of the board for clients that leave or fall silent: finds ended clients, frees their robots, and
+// applies policies.
 #include <algorithm>
 #include <utility>
 
@@ -8,7 +8,7 @@
 
 namespace coopdyn {
 
-// --- seen by others
+// --- ends noticed by other clients
 
 bool CommandBoard::FreeIfEnded(const Holder& holder) {
   if (holder.id == 0 || holder.input_end == nullptr || !holder.input_end->Look()) return false;
@@ -26,7 +26,7 @@ std::string CommandBoard::ClientBeside(SlotId slot, const Client& client) {
   return verdict.text;
 }
 
-// --- told by their connections
+// --- ends reported by connections
 
 void CommandBoard::InputEnded(SlotId id, ClientId client) {
   const MutexLock lock(mutex_);
@@ -112,7 +112,7 @@ void CommandBoard::NoteLoss(std::size_t index, LossPolicy policy, Nanoseconds si
       {table_.drive(index).robot, (silent > 0 ? slot.owner : slot.former).shown(), policy, silent});
 }
 
-// --- clients that live, but say nothing
+// --- clients that are connected but silent
 
 void CommandBoard::HearOn(std::size_t robot, const Client& client, Nanoseconds now) {
   for (std::size_t i = table_.first_slot(robot); i < table_.first_slot(robot + 1); ++i) {
@@ -137,7 +137,7 @@ void CommandBoard::StopSilent(Nanoseconds now) {
   constexpr double kRemoteWatchdog_s = 5;
   const MutexLock lock(mutex_);
   if (mode_ != Mode::kRealtime) return;
-  for (std::size_t i = 0; i < table_.size(); ++i) {  // who waits for steps of its own is not silent
+  for (std::size_t i = 0; i < table_.size(); ++i) {  // a client with a pending request is not silent
     const DriveTable::Drive& drive = table_.drive(i);
     if (drive.pending && drive.owner != 0) HearOn(drive.robot, table_.slot(i).owner, now);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The part of the board that the stepping thread calls: layout, modes, steps, deadlines; and what ends a
-// wait.
+// The part of the board called by the stepping thread: layout, modes, steps, deadlines; and the ends of
+// waits.
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -59,7 +59,7 @@ void CommandBoard::Revise(const Scene& scene, std::span<const int> unloaded, Fra
     const MutexLock lock(mutex_);
     last_frame_ = std::move(frame);
     completions = MakeCompletions();
-    std::vector<std::uint32_t> robots;  // by old index: the new one, or kGone
+    std::vector<std::uint32_t> robots;  // old index → new index, or kGone
     constexpr std::uint32_t kGone = static_cast<std::uint32_t>(-1);
     for (std::size_t i = 0; i < table_.robot_count(); ++i) {
       const int place = scene.FindRobot(table_.slot(table_.first_slot(i)).robot);
@@ -70,7 +70,7 @@ void CommandBoard::Revise(const Scene& scene, std::span<const int> unloaded, Fra
       LeaveBatch(left.batch, StepEnd::kRemoved, completions);
     }
     const auto moved = [&](std::uint32_t robot) { return robot < robots.size() ? robots[robot] : kGone; };
-    // Broadcasts that wait and clients that were lost name robots by their place.
+    // Waiting broadcasts and lost clients refer to robots by index.
     std::vector<SentMessage> messages;
     for (std::size_t i = 0; i < table_.size(); ++i) {
       std::uint32_t& message = table_.slot(i).message;
@@ -151,7 +151,7 @@ void CommandBoard::SetMode(Mode mode, Nanoseconds now) {
   waiting_since_ = silence_from_ = now;
   waits_from_ = 0;
   if (mode == Mode::kLockstep) return;
-  // Lockstep waited for their programs; now they would drive on without.
+  // Lockstep waited for these programs; without it, their robots would keep driving.
   for (std::size_t i = 0; i < table_.size(); ++i) {
     if (table_.drive(i).abandoned) StopAbandoned(i);
   }
@@ -262,7 +262,7 @@ std::span<Setpoint> CommandBoard::Latch(std::uint64_t step) {
   if (!messages_.empty()) {
     latched_messages_ = messages_;
     ClearMessages();
-    // By robot, so that the order in which they arrived makes no difference.
+    // By robot: independent of the order of arrival.
     std::sort(latched_messages_.begin(), latched_messages_.end(),
               [](const SentMessage& a, const SentMessage& b) { return a.robot < b.robot; });
     for (SentMessage& sent : latched_messages_) sent.step = step;
@@ -303,7 +303,7 @@ void CommandBoard::FinishStep(const FramePtr& frame, Nanoseconds now) {
   for (const auto& observer : observers) (*observer)(frame);
   completions.Call();
   if (wait_clock_ == nullptr) return;
-  const MutexLock lock(mutex_);  // all is told: from now on the world waits for robots that are not ready
+  const MutexLock lock(mutex_);  // everybody is answered: the world now waits for robots that are not ready
   if (mode_ == Mode::kLockstep) waits_from_ = wait_clock_->Now();
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The part of the board that tells for whom a lockstep world waits beside robots, and measures how long it
+// The part of the board that finds reading programs that lockstep waits for, and measures how long the world
 // waits.
 #include <algorithm>
 #include <utility>
@@ -14,10 +14,10 @@ void CommandBoard::NoteSampleTaken(std::uint64_t id, const std::string& name, st
     const MutexLock lock(mutex_);
     const bool was_ready = programs_.empty() || IsReady();
     const std::uint64_t last = last_frame_ == nullptr ? 0 : last_frame_->step;
-    // Steps that ended while a reader began are not sent to it.
+    // A new reader is not sent steps that ended before it registered.
     Reader& reader =
         readers_.try_emplace(id, Reader{name, last, static_cast<std::uint64_t>(every)}).first->second;
-    // A later step is the one whose end is about to be told, or of a run before a reset.
+    // A later step is either the one about to be reported, or of a run before a reset.
     if (step <= last + 1) reader.taken = std::max(reader.taken, step);
     became_ready = !was_ready && IsReady();
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Loaded controllers as the stepping thread sees them; server/controllers has the one implementation. All
-// calls by the holder of the step baton.
+// The stepping thread's interface to loaded controllers, implemented in server/controllers. All calls by the
+// holder of the step baton.
 #pragma once
 
 #include <cstddef>
@@ -18,30 +18,30 @@
 
 namespace coopdyn {
 
-/// The supervisor's place among the robots.
+/// The supervisor's index, among those of robots.
 inline constexpr int kSupervisor = -1;
-/// What it is called in events and in the status; no robot has such a name.
+/// The supervisor's name in events and in the status; no robot has such a name.
 inline std::string SupervisorName(const ControllerChoice& supervisor) {
   return kSupervisorLabel + supervisor.name;
 }
 
-/// A controller that does not drive its robot any more: the robot stands.
+/// A controller that no longer drives its robot; the robot stands.
 struct StoppedController {
   std::string robot;         // or SupervisorName()
   std::string why;           // e.g. "controller diffuse crashed (segmentation fault)"
-  bool with_daemon = false;  // it ended because the daemon ends: no fault
+  bool with_daemon = false;  // it ended because the daemon shuts down: no fault
 };
 
-/// What a controller takes.
+/// The time that a controller uses.
 struct ControllerCost {
-  std::string controller;    // empty: there is none
-  Nanoseconds per_step = 0;  // of a recent step, all its robots together
+  std::string controller;    // empty: none is loaded
+  Nanoseconds per_step = 0;  // in a recent step, for all its robots together
 };
 
-/// What controllers want beside driving robots.
+/// Requests of controllers other than driving robots.
 struct Supervision {
   struct Log {
-    std::string name;  // ROBOT.name; of the supervisor the name alone
+    std::string name;  // ROBOT.name; for the supervisor, only the name
     double value = 0;
   };
   struct Move {
@@ -50,54 +50,54 @@ struct Supervision {
   };
   std::vector<Log> logs = {};
   std::vector<Move> moves = {};
-  std::optional<std::string> end = {};  // the run ends; why, may be empty
+  std::optional<std::string> end = {};  // end the run; the reason, may be empty
 
   bool empty() const { return logs.empty() && moves.empty() && !end; }
 };
 
-/// What is not overridden does nothing: set-points and broadcasts stay as they are given.
+/// The default implementations do nothing: set-points and broadcasts stay unchanged.
 class ControllerDriver {
  public:
   virtual ~ControllerDriver() = default;
 
-  /// Looks whether the controllers of `scenario` take the options that it gives them; says at their lines
-  /// what they do not. What is wrong with a controller itself (its version, a crash) is no error: it stops
-  /// its robots.
+  /// Checks whether the controllers of `scenario` accept their options; reports those they reject at their
+  /// lines. A fault of a controller itself (its version, a crash) is no error: it stops the controller's
+  /// robots.
   virtual void Check(const Scenario& /*scenario*/, Diagnostics& /*diagnostics*/) {}
-  /// Frame 0 of a scene that has just been put in force: makes afresh (`seed` of the frame) the controllers
-  /// of all robots that have one, and forgets the others.
+  /// For frame 0 of a scene just put in force: creates the controllers of all its robots afresh, with the
+  /// frame's seed, and forgets the old ones.
   virtual void Configure(const FramePtr& /*frame*/) {}
-  /// What the controllers make of `frame`, for the next step: overwrites the set-points of the robots they
-  /// drive (a stopped one: zeros) and appends their broadcasts by increasing robot. `setpoints` are by the
+  /// Runs the controllers on `frame` for the next step: overwrites the set-points of the robots they drive
+  /// (zeros for a stopped one) and appends their broadcasts by increasing robot. `setpoints` are by the
   /// scene's channels.
   virtual void Step(const FramePtr& /*frame*/, std::span<Setpoint> /*setpoints*/,
                     std::vector<SentMessage>& /*messages*/) {}
-  /// What they wanted in that step; the caller does it, or has it from a recording.
+  /// Their requests in that step. The caller executes them, or uses those of a recording instead.
   virtual Supervision TakeSupervision() { return {}; }
-  /// The caller takes no further step at once: what is held for that, such as its core, is let go.
+  /// No step follows at once: releases resources held for that, such as a core.
   virtual void Rest() {}
-  /// All that decides what the controllers do from here on, as bytes.
+  /// All state that determines the controllers' future behaviour, as bytes.
   virtual std::vector<std::byte> Save() const { return {}; }
-  /// Instead of Configure(): the controllers of the scene of `frame` as they were when Save() gave `saved`
-  /// after the step that made `frame`; those that were stopped are among the next TakeStopped(). False, with
-  /// all controllers at their start, if `saved` does not belong to this scene.
+  /// Instead of Configure(): restores the controllers of `frame`'s scene to their state at the Save() after
+  /// the step that made `frame`. The next TakeStopped() includes controllers that were stopped. Returns
+  /// false, with all controllers at their start, if `saved` does not belong to this scene.
   virtual bool Restore(const FramePtr& /*frame*/, std::span<const std::byte> /*saved*/) { return true; }
-  /// `frame` is of an edited scene: controllers of robots that stay go on as they are, those of new robots
-  /// begin (the stopped are among the next TakeStopped()), the others end.
+  /// `frame` has an edited scene: controllers of remaining robots continue, those of new robots start (the
+  /// next TakeStopped() includes stopped ones), the others end.
   virtual void Revise(const FramePtr& /*frame*/) {}
-  /// Robots (indices into the scene) whose controller has been taken away.
+  /// Robots (indices into the scene) whose controller has been unloaded.
   virtual std::vector<int> Unloaded() const { return {}; }
-  /// The robot, or the supervisor, stands from now on, for the reason `why`, as in the run that is repeated.
+  /// Stops the robot, or the supervisor, for the reason `why`, as in the run being repeated.
   virtual void Stop(int /*robot*/, const std::string& /*why*/) {}
-  /// The robot's controller is taken away (`release_robot`): from now on it is driven by clients.
+  /// Unloads the robot's controller (`release_robot`): from now on clients drive the robot.
   virtual void Unload(int /*robot*/) {}
   /// Controllers stopped since the last call.
   virtual std::vector<StoppedController> TakeStopped() { return {}; }
   /// Time spent on sensing and control since the start.
   virtual PhaseTimes times() const { return {}; }
-  /// The controller that takes most of a step.
+  /// The controller that uses most of a step.
   virtual ControllerCost slowest() const { return {}; }
-  /// CPU time that the controllers have used outside this process, s.
+  /// CPU time used by the controllers outside this process, s.
   virtual double child_cpu_s() const { return 0; }
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Wakes one sleeping thread. A ring between reading count() and WaitUntil() is never lost. Any thread rings.
+// Wakes one sleeping thread. A ring between reading count() and WaitUntil() is never lost. Any thread may
+// ring.
 #pragma once
 
 #include <chrono>
@@ -24,7 +25,7 @@ class Doorbell {
     const MutexLock lock(mutex_);
     return count_;
   }
-  /// Returns when the bell has been rung since `seen`, or at `deadline` of the steady clock (INT64_MAX:
+  /// Returns once the bell has been rung since `seen`, or at `deadline` of the steady clock (INT64_MAX:
   /// never).
   void WaitUntil(std::uint64_t seen, Nanoseconds deadline) EXCLUDES(mutex_) {
     const bool forever = deadline == std::numeric_limits<Nanoseconds>::max();

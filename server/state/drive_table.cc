@@ -8,7 +8,7 @@ namespace coopdyn {
 
 namespace {
 
-/// What `commanded` says of the channels, the others as they are.
+/// Overwrites the channels that `commanded` sets; keeps the others.
 void Merge(std::span<const Setpoint> commanded, std::span<Setpoint> channels) {
   for (std::size_t i = 0; i < channels.size(); ++i) {
     if (commanded[i].mode != ControlMode::kKeep) channels[i] = commanded[i];
@@ -201,7 +201,7 @@ void DriveTable::SetPending(std::size_t index, ClientId client, std::span<const 
     drive.has_setpoint = false;
   }
   drive.pending = true;
-  drive.latched = false;  // a step that runs now did not see it
+  drive.latched = false;  // a step that runs now did not latch it
   drive.pending_from = client;
   drive.batch = 0;
   drive.steps_left = steps;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What is to happen to the run or the world between two steps, in arrival order. Any thread pushes; the
-// stepping thread takes, applies, and calls back.
+// Changes to the run or the world that apply between two steps, in order of arrival. Any thread pushes; the
+// stepping thread takes and applies them, and calls back.
 #pragma once
 
 #include <functional>
@@ -24,17 +24,17 @@ inline constexpr const char* kNotPlayingText = "nothing is being played: coopdyn
 struct EditResult {
   Error error = Error::kOk;
   std::string text;
-  FramePtr frame = nullptr;               // the newest after the edit
-  SavedStatePtr saved = nullptr;          // of Save
-  WorldChange change = {};                // of a SceneEdit: what it came to
+  FramePtr frame = nullptr;               // the newest frame after the edit
+  SavedStatePtr saved = nullptr;          // result of Save
+  WorldChange change = {};                // of a SceneEdit: the resulting change
   std::vector<std::int32_t> params = {};  // of the reply
 };
 
 struct Edit {
   EditAction action;
-  /// Called once on the stepping thread, without locks; for Step only if it is refused. May be null.
+  /// Called once on the stepping thread, without locks; for Step only on refusal. May be null.
   std::function<void(const EditResult&)> done = nullptr;
-  /// For Step: when its steps have run, or were undone by pause, reset or load. May be null.
+  /// For Step: called when its steps have run, or were cancelled by pause, reset or load. May be null.
   StepDone stepped = nullptr;
 };
 
@@ -46,12 +46,12 @@ class EditQueue {
     if (const auto why = Add(edit)) Refuse(edit, *why);
     bell_.Ring();
   }
-  /// All that wait, in order. Stepping thread.
+  /// Removes and returns all waiting edits, in order. Stepping thread.
   std::vector<Edit> TakeAll() EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);
     return std::exchange(edits_, {});
   }
-  /// The first that waits, if any; the others stay in their order. Stepping thread.
+  /// Removes and returns the first waiting edit, if any. Stepping thread.
   std::optional<Edit> TakeNext() EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);
     if (edits_.empty()) return std::nullopt;
@@ -63,7 +63,7 @@ class EditQueue {
     const MutexLock lock(mutex_);
     return edits_.empty();
   }
-  /// Refuses what waits and what comes with this text.
+  /// Refuses waiting and later edits with this text.
   void Close(std::string why = "the daemon is stopping") EXCLUDES(mutex_) {
     std::vector<Edit> refused;
     {
@@ -76,7 +76,7 @@ class EditQueue {
   }
 
  private:
-  /// Takes the edit; if the queue is closed, says why and leaves it.
+  /// Appends the edit; if the queue is closed, leaves the edit and returns the reason.
   std::optional<std::string> Add(Edit& edit) EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);
     if (closed_) return why_;

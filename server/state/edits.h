@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the stepping thread, or a player, can be asked to do between two steps. Plain values; any thread.
+// Edits that the stepping thread, or a player, can apply between two steps. Plain values; any thread.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,7 @@ class RunReader;
 
 namespace edit {
 
-// How the run goes on. Each one that succeeds is an input of the run (RunInput).
+// Edits of how the run continues. Each success is an input of the run (RunInput).
 struct Run {};
 struct Pause {};
 /// Allows `steps` more steps while paused (error 5 otherwise).
@@ -49,7 +49,7 @@ struct SetParticipants {
   std::vector<std::string> names;
 };
 struct StopAll {};
-/// Takes the loaded controller of `robot` away; clients may drive it from then on.
+/// Unloads the controller of `robot`; clients may drive the robot from then on.
 struct UnloadController {
   std::string robot;
 };
@@ -57,48 +57,47 @@ struct UnloadController {
 /// `set_compliance`, `set_profile` or `set_gains` of a control board.
 struct TuneJoints {
   std::string robot, module;
-  std::int32_t command = 0;          // the number of that command
+  std::int32_t command = 0;          // the command's id
   std::vector<std::int32_t> joints;  // of the board, from 1; empty: all
   std::vector<double> values;        // joint by joint
 };
 
-// What stands in the world: the next frame does not follow from the one before, and a journal begins anew.
+// Edits that replace the world: the next frame does not follow from the last one, and a journal starts anew.
 struct Reset {
-  std::optional<std::uint64_t> seed;  // empty: the same
-  /// Drawn for `seed`, if the scenario has random keys; else null.
+  std::optional<std::uint64_t> seed;  // empty: unchanged
+  /// Redrawn for `seed` if the scenario has random keys; else null.
   std::shared_ptr<const Scenario> scenario = nullptr;
 };
-/// Replaces the scenario. If its physics cannot be built nothing changes and the reply's text has the
+/// Replaces the scenario. If its physics cannot be built, nothing changes and the reply's text has the
 /// diagnostics.
 struct Load {
   std::shared_ptr<const Scenario> scenario;
 };
-/// Goes on from `state`, also if another scenario was in force; ends a playback.
+/// Continues from `state`, even one of another scenario; ends a playback.
 struct Restore {
   SavedStatePtr state;
 };
-/// Ends the live run, or the playback: plays `recording` (its scenario is loaded). The result has the state
-/// of the live run, if there was one.
+/// Ends the live run or playback and plays `recording`, loading its scenario. The result has the state of the
+/// live run, if there was one.
 struct Play {
   std::shared_ptr<RunReader> recording;
 };
 
-// What stands in the world, as it goes on. Each one that succeeds is an input of the run: the WorldChange
-// that it came to.
+// Edits of the world within the run. Each success is an input of the run: the resulting WorldChange.
 struct Change {
   WorldChange change;
 };
-/// Takes back the last change that was not taken back yet.
+/// Takes back the last change not yet taken back.
 struct Undo {};
-/// Makes the change again that was taken back last, by Undo or by a reset.
+/// Repeats the change last taken back by Undo or a reset.
 struct Redo {};
 
-// What a playback shows.
-/// The step at or before `time`; the nearest end if it lies outside.
+// Edits of a playback.
+/// Shows the step at or before `time`; the nearest end if `time` lies outside.
 struct Seek {
   Nanoseconds time = 0;
 };
-/// Stands that many recorded steps further on (below 0: back).
+/// Moves by `steps` recorded steps (below 0: back).
 struct Skip {
   int steps = 1;
 };
@@ -109,9 +108,9 @@ struct SetLoop {
   bool loop = false;
 };
 
-// What is kept of the run, which goes on as it is.
-/// From now on every step goes to `journal`, whose Begin() is called with this edit; null: to none. A journal
-/// outlives the edit that takes it away.
+// Edits of the record of the run; the run itself is unaffected.
+/// Sends every later step to `journal`, whose Begin() is called with this edit; null: to none. A journal
+/// outlives the edit that replaces it.
 struct SetJournal {
   RunJournal* journal = nullptr;
 };
@@ -119,16 +118,16 @@ struct SetJournal {
 struct Note {
   std::string text;
 };
-/// A named number, which the run does not look at.
+/// A named number that does not affect the run.
 struct Log {
   std::string name;
   double value = 0;
 };
-/// The run ends here, as it has reached what it was for.
+/// Ends the run here because it has reached its goal.
 struct EndRun {
   std::string why;
 };
-/// The result has all that decides how the run goes on from here.
+/// The result has the complete state of the run.
 struct Save {};
 
 }  // namespace edit
@@ -142,7 +141,7 @@ using RecordEdit = std::variant<edit::SetJournal, edit::Note, edit::Log, edit::E
 
 using EditAction = std::variant<RunEdit, WorldEdit, SceneEdit, PlaybackEdit, RecordEdit>;
 
-/// The `T` in a variant of variants; null if it holds something else.
+/// The `T` in a variant of variants; null if it holds another type.
 template <typename T, typename... Kinds>
 const T* As(const std::variant<Kinds...>& variant) {
   const auto same = [](const auto& value) -> const T* {

@@ -31,7 +31,7 @@ std::vector<JointControl> StartControls(const Scene& scene) {
     const double fastest = model.joints[static_cast<std::size_t>(channel.joint)].max_velocity;
     JointControl& control = controls[static_cast<std::size_t>(channel.control)];
     control.speed = fastest / 2;
-    control.acceleration = 2 * fastest;  // there within a quarter of a second
+    control.acceleration = 2 * fastest;  // reaches that speed in 0.25 s
   }
   return controls;
 }
@@ -92,7 +92,7 @@ std::span<const double> MeasuredOf(const Frame& frame, int index, std::size_t se
 
 namespace {
 
-/// What such a sensor shows; null: the frame itself.
+/// The sample that the sensor shows; null: the frame itself.
 const FramePtr* FindSample(const Frame& frame, int index, std::size_t sensor) {
   const std::vector<int>& clocks = frame.scene->robots[static_cast<std::size_t>(index)].clocks;
   if (clocks.empty() || clocks[sensor] < 0 || frame.samples.empty()) return nullptr;

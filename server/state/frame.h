@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One moment of the world, whole. The holder of the step baton makes it, in playback the player. Constant
+// A complete moment of the world. Made by the holder of the step baton, in playback by the player. Constant
 // once published; any thread reads.
 #pragma once
 
@@ -21,22 +21,22 @@
 
 namespace coopdyn {
 
-/// A dynamic body; raw numbers as the physics engine holds them, so that a frame restores bit-exactly.
+/// A dynamic body. Raw numbers of the physics engine, so a frame restores bit-exactly.
 struct BodyState {
   Vector3 p_WB = Vector3::Zero();                         // centre of mass, m
   std::array<double, 4> q_WB{1, 0, 0, 0};                 // w x y z
   std::array<double, 9> R_WB{1, 0, 0, 0, 1, 0, 0, 0, 1};  // row-major
   Vector3 v_WB = Vector3::Zero();                         // m/s
   Vector3 w_WB = Vector3::Zero();                         // rad/s
-  std::uint64_t sleep_counter = 0;                        // kFrozen: exploded, held where it was last sane
+  std::uint64_t sleep_counter = 0;                        // kFrozen: exploded, held at its last valid state
 
   static constexpr std::uint64_t kFrozen = ~std::uint64_t{0};
   bool frozen() const { return sleep_counter == kFrozen; }
   Quaternion orientation() const { return {q_WB[0], q_WB[1], q_WB[2], q_WB[3]}; }
 };
 
-/// A driven joint axis; rad, rad/s, N m, or m, m/s, N. Position and velocity are nan in a playback of what
-/// was recorded without them.
+/// A driven joint axis, in rad, rad/s, N m, or m, m/s, N. Position and velocity are NaN in a playback whose
+/// recording lacks them.
 struct ChannelState {
   double position = 0;  // not wrapped
   double velocity = 0;  // mean of the last step
@@ -45,54 +45,54 @@ struct ChannelState {
   Setpoint setpoint;                             // latched for the step that made this frame
 };
 
-/// The position of a channel in frame 0.
+/// The channel's position in frame 0.
 double StartOf(const Scene& scene, std::size_t channel);
 
-/// How a joint of a control board is driven, and where on its way it is. rad, s, N m; of a sliding joint m,
-/// N. Doubles alone: it is hashed and kept as they lie.
+/// Control parameters and trajectory state of a control board's joint, in rad, s, N m; for a sliding joint m,
+/// N. Doubles only: hashed and stored as they lie in memory.
 struct JointControl {
   // Set by clients.
   double stiffness = std::numeric_limits<double>::infinity();  // infinite: a servo
   double damping = 0, offset = 0;                              // of the compliance
   double speed = 0, acceleration = 0;                          // of the profile, above 0
   double p = 100, i = 0, d = 0;                                // of the servo: 1/s, 1/s², -
-  // The way to a position.
-  double start = 0, start_velocity = 0;  // trapezoidal: the velocity is that of the reference now
+  // Trajectory to a position.
+  double start = 0, start_velocity = 0;  // trapezoidal: the reference's velocity now
   double start_acceleration = 0;
   double target = 0;
   double duration_s = 0, elapsed_s = 0;
   double integral = 0;   // of the position error
-  double reference = 0;  // in force: where the joint should be; of velocity and effort these
+  double reference = 0;  // in force: the desired position, velocity or effort
 
   static constexpr std::size_t kDoubles = 16;
   bool operator==(const JointControl&) const = default;
 };
 static_assert(sizeof(JointControl) == JointControl::kDoubles * sizeof(double));
 
-/// The drive train of a joint of a control board. The rotor's angle and rate are those of the joint that it
-/// would turn without twist. Doubles alone: it is hashed and kept as they lie.
+/// The drive train of a control board's joint. The rotor's angle and rate are expressed as those of the joint
+/// without twist. Doubles only: hashed and stored as they lie in memory.
 struct DriveTrainState {
   double rotor_rad = 0;  // not wrapped
   double rotor_rad_s = 0;
   double current_a = 0;  // of the last substep
-  double energy_j = 0;   // that the motor has drawn since the start
+  double energy_j = 0;   // drawn by the motor since the start
 
   static constexpr std::size_t kDoubles = 4;
   bool operator==(const DriveTrainState&) const = default;
 };
 static_assert(sizeof(DriveTrainState) == DriveTrainState::kDoubles * sizeof(double));
 
-/// What a robot broadcasts in one step: up to 8 numbers. count 0: nothing.
+/// A robot's broadcast in one step: up to 8 numbers. count 0: none.
 struct RobotMessage {
   static constexpr std::size_t kMaxValues = 8;
   std::uint32_t count = 0;
   std::array<double, kMaxValues> values{};
 };
 
-/// A broadcast on its way. Who hears it, and when, is up to sensing (range, loss and delay of the models).
+/// A broadcast in transit. Sensing decides who receives it, and when (range, loss and delay of the models).
 struct SentMessage {
   std::uint32_t robot = 0;  // sender, index into scene->robots
-  std::uint64_t step = 0;   // that latched it; the frame of that step is the first that can deliver it
+  std::uint64_t step = 0;   // step that latched it; that step's frame is the first that can deliver it
   RobotMessage message;
 };
 
@@ -106,7 +106,7 @@ struct ContactEnd {
   bool operator==(const ContactEnd&) const = default;
 };
 
-/// A point where two things touch. The mean over the step that made the frame.
+/// A point where two things touch: the mean over the step that made the frame.
 struct Contact {
   ContactEnd a, b;
   Vector3 p_W = Vector3::Zero();
@@ -114,29 +114,29 @@ struct Contact {
   Vector3 force_W = Vector3::Zero();    // of b on a, N
 };
 
-/// Values derived from a frame at first use, e.g. by sensing. Freed with the frame.
+/// Values derived from a frame on first use, e.g. by sensing. Freed with the frame.
 struct FrameCache {
   virtual ~FrameCache() = default;
 };
 
 /// A [SCORE_n] of the scenario.
 struct Score {
-  double value = 0;  // nan: it cannot be told
-  bool met = false;  // its `until`
+  double value = 0;  // NaN: undefined
+  bool met = false;  // its `until` holds
 };
 
 struct Frame;
 using FramePtr = std::shared_ptr<const Frame>;
 
-/// The samples of sensors with one rate and delay, oldest first: what they show, then what they will show
-/// when it is old enough. These frames have no samples of their own.
+/// The samples of all sensors with the same rate and delay, oldest first: the one shown now, then those shown
+/// once old enough. The sample frames contain no samples.
 using FrameSamples = std::vector<FramePtr>;
 
 struct Frame {
-  /// Grows with each load, reset and restore, and whenever playback jumps: steps grow within one.
+  /// Grows with each load, reset and restore, and with each jump of a playback: steps grow within an epoch.
   std::uint64_t epoch = 0;
   std::uint64_t step = 0;
-  std::uint64_t revision = 0;  // grows with edits at rest, 0 again at each new step
+  std::uint64_t revision = 0;  // grows with edits between steps; 0 at each new step
   Nanoseconds time = 0;        // simulated
   Nanoseconds step_length = kDefaultStep;
   std::uint64_t seed = 1;         // of noise and placement
@@ -145,64 +145,63 @@ struct Frame {
   std::vector<BodyState> bodies;              // by increasing body id; scene->body_ids
   std::vector<ChannelState> channels;         // as scene->channels
   std::vector<JointControl> controls;         // of the joints of control boards: Channel::control
-  std::vector<DriveTrainState> drive_trains;  // of those joints that have one: Channel::drive_train
+  std::vector<DriveTrainState> drive_trains;  // of joints that have one: Channel::drive_train
   std::vector<double> measured;               // for sensors, robot by robot: SceneRobot::first_measured
-  std::vector<Contact> contacts;              // if scene->measures_contacts: those that a sensor may need
-  std::vector<FrameSamples> samples;          // as scene->clocks; a sample's own: empty
-  std::vector<std::uint8_t>
-      commanded;  // as scene->actuators: 1 if a client's command came in force with this step
-  /// Broadcasts of the last kMessageSteps steps, this one's included, by step, then sender.
+  std::vector<Contact> contacts;              // if scene->measures_contacts: those that sensors may need
+  std::vector<FrameSamples> samples;          // as scene->clocks; empty in a sample
+  std::vector<std::uint8_t> commanded;  // as scene->actuators: 1 if this step put a client's command in force
+  /// Broadcasts of the last kMessageSteps steps, including this one, by step, then sender.
   std::vector<SentMessage> messages;
-  std::vector<Score> scores;  // as scene->scenario->scores; empty: none are kept
-  /// In playback: the hash of the state that was recorded, of which these poses are roundings.
+  std::vector<Score> scores;  // as scene->scenario->scores; empty: none
+  /// In playback: the recorded state hash. The recorded poses are rounded.
   std::optional<std::uint64_t> recorded_hash;
 
-  /// No message is delayed by more steps than this.
+  /// Upper limit of message delays, in steps.
   static constexpr std::uint64_t kMessageSteps = 100;
 
   double time_s() const { return ToSeconds(time); }
 
-  // Guarded by cache_once: the first reader fills it.
+  // Guarded by cache_once: filled by the first reader.
   mutable std::once_flag cache_once;
   mutable std::unique_ptr<FrameCache> cache;
 };
 
-/// All that decides how a run goes on: what `save` keeps, a keyframe of a recording holds, and a restore
-/// takes. Immutable once published; any thread.
+/// Everything that determines how a run continues: written by `save` and into keyframes, read by a restore.
+/// Immutable once published; any thread.
 struct SavedState {
   FramePtr frame;                      // exact
-  std::vector<std::byte> controllers;  // ControllerDriver::Save(); empty: nothing is loaded
+  std::vector<std::byte> controllers;  // ControllerDriver::Save(); empty: none loaded
   Mode mode = Mode::kRealtime;         // in force then
   bool paused = false;
-  // What edits after the frame's step have changed; a recording has them as inputs instead.
+  // Changed by edits after the frame's step; a recording stores these as inputs instead.
   std::optional<Nanoseconds> step_length;  // of steps to come; empty: as in the frame
-  std::vector<Setpoint> setpoints;         // in force, by the scene's channels; empty: likewise
-  std::string warning = {};                // lines: what is to be told when it is put in force
+  std::vector<Setpoint> setpoints;         // in force, by the scene's channels; empty: as in the frame
+  std::string warning = {};                // lines to report when the state is put in force
   std::vector<double> scores = {};         // ScoreKeeper::Save()
 };
 using SavedStatePtr = std::shared_ptr<const SavedState>;
 
-/// The state hash (docs/formats.md, "Run files"): XXH3-64. Of a frame in playback: the recorded one.
+/// The state hash (docs/formats.md, "Run files"): XXH3-64. For a frame in playback, the recorded hash.
 std::uint64_t StateHash(const Frame& frame);
 /// 16 lower-case hex digits.
 std::string HashText(std::uint64_t hash);
 
-/// The joints of control boards as a scene begins.
+/// The scene's control-board joints at the start.
 std::vector<JointControl> StartControls(const Scene& scene);
-/// The drive trains as a scene begins.
+/// The scene's drive trains at the start.
 std::vector<DriveTrainState> StartDriveTrains(const Scene& scene);
 /// The drive train of a joint of robot `index` (index into the model's joints); null if it has none.
 const DriveTrainState* DriveTrainOf(const Frame& frame, int index, int joint);
 /// The channels of robot `index`.
 std::span<const ChannelState> ChannelsOf(const Frame& frame, int index);
-/// The measured values of a sensor of robot `index`; empty in a playback of what was recorded without them.
+/// The measured values of a sensor of robot `index`; empty in a playback whose recording lacks them.
 std::span<const double> MeasuredOf(const Frame& frame, int index, std::size_t sensor);
-/// The moment that a sensor of robot `index` shows: `frame` itself, or a sample that it has taken before.
+/// The frame that a sensor of robot `index` shows: `frame` itself or an earlier sample.
 const Frame& SampleOf(const Frame& frame, int index, std::size_t sensor);
 FramePtr SampleOf(const FramePtr& frame, int index, std::size_t sensor);
-/// Whether robot `index` exploded and is held where it was last sane.
+/// Whether robot `index` has exploded and is held at its last valid state.
 bool IsFrozen(const Frame& frame, int index);
-/// The things and robots for which that is so.
+/// The names of frozen things and robots.
 std::vector<std::string> FrozenNames(const Frame& frame);
 /// Pose of robot `index`'s frame R in the world.
 Pose RobotPose(const Frame& frame, int index);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The newest frame: one writer at a time (the holder of the step baton, in playback the player), any number
-// of readers. A reader holds a whole frame, so it never sees half a step. It blocks the writer for one
-// pointer copy at most.
+// Holds the newest frame: one writer at a time (the holder of the step baton, in playback the player), any
+// number of readers. A reader holds a whole frame and never sees half a step. It blocks the writer for at
+// most one pointer copy.
 #pragma once
 
 #include <utility>
@@ -19,7 +19,7 @@ class FrameBoard {
       const MutexLock lock(mutex_);
       std::swap(latest_, frame);
     }
-    // The frame before is let go here, outside the lock: freeing it must not hold up readers.
+    // Releases the previous frame outside the lock: freeing it must not block readers.
   }
   /// The newest frame, or null before the first Publish(). Any thread.
   FramePtr Latest() const EXCLUDES(mutex_) {

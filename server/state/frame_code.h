@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Bodies, channels and joints of a frame as bytes, exactly, in both ways (server/base/bytes.h). Pure.
+// Exact codecs for bodies, channels and joints of a frame, for both directions (server/base/bytes.h). Pure.
 #pragma once
 
 #include <cstddef>

@@ -40,7 +40,7 @@ class FramePool::Store {
   }
 
  private:
-  // The newest frame, the one in the making, a reader's or two, and those that wait to be recorded.
+  // The newest frame, the next one, one or two held by readers, and those waiting to be recorded.
   static constexpr std::size_t kMost = 16;
 
   Mutex mutex_;
@@ -52,7 +52,7 @@ FramePool::FramePool() : store_(std::make_shared<Store>()) {}
 std::shared_ptr<Frame> FramePool::Take() {
   std::shared_ptr<Frame> frame(new Frame, [store = store_](Frame* old) {
     const std::unique_ptr<Frame> owned(old);
-    owned->cache.reset();  // it may refer to what goes back
+    owned->cache.reset();  // may refer to the buffers
     store->Give({std::move(owned->bodies), std::move(owned->channels), std::move(owned->commanded),
                  std::move(owned->messages), std::move(owned->measured), std::move(owned->contacts)});
   });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Makes frames out of the buffers of frames that nobody holds any more: a swarm's frame is hundreds of
-// kilobytes, which the system's allocator would map and clear afresh each step.
+// Reuses the buffers of frames without holders: a swarm's frame has hundreds of kilobytes, which
+// the system's allocator would map and clear in every step.
 #pragma once
 
 #include <memory>
@@ -12,8 +12,8 @@ namespace coopdyn {
 class FramePool {
  public:
   FramePool();
-  /// An empty frame. Its buffers come back when the last reader lets it go, on whatever thread, also when the
-  /// pool is gone. The stepping thread.
+  /// Returns an empty frame. Its buffers return to the pool when the last reader releases it, on any thread,
+  /// even if the pool is gone. Stepping thread.
   std::shared_ptr<Frame> Take();
 
  private:

@@ -95,7 +95,7 @@ ImageResult ImageBoard::Draw(ImageRequest request) {
 std::vector<ImageBoard::Pending> ImageBoard::WaitAndTake(std::stop_token stop, const Clock& clock,
                                                          Nanoseconds paced_from) {
   std::stop_callback wake(stop, [this] {
-    MutexLock lock(mutex_);  // else the wake-up could fall between the test below and the wait
+    MutexLock lock(mutex_);  // without the lock, the wake-up could fall between the test below and the wait
     arrived_.NotifyAll();
   });
   std::vector<Pending> taken;

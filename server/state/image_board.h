@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Hands requests for pictures to the render thread, which sleeps while there are none.
+// Passes picture requests to the render thread, which sleeps while there are none.
 #pragma once
 
 #include <cstdint>
@@ -18,73 +18,73 @@
 
 namespace coopdyn {
 
-inline constexpr int kMinImagePixels = 16;  // both ways
+inline constexpr int kMinImagePixels = 16;  // for width and height
 inline constexpr int kMaxImageWidth = 1920;
 inline constexpr int kMaxImageHeight = 1080;
 
-/// kRgb: three bytes a pixel, row by row from the top. Of robots' cameras only: kDepth, float32 in m along
-/// the view, 0: too near, inf: nothing; kSegmentation, uint16: 0 nothing, 1 the floor, then objects, robots
-/// and targets, each as in the scene. Both little-endian.
+/// kRgb: three bytes per pixel, row by row from the top. Robots' cameras only: kDepth, float32 in m along the
+/// view, 0 if too near, inf if nothing; kSegmentation, uint16: 0 nothing, 1 the floor, then objects, robots
+/// and targets in the scene's order. Both little-endian.
 enum class ImageFormat { kPng, kJpeg, kRgb, kDepth, kSegmentation };
 /// "image/png", "image/jpeg", "application/octet-stream"
 const char* MediaType(ImageFormat format);
 
-/// What of a robot's camera a picture for people (kPng, kJpeg, kRgb) shows: depths as greys, the nearest the
-/// brightest, or a colour per number of the segmentation.
+/// Content of a robot camera's picture in a format for people (kPng, kJpeg, kRgb). kDepth: greys, nearest
+/// brightest; kSegmentation: a colour per number.
 enum class ShotView { kColor, kDepth, kSegmentation };
 
-/// A picture of a robot's camera.
+/// A picture from a robot's camera.
 struct CameraShot {
-  FramePtr frame;          // that is drawn; null: the newest
-  int robot = -1;          // index into the scene
-  std::size_t sensor = 0;  // of its model: a camera
+  FramePtr frame;          // frame to draw; null: the newest
+  int robot = -1;          // index into the scene's robots
+  std::size_t sensor = 0;  // index of the camera among the model's sensors
   ShotView view = ShotView::kColor;
-  std::string robot_name = {}, module = {};  // instead of robot and sensor: looked up in the frame
+  std::string robot_name = {}, module = {};  // if not empty, replace robot and sensor: looked up in the frame
 
   bool operator==(const CameraShot&) const = default;
 };
 
-/// What somebody wants to see.
+/// A picture to draw.
 struct ImageRequest {
-  FramePtr frame = nullptr;        // that is drawn, unless there is a shot; null: the newest
-  std::optional<CameraShot> shot;  // of a robot's camera: size, place and field of view are its own
+  FramePtr frame = nullptr;        // frame to draw, unless there is a shot; null: the newest
+  std::optional<CameraShot> shot;  // a robot's camera, which has its own size, place and field of view
   int width = 640;
   int height = 480;
-  std::optional<Vector3> eye_m;   // in the world; neither eye nor look: the camera that frames the scene
-  std::optional<Vector3> look_m;  // the point in the middle of the picture; missing: the middle of the scene
+  std::optional<Vector3> eye_m;   // in the world; with neither eye nor look the camera frames the scene
+  std::optional<Vector3> look_m;  // the point at the picture's centre; nullopt: the middle of the scene
   double fov_rad = 0.8;           // full vertical angle
   ImageFormat format = ImageFormat::kPng;
-  bool show_rays = false;    // and scans, cones and fields of view: what robots' sensors see
+  bool show_rays = false;    // and scans, cones and fields of view of robots' sensors
   bool show_names = true;    // of the robots
-  bool show_joints = false;  // axes and names of all joints, over everything
-  bool paced = false;        // one picture of a stream: waits for the next tick of --render-fps
+  bool show_joints = false;  // axes and names of all joints, drawn on top
+  bool paced = false;        // part of a stream: waits for the next tick of --render-fps
 
   bool operator==(const ImageRequest&) const = default;
 };
 
-/// What is wrong with `request` and what to write instead; empty if nothing.
+/// The error in `request` and how to correct it; empty if it is valid.
 std::string CheckImageRequest(const ImageRequest& request);
 
-/// The camera of a picture, so that a viewer can go on from there. Frame: world; m.
+/// A picture's camera, from which a viewer can continue. In the world frame; m.
 struct ImageCamera {
   Vector3 eye_m = Vector3::Zero();
   Vector3 look_m = Vector3::Zero();
 };
 
 struct ImageResult {
-  std::string error;                                       // empty: there is a picture
-  bool is_unknown = false;                                 // with an error: there is no such robot or camera
+  std::string error;                                       // empty: success
+  bool is_unknown = false;                                 // error: no such robot or camera
   std::shared_ptr<const std::vector<std::uint8_t>> bytes;  // encoded; null with an error
   int width = 0, height = 0;
-  std::string legend = {};  // of a segmentation: what is seen, `1=floor 3=BOX_1`
+  std::string legend = {};  // of a segmentation: the visible things, `1=floor 3=BOX_1`
   ImageCamera camera;
   std::uint64_t step = 0;  // of the frame shown
   std::uint64_t revision = 0;
   Nanoseconds time = 0;  // simulated
 };
 
-/// Called once per request, with no lock held: on the render thread, or, if the request never gets there, on
-/// the thread that refused it. Posts to its own thread and returns.
+/// Called once per request, without lock: on the render thread, or, if the request was refused, on the thread
+/// that refused it. Posts to its own thread and returns.
 using ImageDone = std::function<void(const ImageResult&)>;
 
 /// Draws a picture and waits for it.
@@ -99,19 +99,18 @@ class ImageBoard {
     ImageDone done;
   };
 
-  /// Asks for a picture. If too many wait, the oldest request of a stream gives way, else this one is
-  /// refused. Any thread.
+  /// Requests a picture. If too many wait, refuses the oldest stream request, else this one. Any thread.
   void Request(ImageRequest request, ImageDone done) EXCLUDES(mutex_);
 
-  /// Waits for requests and takes them: one-off ones at once, those of streams from `paced_from` of `clock`
-  /// on, all of them together. Empty if `stop` came or the board was closed. Render thread only.
+  /// Waits for requests and takes them: single ones at once, those of streams together once `clock` reaches
+  /// `paced_from`. Empty after `stop` or Close(). Render thread only.
   std::vector<Pending> WaitAndTake(std::stop_token stop, const Clock& clock, Nanoseconds paced_from)
       EXCLUDES(mutex_);
 
-  /// Request(), and waits until it is done. Any thread but the render thread.
+  /// Request(), then waits for the result. Any thread but the render thread.
   ImageResult Draw(ImageRequest request) EXCLUDES(mutex_);
 
-  /// Refuses all that wait and all that come from now on, with `reason`. Any thread.
+  /// Refuses all waiting and later requests with `reason`. Any thread.
   void Close(const std::string& reason) EXCLUDES(mutex_);
 
  private:
@@ -119,7 +118,7 @@ class ImageBoard {
 
   Mutex mutex_;
   ConditionVariable arrived_;
-  std::deque<Pending> waiting_ GUARDED_BY(mutex_);  // in the order of arrival
+  std::deque<Pending> waiting_ GUARDED_BY(mutex_);  // by arrival
   bool closed_ GUARDED_BY(mutex_) = false;
   std::string close_reason_ GUARDED_BY(mutex_);
 };

@@ -19,7 +19,7 @@ bool IsWithin(double value, double least) {
   return value >= least && value <= kLargest;
 }
 
-/// Changes one joint by its values.
+/// Changes one joint by its values. Returns an error text.
 std::string Tune(std::int32_t command, const double* values, const JointModel& joint, JointControl& control) {
   const std::string of = " of joint " + joint.name;
   switch (command) {

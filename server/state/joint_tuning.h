@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What set_compliance, set_profile and set_gains of a control board change. Pure; any thread.
+// Executes a control board's set_compliance, set_profile and set_gains. Pure; any thread.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,16 @@
 
 namespace coopdyn {
 
-/// It is one of these commands.
+/// True for these three commands.
 bool IsTuning(std::int32_t command);
-/// Values that such a command takes for each joint.
+/// Number of values that `command` needs per joint.
 std::size_t ValuesPerJoint(std::int32_t command);
-/// Which joints (from 0) of `count` the ids of a request mean: all without ids. `why`: they are not such
-/// joints.
+/// The joints (from 0) of `count` that a request's ids (from 1) denote; all without ids. `why` is set if the
+/// ids are not valid.
 std::vector<std::size_t> JointsOf(const std::vector<std::int32_t>& ids, std::size_t count, std::string& why,
                                   const char* what = "joint");
-/// Changes the controls of `scene`, one and all. Why that cannot be, and what to write instead; empty: done.
+/// Changes the controls of `scene`, all or none. Returns an error text that says what to write instead; empty
+/// on success.
 std::string TuneControls(const edit::TuneJoints& tuning, const Scene& scene,
                          std::vector<JointControl>& controls);
 

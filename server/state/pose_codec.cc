@@ -21,7 +21,7 @@ constexpr double kMostAngleUnits = 549755813887.0;  // 2^39 − 1
 constexpr std::uint64_t kMask27 = (std::uint64_t{1} << 27) - 1;
 constexpr std::uint64_t kMask20 = (std::uint64_t{1} << 20) - 1;
 
-/// The least e in whose units all finite positions can be said.
+/// The least e whose units can represent all finite positions.
 int ExponentOf(std::span<const BodyState> bodies) {
   double farthest_m = 0;
   for (const BodyState& body : bodies) {
@@ -37,7 +37,7 @@ int ExponentOf(std::span<const BodyState> bodies) {
   return exponent;
 }
 
-/// `value` rounded, held within ±most; 0 for what is no number.
+/// `value` rounded and clamped to ±most; 0 for NaN.
 std::uint64_t Round(double value, std::int64_t most) {
   const auto limit = static_cast<double>(most);
   if (std::isnan(value)) return 0;

@@ -105,7 +105,7 @@ std::optional<LossPolicy> PolicyOf(std::string_view word) {
   return std::nullopt;
 }
 
-/// What happened to the robot that `detail` names first.
+/// Decodes an event of the robot that `detail` names first.
 std::optional<RobotEvent> DecodeEvent(std::string_view action, std::string_view detail) {
   const std::size_t blank = detail.find(' ');
   if (blank == 0 || blank == std::string_view::npos) return std::nullopt;
@@ -119,7 +119,7 @@ std::optional<RobotEvent> DecodeEvent(std::string_view action, std::string_view 
   return ClientLost{std::move(robot), *policy};
 }
 
-/// What the line `action detail` asks for, sent to /simulation.
+/// Decodes the line `action detail` as if sent to /simulation.
 std::optional<RunEdit> DecodeEdit(std::string_view action, std::string_view detail) {
   if (Commands().Find(action) == nullptr) return std::nullopt;
   const std::string line = std::string(action) + " " + std::string(detail) + "\n";
@@ -129,7 +129,7 @@ std::optional<RunEdit> DecodeEdit(std::string_view action, std::string_view deta
   return RunEditOf(decoded.message, ignored);
 }
 
-/// What the line `action` to the module that `detail` names first asks for.
+/// Decodes the line `action` as if sent to the module that `detail` names first.
 std::optional<RunEdit> DecodeTuning(std::string_view action, std::string_view detail) {
   const std::size_t blank = detail.find(' '), slash = detail.find('/', 1);
   if (!detail.starts_with('/') || slash >= blank || blank == std::string_view::npos) return std::nullopt;
@@ -158,7 +158,7 @@ std::optional<RunEdit> SetStepTo(double step_s, std::string& error) {
   return edit::SetStep{static_cast<Nanoseconds>(microseconds) * 1000};
 }
 
-/// Far beyond any run, and well within 64 bits.
+/// Far beyond any run, yet well within 64 bits.
 constexpr double kLongest_s = 1e9;
 
 std::vector<EditAction> PlayAt(double factor, std::string& error) {

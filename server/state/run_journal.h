@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the stepping thread tells of a run, so that it can be written down; server/record has the one
-// implementation. All calls by the holder of the step baton.
+// Receives the stepping thread's account of a run, for recording; implemented in server/record. All calls by
+// the holder of the step baton.
 #pragma once
 
 #include <cstddef>
@@ -17,13 +17,14 @@ class RunJournal {
  public:
   virtual ~RunJournal() = default;
 
-  /// The run goes on from `state`: when the journal is put in force, and after each reset, load and restore.
+  /// The run continues from `state`. Called when the journal is put in force, and after each reset, load and
+  /// restore.
   virtual void Begin(const SavedStatePtr& state) = 0;
-  /// Whether the exact state after step `step` is wanted with Step().
+  /// Whether Step() should receive the exact state after step `step`.
   virtual bool WantsKeyframe(std::uint64_t step) = 0;
-  /// A step has run, at `now` by the wall clock, and is not answered yet. `keyframe`: the state after it, if
-  /// one was wanted, else null. In real time it never waits; in the other modes it slows the run rather than
-  /// lose a step.
+  /// A step has run, at wall-clock time `now`, and is not answered yet. `keyframe`: the state after it if
+  /// WantsKeyframe(), else null. Never waits in real time; in other modes it slows the run rather than lose a
+  /// step.
   virtual void Step(const FramePtr& frame, Mode mode, SavedStatePtr keyframe, Nanoseconds now) = 0;
   virtual void Input(RunInput input) = 0;
   virtual void Note(Event event) = 0;

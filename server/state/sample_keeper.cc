@@ -12,7 +12,7 @@ namespace coopdyn {
 
 namespace {
 
-// Steps are whole microseconds, rates are not: a sample is due a little before its time.
+// Steps are whole microseconds, rates are not: a sample is due slightly before its time.
 constexpr double kRounding = 1e-6;  // of a period
 
 Nanoseconds DelayOf(const SensorTiming& timing) {
@@ -38,7 +38,7 @@ FramePtr SampleKeeper::Copy(const Frame& frame) {
 }
 
 void SampleKeeper::Refit(const Frame& now, const std::vector<SensorTiming>& before) {
-  std::map<FramePtr, FramePtr> refitted;  // one for each, since sensors share them
+  std::map<FramePtr, FramePtr> refitted;  // one per sample, because sensors share samples
   const auto refit = [&](const FramePtr& sample) -> const FramePtr& {
     FramePtr& made = refitted[sample];
     if (made == nullptr) made = Copy(*InScene(*sample, now.scene, &now));

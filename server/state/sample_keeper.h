@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The moments that sensors with a rate or a delay show: keeps a copy of the frame in which a sample was taken
-// for as long as one of them shows it. A scene without such sensors costs nothing. The stepping thread's.
+// Keeps the frames shown by sensors with a rate or a delay: copies the frame in which a sample is taken and
+// keeps the copy while any sensor shows it. Costs nothing in a scene without such sensors. Stepping thread.
 #pragma once
 
 #include <vector>
@@ -11,23 +11,23 @@ namespace coopdyn {
 
 class SampleKeeper {
  public:
-  /// Gives `frame`, which follows the last one, its samples. A new epoch begins with a sample.
+  /// Adds the samples to `frame`, which follows the last one. A new epoch begins with a sample.
   void AddTo(Frame& frame);
-  /// Goes on from `frame`, as a frame of `epoch`.
+  /// Continues from `frame`, as a frame of `epoch`.
   void Continue(const Frame& frame, std::uint64_t epoch) {
     epoch_ = epoch;
     held_ = frame.samples;
   }
 
-  /// The scene is that of `now` from here on: what the samples have of it is kept; a sensor with a new timing
-  /// begins with `now`.
+  /// Adapts the samples to the scene of `now`: keeps the state of things in both scenes; a sensor with a new
+  /// timing starts with a sample of `now`. `before`: the old scene's clocks.
   void Refit(const Frame& now, const std::vector<SensorTiming>& before);
 
-  /// Which sample was taken last at `time`, counted from 0.
+  /// The number, from 0, of the last sample taken at or before `time`.
   static std::int64_t SampleAt(const SensorTiming& timing, Nanoseconds time);
-  /// How many steps before `time` the sample was taken that is shown then, if all steps last `length`.
+  /// The number of steps from the sample shown at `time` to `time`, if all steps last `length`.
   static std::uint64_t StepsBack(const SensorTiming& timing, Nanoseconds time, Nanoseconds length);
-  /// What sensing needs of `frame`, without samples.
+  /// A copy of the parts of `frame` that sensing needs, without samples.
   static FramePtr Copy(const Frame& frame);
 
  private:

@@ -8,7 +8,7 @@ namespace coopdyn {
 
 namespace {
 
-/// R in the robot's first body.
+/// Pose of R in the robot's first body.
 Pose PlaceOfR(const RobotEntry& entry) {
   if (entry.fidelity != Fidelity::kFull) return {-CenterOfMass(*entry.model), Quaternion::Identity()};
   const LinkModel& chassis = entry.model->links.front();
@@ -62,7 +62,7 @@ int Scene::FindDrive(int robot) const {
 
 namespace {
 
-/// What the sensors of `robot` need of the scene.
+/// Reserves measured values and clocks for the robot's sensors.
 void AddSensors(Scene& scene, SceneRobot& robot) {
   const RobotModel& model = *robot.entry.model;
   robot.first_measured = scene.measured_count;

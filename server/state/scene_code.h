@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The parts of a scene as bytes, in both ways (server/base/bytes.h): what table `scene` of a recording and
-// changes of the world hold (docs/formats.md). Pure; any thread.
+// Codecs for the parts of a scene, for both directions (server/base/bytes.h), as in table `scene` of a
+// recording and in changes of the world (docs/formats.md). Pure; any thread.
 #pragma once
 
 #include <cmath>
@@ -18,23 +18,22 @@
 
 namespace coopdyn {
 
-inline constexpr std::uint8_t kNoPolicy = 255;  // instead of an optional word
-inline constexpr double kNotSaid = -1;          // instead of an optional time
+inline constexpr std::uint8_t kNoPolicy = 255;  // in place of an optional policy
+inline constexpr double kNotSaid = -1;          // in place of an optional time
 
-/// The robot model of a type; null if there is none.
+/// Returns the robot model of a type; null if there is none.
 using FindModel = std::function<std::shared_ptr<const RobotModel>(const std::string& type)>;
-/// The picture of a texture's file, and that file, by its key among the texts of a recording; empty if there
-/// is none.
+/// Returns a texture's picture and file by its key among the texts of a recording; empty if there is none.
 using FindTexture = std::function<Texture(const std::string& key)>;
 
-/// What a reader needs besides the bytes; an encoder needs none of it.
+/// A reader's input besides the bytes; an encoder needs only the flags.
 struct SceneContext {
   const Scenario* scenario = nullptr;
   const FindModel* model = nullptr;
-  const FindTexture* texture = nullptr;  // null: pictures of files are left out
-  bool textures = true;                  // the bytes have them
-  bool watchdogs = false;                // likewise
-  bool motions = false;                  // of things, and how they bounce and roll; likewise
+  const FindTexture* texture = nullptr;  // null: pictures from files are omitted
+  bool textures = true;                  // the bytes contain textures
+  bool watchdogs = false;                // the bytes contain watchdogs
+  bool motions = false;                  // the bytes contain motions, restitution and rolling friction
 };
 
 void CodePose(auto& codec, auto& X) {
@@ -54,7 +53,7 @@ void CodeWhere(auto& codec, auto& where) {
   codec.Number(where.line);
 }
 
-/// Goes on to the kind of shape that the bytes name.
+/// Sets `shape` to the kind that the bytes name.
 inline void DecodeKind(ByteReader& reader, Shape& shape) {
   const std::uint64_t kind = reader.Low(1);
   if (kind == 0) {
@@ -79,7 +78,7 @@ void CodeShape(Codec& codec, auto& shape) {
         using Kind = std::decay_t<decltype(kind)>;
         if constexpr (std::is_same_v<Kind, Box>) {
           for (auto& size_m : kind.size_m) codec.Size(size_m);
-        } else if constexpr (!std::is_same_v<Kind, Mesh>) {  // no object is a mesh
+        } else if constexpr (!std::is_same_v<Kind, Mesh>) {  // objects are never meshes
           codec.Size(kind.radius_m);
           if constexpr (std::is_same_v<Kind, Cylinder>) codec.Size(kind.length_m);
         }
@@ -87,7 +86,7 @@ void CodeShape(Codec& codec, auto& shape) {
       shape);
 }
 
-/// On what has `color`.
+/// `color`: of the textured thing.
 template <typename Codec>
 void CodeTexture(Codec& codec, auto& texture, const Color& color, const SceneContext& context) {
   std::string key;
@@ -126,7 +125,7 @@ void CodeFloor(auto& codec, auto& floor, const SceneContext& context) {
   if (context.textures) CodeTexture(codec, floor.texture, floor.color, context);
 }
 
-/// Without id and body.
+/// Omits id and body.
 void CodeThing(auto& codec, auto& object, const SceneContext& context) {
   codec.Text(object.name);
   CodeShape(codec, object.shape);
@@ -144,7 +143,7 @@ void CodeThing(auto& codec, auto& object, const SceneContext& context) {
   codec.Finite(object.w_WO);
 }
 
-/// Whether a thing says what CodeThing() leaves out without `motions`.
+/// True if the thing has data that CodeThing() omits without `motions`.
 inline bool SaysMotion(const WorldObject& object) {
   return object.restitution > 0 || object.rolling_friction_m > 0 || !object.v_WO.isZero() ||
          !object.w_WO.isZero();
@@ -164,7 +163,7 @@ void CodeTarget(auto& codec, auto& target) {
   CodeWhere(codec, target.where);
 }
 
-/// Without the file: a recording of unknown origin must not say what code is loaded.
+/// Omits the file: a recording of unknown origin must not decide which code is loaded.
 template <typename Codec>
 void CodeController(Codec& codec, auto& controller, const SceneContext& context) {
   codec.Text(controller.name);

@@ -19,7 +19,7 @@ bool IsRobot(std::int32_t id) {
   return id >= WorldId::kRobots;
 }
 
-/// `part`: of the robot's links, as its file has them; -1: the robot, or the thing, itself.
+/// `part`: among the link frames of the robot's file; -1: the robot, or the thing, as a whole.
 Pose PoseOf(const Frame& frame, std::int32_t id, int index, int part = -1) {
   const auto at = static_cast<std::size_t>(index);
   if (!IsRobot(id)) return ObjectPose(frame, frame.scene->objects[at]);
@@ -30,7 +30,7 @@ Pose PoseOf(const Frame& frame, std::int32_t id, int index, int part = -1) {
   return LinkPose(frame, index, of.link) * X_RL.Inverse() * of.X_RF;
 }
 
-/// The link that `of` asks for in `robot`, as ROBOT/LINK; -1: none.
+/// The link frame of `robot` that the entry's `of` names as ROBOT/LINK; -1 if none.
 int PartOf(const ScoreEntry& entry, const RobotEntry& robot) {
   for (const std::string& one : entry.of) {
     for (std::size_t i = 0; i < robot.model->frames.size(); ++i) {
@@ -40,7 +40,7 @@ int PartOf(const ScoreEntry& entry, const RobotEntry& robot) {
   return -1;
 }
 
-/// Where `name`, a target, a thing or a lamp, is; nothing: it is gone.
+/// The position of the target, thing or lamp `name`; nullopt if it has been removed.
 std::optional<Vector3> PlaceOf(const Frame& frame, const std::string& name) {
   const std::string word = ToLower(name);
   for (const Target& target : frame.scene->targets) {
@@ -55,7 +55,7 @@ std::optional<Vector3> PlaceOf(const Frame& frame, const std::string& name) {
   return std::nullopt;
 }
 
-/// From `p_W` to the surface of `shape` at `X_WO`; 0 inside.
+/// Distance from `p_W` to the surface of `shape` at `X_WO`; 0 inside.
 double DistanceTo(const Shape& shape, const Pose& X_WO, const Vector3& p_W) {
   const Vector3 p = X_WO.q.conjugate() * (p_W - X_WO.p);
   if (const auto* box = std::get_if<Box>(&shape)) {
@@ -66,13 +66,13 @@ double DistanceTo(const Shape& shape, const Pose& X_WO, const Vector3& p_W) {
                            std::max(0.0, std::abs(p.z()) - cylinder->length_m / 2));
   }
   if (const auto* sphere = std::get_if<Sphere>(&shape)) return std::max(0.0, p.norm() - sphere->radius_m);
-  return kInfinity;  // things of a world are no others
+  return kInfinity;  // a world's things have no other shapes
 }
 
 /// A robot as an upright cylinder, or a thing as a point.
 struct Body {
   std::int32_t id = 0;
-  Vector3 p_W = Vector3::Zero();  // its middle
+  Vector3 p_W = Vector3::Zero();  // centre
   double radius_m = 0;
 };
 
@@ -87,7 +87,7 @@ std::int32_t RobotIdOf(const SceneRobot& robot) {
   return WorldId::kRobots + static_cast<std::int32_t>(robot.id.value);
 }
 
-/// The least distance between a subject and anything else, seen from above between robots.
+/// The least distance between a subject and anything else; between robots seen from above.
 double NearestOf(const Frame& frame, std::span<const Body> subjects) {
   const Scene& scene = *frame.scene;
   double nearest = kInfinity;
@@ -99,7 +99,7 @@ double NearestOf(const Frame& frame, std::span<const Body> subjects) {
           std::min(nearest, std::max(0.0, DistanceTo(object.object.shape, X_WO, body.p_W) - body.radius_m));
     }
   }
-  // Along x, so that only neighbours are looked at.
+  // Sorted by x: only neighbours are compared.
   std::vector<Body> robots;
   double largest_m = 0;
   for (std::size_t i = 0; i < scene.robots.size(); ++i) {
@@ -124,7 +124,7 @@ double NearestOf(const Frame& frame, std::span<const Body> subjects) {
   return nearest;
 }
 
-/// J by the motors of robot `index` in the step before `frame`.
+/// Work of robot `index`'s motors in the step before `frame`, J.
 double WorkOf(const Frame& frame, int index) {
   double power = 0;
   for (const ChannelState& channel : ChannelsOf(frame, index)) {
@@ -331,7 +331,7 @@ void ScoreKeeper::Fill(Frame& frame) const {
     if (const std::optional<ScoreUntil>& until = book.entry.until) {
       ScoreUntil asked = *until;
       if (asked.all) asked.value = static_cast<double>(book.subjects.size());
-      // What stands at the start of a run does not end it.
+      // A condition that already holds at the start does not end the run.
       score.met = frame.step > 0 && asked.Holds(score.value);
     }
     frame.scores.push_back(score);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The scores of a run, from frame to frame: what [SCORE_n] asks for. A run without scores costs nothing. The
-// stepping thread's.
+// Computes the scores of a run ([SCORE_n]) from frame to frame. Costs nothing in a run without scores.
+// Stepping thread.
 #pragma once
 
 #include <cstdint>
@@ -16,32 +16,32 @@ namespace coopdyn {
 
 class ScoreKeeper {
  public:
-  /// Begins anew with `frame`, the start of a run; fills in its scores.
+  /// Starts afresh with `frame`, the start of a run, and fills in its scores.
   void Begin(Frame& frame);
-  /// Looks at `frame`, which follows the last one, and fills in its scores.
+  /// Evaluates `frame`, which follows the last one, and fills in its scores.
   void AddTo(Frame& frame);
-  /// `now`, a frame after an edit: who is there may have changed. Fills in its scores.
+  /// Adapts to `now`, a frame after an edit that may have added or removed subjects. Fills in its scores.
   void Refit(Frame& now);
 
-  /// All that the scores are made from, for Restore().
+  /// The state that Restore() needs.
   std::vector<double> Save() const;
-  /// Goes on from what was saved at `frame`; begins anew there, and says false, if it does not fit.
+  /// Continues from the state saved at `frame`. If it does not fit, starts afresh and returns false.
   bool Restore(Frame& frame, std::span<const double> saved);
 
  private:
-  /// A robot or a thing that a score is of.
+  /// A robot or thing that a score counts.
   struct Subject {
     std::int32_t id = 0;  // WorldId
     int index = 0;        // in the scene
-    int part = -1;        // of the links of the robot's file; -1: itself
-    bool marked = false;  // it was there, it has fallen
-    double x = 0, y = 0;  // where it was last, or at the start
+    int part = -1;        // among the link frames of the robot's file; -1: the whole robot
+    bool marked = false;  // has reached the target, or has fallen
+    double x = 0, y = 0;  // at the last look, or at the start
   };
   struct Book {
     ScoreEntry entry;
-    std::vector<Subject> subjects;  // by id
-    double sum = 0;                 // of what the score adds up; of `nearest` the least so far
-    std::set<std::pair<std::int32_t, std::int32_t>> pairs;  // in touch, or cells that were covered
+    std::vector<Subject> subjects;                          // by id
+    double sum = 0;                                         // running total; for `nearest` the minimum so far
+    std::set<std::pair<std::int32_t, std::int32_t>> pairs;  // ids in contact, or covered cells
   };
 
   void Use(const Frame& frame);
@@ -55,7 +55,7 @@ class ScoreKeeper {
   std::vector<Book> books_;
 };
 
-/// The score that ends the run at `frame` by its `until` or `limit`: its index; -1: none does.
+/// Index of the score that ends the run at `frame`, by its `until` or `limit`; -1 if none.
 int EndingScore(const Frame& frame);
 
 }  // namespace coopdyn

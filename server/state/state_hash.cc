@@ -15,13 +15,13 @@ namespace coopdyn {
 
 namespace {
 
-/// XXH3-64 over bytes and 8-byte words, each little-endian on any machine.
+/// XXH3-64 of bytes and 8-byte words, little-endian on every machine.
 class WordHasher {
  public:
   WordHasher() { XXH3_64bits_reset(&state_); }
 
   void Add(std::uint64_t word) { AddWords(&word, 1); }
-  /// `count` numbers of 8 bytes each, as they lie in memory.
+  /// Adds `count` numbers of 8 bytes each, as stored in memory.
   void AddWords(const void* words, std::size_t count) {
     if (size_ + 8 * count > buffer_.size()) Flush();
     if constexpr (std::endian::native == std::endian::little) {
@@ -57,7 +57,7 @@ class WordHasher {
   std::size_t size_ = 0;
 };
 
-// A body lies in memory as it is hashed: position 3, quaternion 4, matrix 9, velocities 3 and 3, counter.
+// A body is stored in hashing order: position 3, quaternion 4, matrix 9, velocities 3 and 3, counter.
 constexpr std::size_t kBodyWords = 23;
 static_assert(sizeof(BodyState) == 8 * kBodyWords && offsetof(BodyState, q_WB) == 24 &&
               offsetof(BodyState, R_WB) == 56 && offsetof(BodyState, v_WB) == 128 &&

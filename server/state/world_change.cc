@@ -32,7 +32,7 @@ bool Remove(Things& things, const std::vector<Key>& gone, std::string& refusal) 
   return true;
 }
 
-/// Puts `thing` in its place by id.
+/// Inserts `thing` by id, or replaces the one with its id.
 template <typename Things, typename Thing>
 void Put(Things& things, Thing thing) {
   const auto found =
@@ -44,7 +44,7 @@ void Put(Things& things, Thing thing) {
   }
 }
 
-/// Things and lamps share the names of sections; robots have their own, with the swarms.
+/// Things and lamps share section names; robots share theirs with swarms.
 std::string TakenName(const Scene& scene) {
   std::unordered_set<std::string> sections, robots;
   for (const SceneObject& thing : scene.objects) {
@@ -82,7 +82,7 @@ void CopyRobot(const Frame& from, const SceneRobot& of, Frame& to, const SceneRo
     copy(from.measured, of.first_measured, to.measured, robot.first_measured, measured);
 }
 
-/// The frame's contacts and broadcasts, with the places of the new scene.
+/// Copies contacts and broadcasts, with indices into the new scene.
 void CopyEvents(const Frame& from, const std::vector<int>& robots, Frame& to) {
   const Scene& before = *from.scene;
   std::vector<int> now(before.robots.size(), -1);
@@ -123,7 +123,7 @@ PutRobot PutBack(const SceneRobot& robot, const Frame& frame) {
   };
   copy(frame.bodies, robot.first_body, robot.body_count, put.bodies);
   copy(frame.channels, robot.first_channel, robot.channel_count, put.channels);
-  for (ChannelState& channel : put.channels) channel.effort = ChannelState().effort;  // recordings have none
+  for (ChannelState& channel : put.channels) channel.effort = ChannelState().effort;  // not recorded
   copy(frame.controls, robot.first_control, robot.control_count, put.controls);
   copy(frame.drive_trains, robot.first_drive_train, robot.drive_train_count, put.drive_trains);
   const RobotModel& model = *robot.entry.model;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// An edit of what stands in the world, in the one form that the stepping thread, the journal, undo and a
-// repetition share: which things go, which are put there or take the place of one with their id. It needs no
-// files. Plain values and pure functions; any thread.
+// An edit of the world, in the one form that the stepping thread, the journal, undo and repetitions share:
+// the things to remove, and those to add or to replace by id. Needs no files. Plain values and pure
+// functions; any thread.
 #pragma once
 
 #include <algorithm>
@@ -15,25 +15,25 @@
 
 namespace coopdyn {
 
-/// Where a thing is that an edit puts into the world.
+/// Where an edit puts a thing.
 enum class Placing : std::uint8_t {
-  kStart,  // at rest where its description says
-  kKeep,   // where it is, as it moves: it has another description only
-  kExact,  // as the states say that come with it
+  kStart,  // at rest at the pose of its description
+  kKeep,   // keeps its present pose and motion: only its description changes
+  kExact,  // at the states given with it
 };
 
 struct PutObject {
   ObjectId id;  // none: a new one
   WorldObject object;
   Placing placing = Placing::kStart;
-  std::optional<BodyState> body = {};  // kExact, unless it is static
+  std::optional<BodyState> body = {};  // kExact and dynamic only
 };
 
 struct PutRobot {
   RobotId id;  // none: a new one
   RobotEntry entry;
   Placing placing = Placing::kStart;
-  // kExact:
+  // kExact only:
   std::vector<BodyState> bodies = {};
   std::vector<ChannelState> channels = {};
   std::vector<JointControl> controls = {};
@@ -41,10 +41,10 @@ struct PutRobot {
   std::vector<double> measured = {};
 };
 
-/// A thing in the space of ids of /world: 1… things, kRobots + 1… robots, and so on.
+/// Ids of /world: things from 1, robots from kRobots + 1, and so on.
 struct WorldId {
   static constexpr std::int32_t kRobots = 1'000'000, kTargets = 2'000'000, kLights = 3'000'000;
-  static constexpr std::int32_t kMost = 999'999;  // of one kind
+  static constexpr std::int32_t kMost = 999'999;  // per kind
 };
 
 inline std::int32_t WorldIdOf(const SceneObject& thing) {
@@ -56,7 +56,7 @@ inline std::int32_t WorldIdOf(const SceneRobot& robot) {
 inline std::int32_t WorldIdOf(const Target& target) {
   return WorldId::kTargets + static_cast<std::int32_t>(target.id.value);
 }
-/// Of the light at this place among the scene's.
+/// The id of the light at index `place` of the scene's lights.
 inline std::int32_t LightId(std::size_t place) {
   return WorldId::kLights + static_cast<std::int32_t>(place) + 1;
 }
@@ -67,7 +67,7 @@ struct RestCounter {
   std::uint64_t counter = 0;
 };
 
-/// Begins the label of what the supervisor changes; no other label begins so.
+/// Prefix of the labels of the supervisor's changes, and of no others.
 inline constexpr const char* kSupervisorLabel = "supervisor ";
 
 struct WorldChange {
@@ -78,8 +78,9 @@ struct WorldChange {
   std::vector<PutObject> objects;
   std::vector<PutRobot> robots;
   std::vector<Target> targets;                         // id: none, a new one
-  std::optional<std::vector<PointLight>> lights = {};  // all of them
-  std::vector<RestCounter> rests = {};                 // of others: an undo at once lets them sleep again
+  std::optional<std::vector<PointLight>> lights = {};  // replaces all lights
+  std::vector<RestCounter> rests = {};                 // of unchanged things: an immediate undo restores
+                                                       // their sleep
 
   bool empty() const {
     return gone_objects.empty() && gone_robots.empty() && gone_targets.empty() && objects.empty() &&
@@ -87,32 +88,32 @@ struct WorldChange {
   }
 };
 
-/// What a target is called in /world and in legends: red_target_1.
+/// A target's name in /world and in legends: red_target_1.
 std::string TargetName(const Target& target);
 
-/// Gives new things their ids, the next after those of `scene` and of `used`, which it brings up to date.
+/// Gives new things the next ids after those of `scene` and `used`, and updates `used`.
 struct UsedIds {
   std::uint32_t object = 0, robot = 0, target = 0;
 };
 void AssignIds(const Scene& scene, UsedIds& used, WorldChange& change);
 
-/// The scene after `change`, whose things have ids. Null, and `refusal` says why, if it cannot be: a name
-/// that is taken, an id that is not there, too many.
+/// The scene after `change`, whose things have ids. Null, with the reason in `refusal`, if it is not
+/// possible: a name in use, an unknown id, too many things.
 std::shared_ptr<const Scene> ChangedScene(const Scene& scene, const WorldChange& change,
                                           std::string& refusal);
 
-/// `from` as a moment of `scene`: what both scenes have keeps its state; what is new has that of `other`, a
-/// frame of `scene`, or if null stands at the origin at rest. Contacts with what is gone are left out.
+/// `from` converted to `scene`: things in both scenes keep their state; new ones take theirs from `other`, a
+/// frame of `scene`, or if null stand at the origin at rest. Omits contacts with removed things.
 std::shared_ptr<Frame> InScene(const Frame& from, const std::shared_ptr<const Scene>& scene,
                                const Frame* other = nullptr);
 
-/// What undoes `change`, if applied to the scene that it makes of `before`.
+/// The change that undoes `change`, applied to the scene that `change` makes of `before`.
 WorldChange InverseOf(const WorldChange& change, const Frame& before);
 
-/// By robot id: where the robots of `scene` are in `before`; -1: not there.
+/// For each robot of `scene` its index in `before`, by id; -1 if it is new.
 std::vector<int> PlacesIn(const Scene& before, const Scene& scene);
 
-/// What belongs to the channels of `before`, laid out for those of `scene`; new ones get `fresh`.
+/// Rearranges values of the channels of `before` for those of `scene`; new channels get `fresh`.
 template <typename Value>
 std::vector<Value> InChannelsOf(const Scene& scene, const Scene& before, const std::vector<Value>& values,
                                 const Value& fresh) {

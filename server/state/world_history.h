@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The changes of the world that can be taken back, and those that were. The holder of the step baton.
+// The world changes that can be undone or redone. Used by the holder of the step baton.
 #pragma once
 
 #include <cstddef>
@@ -15,14 +15,14 @@ namespace coopdyn {
 
 class WorldHistory {
  public:
-  static constexpr std::size_t kMaxChanges = 20'000;  // the oldest are forgotten
+  static constexpr std::size_t kMaxChanges = 20'000;  // beyond that the oldest are forgotten
 
   struct Entry {
     WorldChange change, inverse;
     std::uint64_t epoch = 0, step = 0;  // of the frame that it changed
   };
 
-  /// A change was made: what was taken back before is forgotten.
+  /// A change was made: forgets the changes that could be redone.
   void Note(Entry entry) {
     redo_.clear();
     Push(std::move(entry));
@@ -32,8 +32,8 @@ class WorldHistory {
   std::size_t undo_count() const { return undo_.size(); }
   std::size_t redo_count() const { return redo_.size(); }
 
-  /// What takes back the last change, at the frame of this epoch and step. Others are woken by what moved
-  /// meanwhile: only at once they sleep again. @pre can_undo()
+  /// The change that undoes the last one, at the frame of this epoch and step. If undone at once, neighbours
+  /// go back to sleep; later they stay awake. @pre can_undo()
   WorldChange NextUndo(std::uint64_t epoch, std::uint64_t step) const {
     const Entry& last = undo_.back();
     WorldChange change = last.inverse;
@@ -47,18 +47,18 @@ class WorldHistory {
     change.label = "redo " + change.label;
     return change;
   }
-  /// NextUndo() was made.
+  /// The change of NextUndo() was made.
   void NoteUndone() {
     redo_.push_back(std::move(undo_.back().change));
     undo_.pop_back();
   }
-  /// NextRedo() was made, as `entry`.
+  /// The change of NextRedo() was made, as `entry`.
   void NoteRedone(Entry entry) {
     entry.change = std::move(redo_.back());
     redo_.pop_back();
     Push(std::move(entry));
   }
-  /// A reset has brought the start back: every change can be made again.
+  /// A reset has restored the start: every change can be redone.
   void NoteReset() {
     while (!undo_.empty()) NoteUndone();
   }
@@ -74,7 +74,7 @@ class WorldHistory {
   }
 
   std::deque<Entry> undo_;
-  std::vector<WorldChange> redo_;  // the next one last
+  std::vector<WorldChange> redo_;  // the next one is last
 };
 
 }  // namespace coopdyn

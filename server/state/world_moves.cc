@@ -14,13 +14,13 @@ int PlaceOf(const Things& things, std::uint32_t id) {
   return found == things.end() ? -1 : static_cast<int>(found - things.begin());
 }
 
-/// Differs from where it is now by no more than rounding.
+/// True if both poses are equal up to rounding.
 bool IsThere(const Pose& a, const Pose& b) {
   constexpr double kTiny = 1e-12, kTiny_rad = 1e-9;
   return (a.p - b.p).cwiseAbs().maxCoeff() < kTiny && (a.q.conjugate() * b.q).vec().norm() < kTiny_rad / 2;
 }
 
-// What rests moves by no more.
+// Residual motion of a body at rest.
 constexpr double kRest_m_s = 2e-3, kRest_rad_s = 1e-2;
 
 Vector3 WithoutTrembling(const Vector3& motion, double rest) {
@@ -67,7 +67,7 @@ RobotEntry RobotNow(const Frame& frame, int place) {
   RobotEntry entry = RobotAt(*frame.scene, place).entry;
   const Pose now = RobotPose(frame, place);
   if (!IsThere(now, entry.X_WR)) entry.X_WR = {now.p, now.q.normalized()};
-  // One that stands has sunk in a little; a place below the floor is none.
+  // A standing robot sinks in slightly; a place below the floor is not valid.
   constexpr double kSunk_m = 5e-3;
   if (entry.X_WR.p.z() < 0 && entry.X_WR.p.z() > -kSunk_m) entry.X_WR.p.z() = 0;
   return entry;

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The next word, which is taken off `text`.
+/// Removes and returns the first word of `text`.
 std::string_view NextWord(std::string_view& text) {
   text.remove_prefix(std::min(text.find_first_not_of(" \n"), text.size()));
   const std::string_view word = text.substr(0, text.find_first_of(" \n"));
@@ -31,7 +31,7 @@ std::string_view NextWord(std::string_view& text) {
   return word;
 }
 
-/// A whole number; 0 if it is none.
+/// The whole number in `word`; 0 if it is none.
 std::int64_t Number(std::string_view word) {
   std::int64_t value = 0;
   std::from_chars(word.data(), word.data() + word.size(), value);
@@ -43,7 +43,7 @@ std::string ReadText(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-/// Of the folders in `folder` whose names are numbers. What ends meanwhile is left out.
+/// For the folders in `folder` whose names are numbers; skips processes that end meanwhile.
 std::vector<CpuUser> ReadUsers(const fs::path& folder, Nanoseconds tick) {
   std::vector<CpuUser> users;
   std::error_code failed;
@@ -55,7 +55,7 @@ std::vector<CpuUser> ReadUsers(const fs::path& folder, Nanoseconds tick) {
 }
 
 constexpr std::size_t kNamed = 3;
-constexpr double kLeastShare = 0.05;   // of a core, to be named
+constexpr double kLeastShare = 0.05;   // of a core; smaller shares are not named
 constexpr double kOthersMatter = 0.5;  // cores
 
 double Milliseconds(double ns) {
@@ -87,7 +87,7 @@ double PeriodOf(const RunStatus& status) {
 }  // namespace
 
 std::optional<CpuUser> ParseProcessStat(std::string_view text, Nanoseconds tick) {
-  // 4711 (a name) with) any) signs) S 1 …: user and system time are the 12th and 13th word after the name.
+  // "4711 (a name) with) any) signs) S 1 …": user and system time are words 12 and 13 after the name.
   const std::size_t open = text.find('('), close = text.rfind(')');
   if (open == std::string_view::npos || close == std::string_view::npos || close < open) return std::nullopt;
   CpuUser user;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Notices that a run in real time loses time, and finds out who takes it: who uses the cores of this machine,
-// as /proc says it. One thread, which says what time it
-// is.
+// Detects that a real-time run loses time, and finds out from /proc which programs use the CPU. One thread,
+// which passes the time.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +16,7 @@
 
 namespace coopdyn {
 
-/// A process, or a thread of this one.
+/// A process, or a thread of this process.
 struct CpuUser {
   std::int64_t id = 0;
   std::string name;  // printable
@@ -28,26 +27,26 @@ struct CpuUser {
 struct CpuUse {
   std::vector<CpuUser> others;   // processes
   std::vector<CpuUser> threads;  // of this process
-  Nanoseconds busy = 0;          // of all cores, by whatever; 0: unknown
+  Nanoseconds busy = 0;          // of all cores, used by anybody; 0: unknown
 };
 
-/// The text of a `stat` file of a process or thread; nothing if it is none.
+/// Parses the `stat` file of a process or thread; nullopt if malformed.
 std::optional<CpuUser> ParseProcessStat(std::string_view text, Nanoseconds tick);
-/// The time that all cores were busy, of the text of /proc/stat; 0 if it is none.
+/// Parses the busy time of all cores from the text of /proc/stat; 0 if malformed.
 Nanoseconds ParseBusyTime(std::string_view text, Nanoseconds tick);
-/// Takes some milliseconds with hundreds of processes. Any thread.
+/// Needs some milliseconds with hundreds of processes. Any thread.
 CpuUse ReadCpuUse();
 
-/// The threads of this process alone, which takes microseconds for each. Any thread.
+/// Only the threads of this process, some microseconds per thread. Any thread.
 std::vector<CpuUser> ReadThreadUse();
 
-/// Those of one name together.
+/// The CPU use of all users of one name.
 struct CpuShare {
   std::string name;
   int count = 0;
   double cores = 0;  // 1: one whole core
 };
-/// Who used the cores in the time `wall` from `before` to `after`; most first.
+/// CPU use within the time `wall` from `before` to `after`, largest first.
 std::vector<CpuShare> SharesOf(const std::vector<CpuUser>& before, const std::vector<CpuUser>& after,
                                Nanoseconds wall);
 
@@ -57,11 +56,11 @@ class OverloadWatch {
   static constexpr Nanoseconds kAgainAfter = 60 * kNanosecondsPerSecond;
   static constexpr double kMostLost = 0.05;  // of the real time of a window
 
-  /// `read_use` is called only while time is lost.
+  /// `read_use` is called only while real time is lost.
   explicit OverloadWatch(std::function<CpuUse()> read_use = ReadCpuUse) : read_use_(std::move(read_use)) {}
 
-  /// Looks at the run; once a second will do. A warning when two windows in a row have lost too much, at most
-  /// one each kAgainAfter; else empty.
+  /// Checks the run; call it about once a second. Returns a warning if two consecutive windows have lost too
+  /// much time, at most one per kAgainAfter; else empty.
   std::string Look(Nanoseconds now, const RunStatus& status);
 
  private:
@@ -71,16 +70,16 @@ class OverloadWatch {
   };
 
   const std::function<CpuUse()> read_use_;
-  std::optional<Moment> from_;  // begin of the window
-  std::optional<CpuUse> use_;   // then, if the window before lost too much
+  std::optional<Moment> from_;  // start of the window
+  std::optional<CpuUse> use_;   // at that time, if the previous window lost too much
   std::optional<Nanoseconds> said_;
 };
 
-/// Part of the real time from `before` to `after`, `wall` apart, that was skipped.
+/// Fraction of the real time `wall` from `before` to `after` that was skipped.
 double LostPart(const RunStatus& before, const RunStatus& after, Nanoseconds wall);
-/// What a step takes between `before` and `after`, by its parts; empty if there was none.
+/// The cost of a step between `before` and `after`, by its parts; empty if there was no step.
 std::string DescribeSteps(const RunStatus& before, const RunStatus& after);
-/// Who kept the cores busy in the time `wall` from `before` to `after`; empty: nobody else.
+/// Describes who used the CPU in the time `wall` from `before` to `after`; empty if nobody else.
 std::string DescribeOthers(const CpuUse& before, const CpuUse& after, Nanoseconds wall);
 
 }  // namespace coopdyn

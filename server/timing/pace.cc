@@ -33,7 +33,7 @@ void RateMeter::Note(Nanoseconds now, Nanoseconds simulated) {
 
 double RateMeter::Factor(Nanoseconds now, Nanoseconds simulated) const {
   if (samples_.empty()) return 0;
-  // A world that stands still has fewer samples than a window holds: count the stand-still in.
+  // The window of a world that stands still has no recent samples: include the standstill.
   Sample oldest = samples_.front();
   for (const Sample& sample : samples_) {
     if (now - sample.wall < kWindow) break;
@@ -43,12 +43,12 @@ double RateMeter::Factor(Nanoseconds now, Nanoseconds simulated) const {
   return wall <= 0 ? 0 : static_cast<double>(simulated - oldest.simulated) / static_cast<double>(wall);
 }
 
-// On Linux 0 is the calling thread, not its process.
+// On Linux, 0 means the calling thread, not its process.
 UrgentThread::UrgentThread() : usual_(getpriority(PRIO_PROCESS, 0)) {}
 
 bool UrgentThread::Set(bool urgent) {
-  // Ten times the weight of a usual thread; still not real-time scheduling, with which an endless loop would
-  // take the machine.
+  // About ten times the weight of a usual thread, but not real-time scheduling: an endless loop must not
+  // block the machine.
   constexpr int kUrgent = -10;
   if (urgent == urgent_) return true;
   urgent_ = urgent;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Keeping time: when the next step is due, how fast the world goes, and a thread that is not kept waiting.
-// The caller says what time it is. One thread.
+// Timekeeping: when the next step is due, the real-time factor, and the priority of the stepping thread. The
+// caller passes the time. One thread.
 #pragma once
 
 #include <cstddef>
@@ -12,18 +12,18 @@
 namespace coopdyn {
 
 /// Paces steps of `step` simulated nanoseconds at `speed` times the wall clock, by absolute deadlines, so
-/// that errors do not add up. A late step is run at once; whole periods that were missed are skipped and
-/// counted, never run in a burst.
+/// errors do not accumulate. A late step runs at once. Missed whole periods are skipped and counted, never
+/// run in a burst.
 class Pacer {
  public:
-  /// Starts anew: the first step is due one period after `now`. `speed` > 0.
+  /// Restarts: the first step is due one period after `now`. `speed` > 0.
   void Start(Nanoseconds now, Nanoseconds step, double speed);
   bool started() const { return period_ns_ > 0; }
   void Stop() { period_ns_ = 0; }
 
   /// When the next step is due.
   Nanoseconds due() const;
-  /// Says that the step which was due has begun at `now`; returns how many periods had to be skipped.
+  /// Notes that the due step has begun at `now`. Returns the number of skipped periods.
   std::int64_t Advance(Nanoseconds now);
 
  private:
@@ -40,7 +40,7 @@ class RateMeter {
 
   /// Notes that the simulated time is `simulated` at wall time `now`.
   void Note(Nanoseconds now, Nanoseconds simulated);
-  /// Simulated over wall time in the window that ends at `now`; 0 without two notes.
+  /// Simulated over wall time in the window that ends at `now`; 0 before the first Note().
   double Factor(Nanoseconds now, Nanoseconds simulated) const;
   void Reset() { samples_.clear(); }
 
@@ -48,21 +48,20 @@ class RateMeter {
   struct Sample {
     Nanoseconds wall = 0, simulated = 0;
   };
-  std::deque<Sample> samples_;  // at most one each kSampleEvery, the oldest about kWindow ago
+  std::deque<Sample> samples_;  // at most one per kSampleEvery; the oldest is about kWindow old
 };
 
-/// A thread that keeps time must not queue behind the other programs of a busy machine.
+/// Raises a thread's priority: timekeeping must not queue behind other programs of a busy machine.
 class UrgentThread {
  public:
-  /// Of the calling thread, which makes all calls.
+  /// For the calling thread, which makes all calls.
   UrgentThread();
   /// Set(false).
   ~UrgentThread() { Set(false); }
   UrgentThread(const UrgentThread&) = delete;
   UrgentThread& operator=(const UrgentThread&) = delete;
 
-  /// Ahead of usual programs, or as before. False if the system refuses it; without a change nothing is
-  /// asked.
+  /// Sets a high or the usual priority; does nothing if unchanged. Returns false if the system refuses.
   bool Set(bool urgent);
 
  private:

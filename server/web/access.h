@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Who may ask for what over HTTP: guards against other web pages (Host, Origin) and strangers (token). Pure;
-// any thread.
+// Access checks for HTTP requests: against other web pages (Host, Origin) and strangers (token). Pure; any
+// thread.
 #pragma once
 
 #include <optional>
@@ -10,20 +10,20 @@
 
 namespace coopdyn {
 
-/// What a stranger is told who wants to change something without the token.
+/// Answer to a stranger's changing request without the token.
 inline constexpr const char* kTokenText =
     "from another machine this needs the token that the daemon printed when it started: enter it at the top "
     "of the page and press Unlock; a program sends it as \"token\"";
 
-/// The name or address of a Host header, lower case, without port and without the brackets of IPv6; nothing
-/// if it is not well-formed.
+/// The name or address in a Host header, in lower case, without the port and the brackets of IPv6; nullopt if
+/// it is malformed.
 std::optional<std::string> HostName(std::string_view host);
 
-/// True for IP addresses, "localhost" and `names` (any case): a name that somebody else's DNS resolves to
-/// this machine is refused.
+/// True for IP addresses, "localhost" and `names` (any case). Refuses other names, which a foreign DNS server
+/// may resolve to this machine.
 bool HostAllowed(std::string_view host, const std::vector<std::string>& names);
 
-/// True if a page of `origin` ("http://labserver:10001") was served by `host`, the Host header of the same
+/// True if `origin` ("http://labserver:10001") names the server in `host`, the Host header of the same
 /// request.
 bool OriginAllowed(std::string_view origin, std::string_view host);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Answers that other threads give to the UI thread: brought there, or dropped once the UI has stopped.
+// Delivers answers of other threads to the UI thread, or drops them once the UI has stopped.
 #pragma once
 
 #include <utility>
@@ -20,7 +20,7 @@ class Answers {
  public:
   using Done = std::function<void(const Answer&)>;
 
-  /// `drop` is called, on any thread, with answers that come too late. `context` outlives it.
+  /// Calls `drop`, on any thread, with answers that come too late. `context` outlives this object.
   explicit Answers(
       boost::asio::io_context& context, Done drop = [](const Answer&) {})
       : drop_(drop), mailbox_(std::make_shared<Mailbox>(context, *this, std::move(drop))) {}
@@ -29,18 +29,18 @@ class Answers {
   Answers(const Answers&) = delete;
   Answers& operator=(const Answers&) = delete;
 
-  /// What to call, once, from any thread, with an answer: `done` gets it on the UI thread, later, unless
-  /// Stop() came first. UI thread.
+  /// Returns a function that any thread may call once with the answer. The UI thread later passes the answer
+  /// to `done`, unless Stop() comes first. UI thread.
   Done Expect(Done done) {
     const std::uint64_t ticket = ++last_ticket_;
     waiting_.emplace(ticket, std::move(done));
     return [mailbox = mailbox_, ticket](const Answer& answer) { mailbox->Post(ticket, answer); };
   }
-  /// No answer gets through any more, those that wait are forgotten. UI thread, or when that has stopped.
+  /// Drops all further answers. UI thread, or after that thread has stopped.
   void Stop() { mailbox_->Close(); }
 
  private:
-  /// The way back to the UI thread, for answers that may come when it is gone.
+  /// Posts answers to the UI thread; outlives it for late answers.
   class Mailbox {
    public:
     Mailbox(boost::asio::io_context& context, Answers& answers, Done drop)
@@ -72,7 +72,7 @@ class Answers {
 
   const Done drop_;
   std::shared_ptr<Mailbox> mailbox_;
-  // Kept here, not with who answers: what they hold must not outlive the UI thread's context.
+  // Kept here, not in the returned functions: the objects they hold must not outlive the UI thread's context.
   std::unordered_map<std::uint64_t, Done> waiting_;
   std::uint64_t last_ticket_ = 0;
 };

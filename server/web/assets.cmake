@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# The page and the clients to download, built into the library: embed.cmake makes a C++ file of them.
+# Builds the page and the downloadable clients into the library: embed.cmake turns them into a C++ file.
 set(clients ${PROJECT_SOURCE_DIR}/clients)
 file(GLOB page_files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/page/*.html ${CMAKE_CURRENT_SOURCE_DIR}/page/*.svg)
 file(GLOB scripts CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/page/*.js ${CMAKE_CURRENT_SOURCE_DIR}/page/*.css)
@@ -26,7 +26,7 @@ if(matlab_files)
     VERBATIM)
 endif()
 
-# The page's libraries, by its lock file, and then its scripts and styles as a few files with all that they import.
+# Installs the page's libraries by its lock file, then bundles its scripts and styles with all their imports.
 find_program(NPM npm REQUIRED)
 set(packages ${CMAKE_CURRENT_BINARY_DIR}/packages)
 set(bundle ${CMAKE_CURRENT_BINARY_DIR}/bundle)

@@ -14,7 +14,7 @@ namespace {
 
 namespace json = boost::json;
 
-/// The parts of steps, in nanoseconds.
+/// A part of all steps.
 struct Part {
   const char* name;
   Nanoseconds ns;
@@ -40,14 +40,14 @@ json::value PerStep(Nanoseconds ns, std::uint64_t steps) {
   return static_cast<double>(ns) * 1e-6 / static_cast<double>(steps);
 }
 
-/// A robot's client, or a client of many robots.
+/// A client of one robot, or of a team.
 struct Client {
   std::string name, client;
   std::size_t robots = 1;
   Nanoseconds waited = 0, alone = 0;
 };
 
-/// A team's robots have one client: the world waits as long as for the last of them.
+/// Merges a team's robots into one client, for which the world waits as long as for its last robot.
 std::map<std::string, Client> ClientsOf(const CommandBoard::Waits& waits) {
   std::map<std::string, Client> clients;
   for (const CommandBoard::Wait& wait : waits.robots) {

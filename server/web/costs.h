@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Who slows the run: what a step costs by its parts, on average over the last second and since the last
-// reset, as JSON. The caller says what was measured and when. One thread.
+// What slows the run: the cost of a step by its parts, averaged over the last second and since the last
+// reset, as JSON. The caller supplies the measurements and their time. One thread.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,9 @@
 
 namespace coopdyn {
 
-/// What was measured until `now`.
+/// Measurements up to `now`.
 struct CostSnapshot {
-  /// A thread of the daemon that works beside the steps.
+  /// A thread of the daemon and its CPU time.
   struct Thread {
     std::string name;
     std::int64_t id = 0;
@@ -25,7 +25,7 @@ struct CostSnapshot {
 
   Nanoseconds now = 0;
   Mode mode = Mode::kRealtime;
-  bool playing = false;  // a recording: nothing is computed
+  bool playing = false;  // a recording: no physics
   bool recording = false;
   StepCosts costs = {};
   CommandBoard::Waits waits = {};
@@ -36,16 +36,16 @@ class CostBook {
  public:
   static constexpr Nanoseconds kWindow = kNanosecondsPerSecond;
   static constexpr Nanoseconds kOldest = 5 * kNanosecondsPerSecond;
-  static constexpr Nanoseconds kLeastApart = kWindow / 10;  // of two that are kept
-  static constexpr std::size_t kMaxRobots = 64;  // that are listed; those that are waited for longest
+  static constexpr Nanoseconds kLeastApart = kWindow / 10;  // between two kept snapshots
+  static constexpr std::size_t kMaxRobots = 64;             // clients listed: the ones waited for longest
 
   /// {"steps":…,"steps_last":…,"mode":…,"playback":…,"parts":[{"part":"physics","last_ms":…,"all_ms":…},…],
   /// "clients":[{"name":…,"client":…,"robots":1,"last_ms":…,"all_ms":…,"alone_last_ms":…,"alone_all_ms":…},…],
-  /// "threads":[{"name":…,"count":…,"last_ms":…,"cores":…},…]}: milliseconds per step; null: not known yet.
+  /// "threads":[{"name":…,"count":…,"last_ms":…,"cores":…},…]}: milliseconds per step; null if not yet known.
   std::string Json(const CostSnapshot& snapshot);
 
  private:
-  /// The newest that is at least kWindow old; null: there is none of this run.
+  /// The newest snapshot between kWindow and kOldest old; null if none.
   const CostSnapshot* Before(Nanoseconds now) const;
   void Keep(const CostSnapshot& snapshot);
 

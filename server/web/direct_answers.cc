@@ -20,7 +20,7 @@ HttpAnswer AnswerNames(const WebContext& context, const std::string& what) {
 }
 
 /// {"name_port":10000,"version":"0.1.0","modules":[{"name":"/robot1/motors","address":null,"port":10002,"external":false}]};
-/// `address` null: the one under which the page was reached.
+/// A null `address` means the address of the page.
 HttpAnswer AnswerModules(const WebContext& context) {
   json::array modules;
   for (const NameEntry& entry : context.names.List()) {
@@ -37,14 +37,14 @@ HttpAnswer AnswerModules(const WebContext& context) {
 
 HttpAnswer AnswerScene(WebContext& context) {
   const FramePtr frame = context.frames.Latest();
-  if (frame == nullptr) return ErrorAnswer(503, "there is no world yet: ask again in a second");
+  if (frame == nullptr) return ErrorAnswer(503, "no world is loaded yet: retry in a second");
   return JsonAnswer(SceneJson(*frame, context.scenes.Of(frame->scene)));
 }
 
-/// The scenario as it was loaded.
+/// The text of the scenario as loaded.
 HttpAnswer AnswerText(const WebContext& context) {
   const FramePtr frame = context.frames.Latest();
-  if (frame == nullptr) return ErrorAnswer(503, "there is no world yet: ask again in a second");
+  if (frame == nullptr) return ErrorAnswer(503, "no world is loaded yet: retry in a second");
   return {.body = frame->scene->scenario->text, .headers = {{"Cache-Control", "no-store"}}};
 }
 
@@ -59,8 +59,8 @@ HttpAnswer AnswerMesh(const WebContext& context, const std::string& name) {
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), id, 16);
   const bool read = error == std::errc() && end == name.data() + name.size();
   std::string glb = frame != nullptr && read ? MeshGlb(*frame->scene, id) : "";
-  if (glb.empty()) return ErrorAnswer(404, "no robot of the scene has this mesh: /api/scene names them");
-  // The name is that of the content.
+  if (glb.empty()) return ErrorAnswer(404, "no robot in the scene has this mesh: /api/scene lists them");
+  // The name identifies the content, so it may be cached.
   return {
       .body = std::move(glb), .type = "model/gltf-binary", .headers = {{"Cache-Control", "max-age=86400"}}};
 }
@@ -69,7 +69,7 @@ HttpAnswer AnswerTexture(const WebContext& context, const std::string& name) {
   const FramePtr frame = context.frames.Latest();
   const auto image = frame == nullptr ? nullptr : FindTextureImage(*frame->scene, name);
   if (image == nullptr)
-    return ErrorAnswer(404, "nothing in the scene has this texture: /api/scene names them");
+    return ErrorAnswer(404, "nothing in the scene has this texture: /api/scene lists them");
   return {.body = BitmapOf(*image), .type = "image/bmp", .headers = {{"Cache-Control", "no-cache"}}};
 }
 

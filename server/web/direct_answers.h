@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Answers that a connection gives at once, from what the world last published. UI thread.
+// Answers given at once, from the last published frame. UI thread.
 #pragma once
 
 #include <string>
@@ -12,14 +12,14 @@ namespace coopdyn {
 /// `what`: scenarios, worlds or robots.
 HttpAnswer AnswerNames(const WebContext& context, const std::string& what);
 HttpAnswer AnswerModules(const WebContext& context);
-/// 503 before there is a world; so does AnswerText().
+/// 503 before a world is loaded, like AnswerText().
 HttpAnswer AnswerScene(WebContext& context);
 HttpAnswer AnswerText(const WebContext& context);
-/// 404 from a daemon that does not measure.
+/// 404 if the daemon does not measure costs.
 HttpAnswer AnswerCosts(WebContext& context);
-/// `name`: the mesh's id as /api/scene writes it, hexadecimal; 404 for an unknown one.
+/// `name`: the mesh's hexadecimal id, from /api/scene; 404 if unknown.
 HttpAnswer AnswerMesh(const WebContext& context, const std::string& name);
-/// `name`: a texture of the scene; 404 for an unknown one.
+/// `name`: a texture of the scene; 404 if unknown.
 HttpAnswer AnswerTexture(const WebContext& context, const std::string& name);
 
 }  // namespace coopdyn

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # Writes a C++ file that holds files as bytes: cmake -DOUTPUT=FILE "-DASSETS=/path=file;/other=file" -DBUNDLE=folder
-# -P embed.cmake. What stands in BUNDLE, and text among the ASSETS, is held compressed.
+# -P embed.cmake. Compresses text files, including all scripts and styles in BUNDLE.
 find_program(GZIP gzip REQUIRED)
 file(GLOB bundled ${BUNDLE}/*)
 foreach(file ${bundled})

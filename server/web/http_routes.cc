@@ -22,7 +22,7 @@ HttpRoute Refuse(unsigned status, const std::string& text) {
 }
 
 HttpRoute RefuseMethod(std::string allow) {
-  HttpRoute route = Refuse(405, "this address takes " + allow + " only");
+  HttpRoute route = Refuse(405, "this address accepts only " + allow);
   route.refusal.headers.emplace_back("Allow", std::move(allow));
   return route;
 }
@@ -89,7 +89,7 @@ std::string ReadShotParameter(std::string_view key, const std::string& text, Cam
   return {};
 }
 
-/// Calls take(key, value) for each parameter until one returns an error; that, or empty.
+/// Calls take(key, value) for each parameter until a call returns an error. Returns that error, or empty.
 template <typename Take>
 std::string ReadQuery(std::string_view query, const Take& take) {
   while (!query.empty()) {
@@ -141,7 +141,7 @@ bool IsJson(std::string_view content_type) {
 
 constexpr std::string_view kRunFolder = "/runs/";
 
-/// The name of the file that `path` asks for; empty if it leads to no recording.
+/// The name of the recording in `path`; empty if `path` names none.
 std::string RunNameIn(std::string_view path) {
   if (!path.starts_with(kRunFolder)) return {};
   const std::string name = PercentDecode(path.substr(kRunFolder.size())).value_or("");
@@ -149,7 +149,7 @@ std::string RunNameIn(std::string_view path) {
   return ends_well && IsRunName(name) ? name : "";
 }
 
-/// /runs/NAME.run/WHAT, /api/playback/WHAT; nothing: another address.
+/// /runs/NAME.run/WHAT, /api/playback/WHAT; nullopt for any other path.
 std::optional<HttpRoute> RunViewIn(std::string_view path, std::string_view query) {
   const auto slash = path.rfind('/');
   if (slash == std::string_view::npos) return std::nullopt;
@@ -183,7 +183,7 @@ std::optional<HttpRoute> RunViewIn(std::string_view path, std::string_view query
   return HttpRoute{.kind = HttpRouteKind::kRunView, .view = std::move(view)};
 }
 
-/// What is sent to `path` by POST; nothing: another address.
+/// The route of a POST to `path`; nullopt if `path` accepts none.
 std::optional<HttpRouteKind> PostKind(std::string_view path) {
   if (path == "/api/call") return HttpRouteKind::kCall;
   if (path == "/api/check") return HttpRouteKind::kCheck;
@@ -191,7 +191,7 @@ std::optional<HttpRouteKind> PostKind(std::string_view path) {
   return std::nullopt;
 }
 
-/// /thumb/KIND/NAME.png; nothing: another address.
+/// /thumb/KIND/NAME.png; nullopt for any other path.
 std::optional<HttpRoute> ThumbIn(std::string_view path) {
   for (const std::string_view kind : {"world", "scenario", "robot"}) {
     const std::string folder = "/thumb/" + std::string(kind) + "/";
@@ -206,7 +206,7 @@ std::optional<HttpRoute> ThumbIn(std::string_view path) {
   return std::nullopt;
 }
 
-/// /api/text/KIND/NAME; nothing: another address.
+/// /api/text/KIND/NAME; nullopt for any other path.
 std::optional<HttpRoute> FileTextIn(std::string_view path) {
   for (const std::string_view kind : {"world", "scenario"}) {
     const std::string folder = "/api/text/" + std::string(kind) + "/";
@@ -318,7 +318,7 @@ std::string StreamHeader(std::string_view more) {
 }
 
 std::string PlainBytes(const Asset& asset) {
-  constexpr std::size_t kHead = 10, kTail = 8;  // gzip's, without a name
+  constexpr std::size_t kHead = 10, kTail = 8;  // bytes of gzip's header (without a file name) and trailer
   if (!asset.compressed || asset.bytes.size() < kHead + kTail) return std::string(asset.bytes);
   std::uint32_t size = 0;
   for (std::size_t i = 0; i < 4; ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a request line and its headers ask for, and whether that may be: everything about HTTP that needs no
+// Routes requests by their first line and headers, and refuses bad ones: all of HTTP that needs no
 // connection. Pure; any thread.
 #pragma once
 
@@ -18,10 +18,10 @@ struct HttpAnswer {
   std::string body = {};  // of an error: one line of text
   std::string type = "text/plain; charset=utf-8";
   std::vector<std::pair<std::string, std::string>> headers = {};
-  bool close = false;  // the connection, afterwards
+  bool close = false;  // close the connection afterwards
 };
 
-/// JSON, not to be kept by anybody.
+/// JSON that must not be cached.
 inline HttpAnswer JsonAnswer(const std::string& body) {
   return {.body = body + "\n", .type = "application/json", .headers = {{"Cache-Control", "no-store"}}};
 }
@@ -31,7 +31,7 @@ inline HttpAnswer ErrorAnswer(unsigned status, const std::string& text) {
   return {.status = status, .body = text + "\n"};
 }
 
-/// The request as far as its header goes.
+/// The header of a request.
 struct HttpRequestHead {
   std::string_view method;
   std::string_view target;
@@ -68,10 +68,10 @@ enum class HttpRouteKind {
   kSocket
 };
 
-/// /runs/NAME.run/WHAT, or /api/playback/WHAT of what is played:
+/// /runs/NAME.run/WHAT, or /api/playback/WHAT for the recording being played:
 /// ?with=OTHER.run&robot=NAME&points=1000&rate=30
 struct RunView {
-  std::string run;    // empty: what is played
+  std::string run;    // empty: the recording being played
   std::string what;   // timeline, scene, poses, table, parting
   std::string with;   // another run
   std::string robot;  // of table; empty: the run itself
@@ -85,28 +85,28 @@ struct HttpRoute {
   const Asset* asset = nullptr;  // kAsset
   ImageRequest image = {};       // kSnapshot, kStream
   std::string thumb_kind = {};   // kThumb, kFileText: world, scenario or robot
-  std::string thumb = {};        // the same: the name, to be looked up among those that there are
+  std::string thumb = {};        // likewise: the name, not yet looked up
   std::string name = {};         // kMesh: 16 hex digits; kTexture
-  std::string run = {};          // kRun: NAME.run or NAME.mat, to be checked by whoever keeps them
+  std::string run = {};          // kRun: NAME.run or NAME.mat, not yet looked up
   RunView view = {};             // kRunView
 };
 
-/// Where `head` leads. `host_names`: WebOptions.
+/// The route of `head`. `host_names` as in WebOptions.
 HttpRoute FindRoute(const HttpRequestHead& head, const std::vector<std::string>& host_names);
 
-/// Reads the query of `/snapshot.png?w=640&h=480&eye=x,y,z&look=x,y,z&rays=1` into `request`: an error text,
-/// empty if it is good.
+/// Reads the query of `/snapshot.png?w=640&h=480&eye=x,y,z&look=x,y,z&rays=1` into `request`. Returns an
+/// error text, empty on success.
 std::string ReadImageQuery(std::string_view query, ImageRequest& request);
 
-/// The answer with a file; 304 if the client has it.
-/// `accept_encoding`: one who does not say gzip gets plain bytes.
+/// The answer with an asset; 304 if the client has it. The asset is decompressed unless `accept_encoding`
+/// contains gzip.
 HttpAnswer AnswerAsset(const Asset& asset, std::string_view if_none_match,
                        std::string_view accept_encoding = {});
 
-/// The headers that every answer carries.
+/// The headers of every answer.
 const std::vector<std::pair<std::string, std::string>>& CommonHeaders();
-/// The header of an answer whose end is that of the connection, or that says its length in `more`, lines with
-/// "\r\n" between them.
+/// The header of an answer that ends with the connection. `more`: further header lines separated by "\r\n",
+/// for example the length.
 std::string StreamHeader(std::string_view more);
 
 }  // namespace coopdyn

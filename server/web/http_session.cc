@@ -30,7 +30,7 @@ namespace {
 
 constexpr std::size_t kMaxDrainBytes = std::size_t{1} << 20;
 constexpr std::chrono::seconds kDrainTime{2};
-constexpr std::chrono::seconds kRetryAfter{15};  // by then connections without a request have ended
+constexpr std::chrono::seconds kRetryAfter{15};  // by then, connections without a request have timed out
 
 constexpr std::size_t kMaxCheckedBytes = std::size_t{2} << 20;
 
@@ -48,7 +48,7 @@ HttpRequestHead HeadOf(const http::request<http::string_body>& request) {
   return head;
 }
 
-/// What to answer to something that is no HTTP request.
+/// The answer to a malformed HTTP request.
 HttpAnswer UnreadableAnswer(const error_code& failed) {
   HttpAnswer answer = failed == http::error::header_limit ? ErrorAnswer(431, "the header is too long")
                       : failed == http::error::body_limit
@@ -106,7 +106,7 @@ void HttpSession::OnHeader() {
   route_ = FindRoute(HeadOf(request), context_.options.host_names);
   const bool has_body = parser_->chunked() || parser_->content_length().value_or(0) > 0;
   if (route_.kind == HttpRouteKind::kRefused) {
-    route_.refusal.close |= has_body;  // it is not worth reading
+    route_.refusal.close |= has_body;  // the body is not read
     return Answer(route_.refusal);
   }
   if (!TakesBody()) {
@@ -183,7 +183,7 @@ void HttpSession::OnRequest() {
     case HttpRouteKind::kRun:
       return AnswerRun(route_.run);
     case HttpRouteKind::kRunView: {
-      // It repeats two runs: no work for a stranger to order.
+      // Comparing repeats two runs: too much work to do for strangers.
       if (route_.view.what == "parting" && !HasToken({})) return Answer(ErrorAnswer(403, WhyNoToken({})));
       const std::uint64_t ticket = Await("the recording");
       return context_.files.Run(route_.view, LaterAnswer(ticket));
@@ -277,7 +277,7 @@ void HttpSession::AnswerFile(const std::string& body) {
   if (!HasToken(read.token)) return Answer(ErrorAnswer(403, WhyNoToken(read.token)));
   if (!upload && read.file.text.size() > kMaxCheckedBytes) {
     return Answer(
-        ErrorAnswer(413, "a text of more than 2 MiB is not checked as one types: coopdyn check FILE"));
+        ErrorAnswer(413, "the page does not check texts of more than 2 MiB: run coopdyn check FILE"));
   }
   const std::uint64_t ticket = Await(upload ? "the upload" : "the check");
   upload ? context_.files.Upload(std::move(read.file), LaterAnswer(ticket))
@@ -288,7 +288,8 @@ void HttpSession::AnswerCall(const std::string& body) {
   const PageRead read = ReadPageMessage(body);
   const PageCall* call = read.message ? std::get_if<PageCall>(&*read.message) : nullptr;
   if (call == nullptr) {
-    return Answer(ErrorAnswer(400, read.error.empty() ? "send a call, without type" : read.error));
+    return Answer(
+        ErrorAnswer(400, read.error.empty() ? "send a call: an object without \"type\"" : read.error));
   }
   PeerInfo peer = peer_;
   const std::string_view token = TokenOr(call->token);
@@ -327,12 +328,12 @@ void HttpSession::AnswerRun(const std::string& name) {
 
 void HttpSession::OpenRun(std::uint64_t ticket, const std::string& name, const WebRunFile& run) {
   UniqueFd file(::open(run.file.c_str(), O_RDONLY | O_CLOEXEC));
-  if (run.temporary) ::unlink(run.file.c_str());  // gone once it is sent
+  if (run.temporary) ::unlink(run.file.c_str());  // removed from the disk when `file` is closed
   struct stat about {};
   if (file.get() < 0 || ::fstat(file.get(), &about) != 0 || !S_ISREG(about.st_mode)) {
     return AnswerLater(ticket, ErrorAnswer(404, name + " cannot be read"));
   }
-  if (ticket != ticket_) return;  // the time was up
+  if (ticket != ticket_) return;  // timed out
   ++ticket_;
   patience_.cancel();
   const bool head_only = parser_->get().method() == http::verb::head;
@@ -377,7 +378,7 @@ void HttpSession::Answer(HttpAnswer answer) {
   }
   stream_.expires_after(kAnswerTime);
   http::async_write(stream_, *response_, [self = shared_from_this()](error_code failed, std::size_t) {
-    // Not from within the bridge, which calls us.
+    // Posted, because the bridge may be calling this session.
     asio::post(self->stream_.get_executor(), [self, failed] {
       self->bridge_ = nullptr;
       if (failed) return self->Close();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One HTTP connection: reads requests one after the other, checks who asks, answers, or hands the connection
-// over to a WebSocket or a stream of pictures. UI thread.
+// One HTTP connection: reads requests one after the other, checks their rights and answers them, or hands the
+// connection over to a WebSocket or a stream. UI thread.
 #pragma once
 
 #include <utility>
@@ -33,8 +33,8 @@ class HttpSession : public WebConnection, public std::enable_shared_from_this<Ht
   static constexpr std::uint64_t kMaxBodyBytes = 16 << 20;
   static constexpr std::uint64_t kMaxStrangersBodyBytes = 1 << 20;  // without the token in the header
   static constexpr std::chrono::seconds kBodyTime{60};
-  static constexpr std::chrono::seconds kAnswerTime{60};   // for a module or picture, then again for writing
-  static constexpr std::chrono::seconds kExportTime{600};  // for a recording in another form
+  static constexpr std::chrono::seconds kAnswerTime{60};   // for a module or picture, and again for writing
+  static constexpr std::chrono::seconds kExportTime{600};  // for converting a recording
 
   HttpSession(boost::asio::ip::tcp::socket socket, WebContext& context, PeerInfo peer);
   ~HttpSession() override;
@@ -50,34 +50,35 @@ class HttpSession : public WebConnection, public std::enable_shared_from_this<Ht
 
   void ReadHeader();
   void OnHeader();
-  /// Whether the body may have its length, as far as the header tells; sets the limit for one in chunks.
+  /// True if the header announces a body of permitted length; limits a chunked body.
   bool TakesBody();
   void ReadBody();
   void OnRequest();
-  /// The connection as a WebSocket, or as a stream of pictures.
+  /// Hands the connection to a PageSocket.
   void BecomeSocket();
+  /// Hands the connection to a PictureStream.
   void BecomeStream(const ImageRequest& image);
   void AnswerStatus();
   void AnswerSnapshot(const ImageRequest& image, bool body_wanted);
   void AnswerCall(const std::string& body);
-  /// Checks or keeps the file in `body`.
-  /// The token in the header, else the one in the body.
+  /// The token in the header, else `token_of_body`.
   std::string_view TokenOr(std::string_view token_of_body) const;
   bool HasToken(std::string_view token_of_body) const;
   std::string WhyNoToken(std::string_view token_of_body) const;
+  /// Checks or uploads the file in `body`.
   void AnswerFile(const std::string& body);
   void AnswerRuns();
   void AnswerRun(const std::string& name);
-  /// Turns the connection into a stream of that file's bytes, unless the time was up.
+  /// Hands the connection to a FileStream, unless `ticket` has timed out.
   void OpenRun(std::uint64_t ticket, const std::string& name, const WebRunFile& run);
-  /// Starts waiting for somebody else's answer; the result is what AnswerLater() needs.
+  /// Starts the deadline for an answer from `whom`. Returns the ticket for AnswerLater().
   std::uint64_t Await(const std::string& whom, std::chrono::seconds time = kAnswerTime);
-  /// AnswerLater() for somebody else to call.
+  /// A callback that calls AnswerLater().
   std::function<void(const HttpAnswer&)> LaterAnswer(std::uint64_t ticket);
-  /// Like Answer(), unless the time was up.
+  /// Calls Answer(), unless `ticket` has timed out.
   void AnswerLater(std::uint64_t ticket, HttpAnswer answer);
   void Answer(HttpAnswer answer);
-  /// Reads what the client still sends for a moment, so that it sees the answer, then closes.
+  /// Briefly discards further input so that the client can read the answer, then closes.
   void Drain();
 
   boost::beast::tcp_stream stream_;
@@ -88,7 +89,7 @@ class HttpSession : public WebConnection, public std::enable_shared_from_this<Ht
   std::optional<boost::beast::http::response<boost::beast::http::string_body>> response_;
   HttpRoute route_;
   boost::asio::steady_timer patience_;
-  std::uint64_t ticket_ = 0;  // of the answer waited for
+  std::uint64_t ticket_ = 0;  // of the pending answer
   std::unique_ptr<PageBridge> bridge_;
   std::size_t drained_ = 0;
 };

@@ -25,7 +25,7 @@ void LiveView::Shown() {
 void LiveView::Next() {
   if (!request_ || unshown_ >= kMaxUnshown) return;
   if (moved_) {
-    // Do not wait for a picture of the old camera that waits for its tick. Wait for one that is being drawn.
+    // Replace a paced request of the old camera, which may still be queued. Wait for an unpaced one.
     if (!waiting_ || waiting_paced_) Ask(false);
   } else if (!waiting_ && unshown_ == 0) {
     if (pictures_.moment() == asked_at_) {
@@ -50,7 +50,7 @@ void LiveView::Ask(bool paced) {
                       waiting_ = false;
                       if (!request_) return;
                       if (!result.error.empty() && waiting_paced_) {
-                        moved_ = true;  // it gave way to others: again, a little later
+                        moved_ = true;  // dropped in favour of other requests: retry a little later
                         return WaitForNews();
                       }
                       ++unshown_;

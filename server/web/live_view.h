@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The stream of pictures for one viewer. A picture is asked for only when the viewer has shown an earlier
-// one, and when there is something new to see; a moved camera is answered at once. UI thread.
+// The stream of pictures for one viewer. Requests a picture only when the viewer has shown the earlier ones
+// and the world has changed, but at once when the camera moves. UI thread.
 #pragma once
 
 #include <utility>
@@ -18,20 +18,21 @@ namespace coopdyn {
 
 class LiveView {
  public:
-  /// Pictures sent and not yet shown: one is on its way while another is being drawn.
+  /// Pictures sent but not yet shown: one in transit while the viewer draws another.
   static constexpr int kMaxUnshown = 2;
-  /// How often a world that stands still is checked for a change.
+  /// How often a still world is checked for a change.
   static constexpr std::chrono::milliseconds kIdlePeriod{50};
 
-  /// `on_picture` gets every picture, also one that could not be made. `pictures` outlives the view.
+  /// Calls `on_picture` with every picture, and with errors of unpaced requests; retries paced ones.
+  /// `pictures` outlives the view.
   LiveView(boost::asio::io_context& context, Pictures& pictures,
            std::function<void(const ImageResult&)> on_picture);
   LiveView(const LiveView&) = delete;
   LiveView& operator=(const LiveView&) = delete;
 
-  /// Pictures like `request` from now on; nothing: no more.
+  /// Sends pictures as in `request` from now on; nullopt stops them.
   void Set(std::optional<ImageRequest> request);
-  /// The viewer has shown a picture.
+  /// Reports that the viewer has shown a picture.
   void Shown();
 
  private:
@@ -43,9 +44,9 @@ class LiveView {
   std::function<void(const ImageResult&)> on_picture_;
   boost::asio::steady_timer timer_;
   std::optional<ImageRequest> request_;
-  bool moved_ = false;            // the camera has, since the last request
-  std::uint64_t generation_ = 0;  // of the request whose picture is awaited
-  bool waiting_ = false;          // for that picture
+  bool moved_ = false;            // the camera moved since the last request, or that request failed
+  std::uint64_t generation_ = 0;  // of the last request
+  bool waiting_ = false;          // for its picture
   bool waiting_paced_ = false;
   bool idle_ = false;  // the timer runs
   int unshown_ = 0;

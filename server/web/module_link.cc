@@ -43,7 +43,7 @@ void ModuleLink::Call(const Message& request, ReplyFunction reply) {
   if (!open_) {
     refusal = closing_reason_.empty() ? "the module has closed the connection" : closing_reason_;
   } else if (outgoing_.size() > kMaxOutgoingBytes) {
-    refusal = "too much waits for this module: wait for replies before sending more";
+    refusal = "too many unsent requests for this module: wait for replies before sending more";
   }
   if (!refusal.empty()) {
     const Error error = open_ ? Error::kTooLarge : Error::kNotPossible;
@@ -95,7 +95,7 @@ void ModuleLink::TakeMessages() {
     const Decoded decoded = DecodeBinary(std::string_view(incoming_).substr(used), kMaxReplyBytes);
     if (decoded.status == DecodeStatus::kNeedMore) break;
     if (decoded.status != DecodeStatus::kMessage) {
-      closing_reason_ = "the module answered with something unreadable: " + decoded.message.text;
+      closing_reason_ = "the module sent an unreadable message: " + decoded.message.text;
       return Fail();
     }
     used += decoded.consumed;
@@ -105,7 +105,7 @@ void ModuleLink::TakeMessages() {
 }
 
 void ModuleLink::Deliver(const Message& message) {
-  // Unasked messages are the negative ones; a reply to something unreadable has −2.
+  // Unsolicited messages have negative commands; so does the reply to an unreadable request, −2.
   const bool pushed = message.command < 0 && message.command != command::kUnreadable;
   if (message.command == command::kClosing) closing_reason_ = message.text;
   if (pushed || replies_.empty()) {
@@ -126,7 +126,7 @@ void ModuleLink::Write() {
   asio::async_write(socket_, asio::buffer(writing_),
                     [self = shared_from_this()](error_code failed, std::size_t) {
                       self->write_pending_ = false;
-                      // The reading side sees the end too, after what the module still had to say.
+                      // On failure, the reading side sees the end too, after the module's last messages.
                       if (!failed && self->open_) self->Write();
                     });
 }

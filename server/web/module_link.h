@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The client side of one module connection inside the daemon: a socket pair whose other end the module
-// adopts, spoken in the binary encoding. UI thread.
+// adopts. Uses the binary encoding. UI thread.
 #pragma once
 
 #include <utility>
@@ -22,24 +22,24 @@ namespace coopdyn {
 class ModuleLink : public std::enable_shared_from_this<ModuleLink> {
  public:
   using ReplyFunction = std::function<void(const Message& reply)>;
-  /// Called for unasked messages; the closing notice is the last.
+  /// Called for unsolicited messages; the closing notice is the last.
   using PushFunction = std::function<void(const Message& push)>;
 
-  /// Requests that wait to be written; beyond it Call() answers error 8.
+  /// Unsent requests; beyond this limit Call() answers error 8.
   static constexpr std::size_t kMaxOutgoingBytes = std::size_t{40} << 20;
 
-  /// Null if `entry` is not ours or no socket can be had.
+  /// Null if `entry` belongs to another program or no socket pair can be opened.
   static std::shared_ptr<ModuleLink> Open(boost::asio::io_context& context, const NameEntry& entry,
                                           PeerInfo peer);
   ~ModuleLink();
 
   void set_push_function(PushFunction function) { on_push_ = std::move(function); }
-  /// Sends a request; `reply` is called once, later, unless Close() comes first. If the module closes the
-  /// connection it gets error 5 with the reason.
+  /// Sends a request and later calls `reply` once, unless Close() comes first. If the module closes the
+  /// connection, `reply` receives error 5 with the reason.
   void Call(const Message& request, ReplyFunction reply);
-  /// Ends the connection, which frees what it owns; no function is called any more.
+  /// Closes the connection, which frees the robot it owns. No callback runs afterwards.
   void Close();
-  /// Ends the connection; what waits is answered with error 5 and `reason`, later.
+  /// Closes the connection and later answers pending requests with error 5 and `reason`.
   void Abandon(const std::string& reason);
   bool is_open() const { return open_; }
   /// Requests not yet answered.
@@ -56,14 +56,14 @@ class ModuleLink : public std::enable_shared_from_this<ModuleLink> {
   void TakeMessages();
   void Deliver(const Message& message);
   void Write();
-  /// The module is gone: answers all that wait.
+  /// Closes the connection after the module has, and answers all pending requests.
   void Fail();
 
   boost::asio::local::stream_protocol::socket socket_;
   bool open_ = true;
   std::array<char, 16384> chunk_;
   std::string incoming_;
-  std::string outgoing_;  // waits for the one below to be written
+  std::string outgoing_;  // sent after writing_
   std::string writing_;
   bool write_pending_ = false;
   std::deque<Waiting> replies_;

@@ -14,18 +14,18 @@
 namespace coopdyn {
 namespace {
 
-/// Lines of the text encoding without the final '\n'.
+/// `text` without its final '\n's.
 std::string Chomp(std::string text) {
   while (text.ends_with('\n')) text.pop_back();
   return text;
 }
 
-/// What to do with a call.
+/// A call, ready to be sent or answered.
 struct ResolvedCall {
-  bool send = false;  // `message` goes to the module; else it is the answer
+  bool send = false;  // send `message` to the module; else it is the answer
   Message message;
-  std::string note;      // with an answer: lines for the console, e.g. help
-  bool changes = true;   // needs the right to change something
+  std::string note;      // of an answer: lines for the console, e.g. help
+  bool changes = true;   // requires the right to change things
   bool verbose = false;  // the line was `verbose`
 };
 
@@ -67,12 +67,12 @@ ResolvedCall ReadLine(const std::string& line, const CommandTable& table) {
   return Answer({}, "# type help to see the commands");
 }
 
-/// Reads the line of `call`, or looks up its command's name in `table`; null: unknown.
+/// Reads the line of `call`, or looks up its command's name in `table`, which is null if unknown.
 ResolvedCall ResolveCall(const PageCall& call, const CommandTable* table) {
   if (table == nullptr) {
     if (call.line || !call.command_name.empty()) {
       return Refuse(Error::kUnknownCommand,
-                    "the commands of " + call.module + " are not known by name here: give the number");
+                    "the command names of " + call.module + " are unknown here: send the command's number");
     }
     return {.send = true, .message = call.message, .note = {}};
   }
@@ -135,7 +135,7 @@ void PageBridge::Handle(const PageCall& call) {
   }
   if (waiting_ >= kMaxWaiting) {
     return Answer(call, ErrorReply(resolved.message.command, Error::kTooLarge,
-                                   "too many requests wait for their replies: wait for some first"));
+                                   "too many pending requests: wait for some replies first"));
   }
   const Key key{call.module, call.channel};
   Message refusal;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// From the page's calls to module connections and back: one connection per module and channel, opened when
-// first needed and closed with the bridge, so that the page's robots are freed. UI thread.
+// Carries the page's calls to module connections and the replies back. Opens one connection per module and
+// channel on demand; closes all with the bridge, which frees the page's robots. UI thread.
 #pragma once
 
 #include <utility>
@@ -25,26 +25,26 @@ class PageBridge {
  public:
   static constexpr std::size_t kMaxLinks = 512;
   static constexpr std::size_t kMaxStrangersLinks = 32;  // without the right to change things
-  static constexpr std::size_t kMaxWaiting = 1024;       // requests not yet answered
+  static constexpr std::size_t kMaxWaiting = 1024;       // pending requests
   /// Called for every reply and push, never from within Handle().
   using SendFunction = std::function<void(const PageReply& reply)>;
 
-  /// `trusted`: may change things; else only what reads gets through. All references outlive the bridge.
+  /// If `peer` is not trusted, only reading commands get through. All references outlive the bridge.
   PageBridge(boost::asio::io_context& context, const NameTable& names, const FrameBoard& frames,
              PeerInfo peer, SendFunction send);
-  /// Closes all connections; nothing is sent any more.
+  /// Closes all connections. Does not call `send` afterwards.
   ~PageBridge();
   PageBridge(const PageBridge&) = delete;
   PageBridge& operator=(const PageBridge&) = delete;
 
-  /// Whether calls may change things from now on: connections made without that right are closed.
+  /// Sets whether calls may change things from now on. A change closes all connections.
   void SetTrusted(bool trusted);
   bool trusted() const { return peer_.trusted; }
   const std::string& peer() const { return peer_.text; }
 
-  /// Sends a call to its module; exactly one reply follows.
+  /// Sends a call to its module. Exactly one reply follows.
   void Handle(const PageCall& call);
-  /// Closes a connection; what waits on it is answered with error 5.
+  /// Closes a connection and answers its pending requests with error 5.
   void CloseLink(const std::string& module, const std::string& channel);
 
  private:
@@ -56,7 +56,7 @@ class PageBridge {
 
   /// The commands of the module called `name` ("/robot1/motors"); null if unknown.
   const CommandTable* TableOf(const std::string& name) const;
-  /// The open connection, or the reply that says why there is none.
+  /// The open connection; null if it cannot be opened, with the reason in `refusal`.
   Link* FindOrOpen(const Key& key, Message& refusal);
   void Push(const Key& key, const Message& message);
   /// Answers `call` without a module, later.
@@ -64,7 +64,7 @@ class PageBridge {
 
   boost::asio::io_context& context_;
   const NameTable& names_;
-  const FrameBoard& frames_;  // the types of robots' modules are in its scene
+  const FrameBoard& frames_;  // its scene holds the types of the robots' modules
   PeerInfo peer_;
   SendFunction send_;
   std::map<Key, Link> links_;

@@ -13,12 +13,12 @@ namespace json = boost::json;
 
 constexpr std::size_t kMaxFileNameBytes = 255;
 
-/// A string of `object`; empty if there is none. What is wrong goes to `error`.
+/// The string at `key`; empty if missing. Sets `error` if it is not clean UTF-8.
 std::string TextOf(const json::object& object, std::string_view key, std::string& error) {
   const json::value* value = object.if_contains(key);
   if (value == nullptr) return {};
   if (!value->is_string() || !IsCleanUtf8(std::string_view(value->get_string()))) {
-    error = "\"" + std::string(key) + "\" must be a text in UTF-8 without NUL";
+    error = "\"" + std::string(key) + "\" must be UTF-8 text without NUL";
     return {};
   }
   return std::string(value->get_string());
@@ -45,7 +45,7 @@ PageFileRead ReadPageFile(std::string_view text) {
   read.token = TextOf(object, "token", read.error);
   if (!read.error.empty()) return read;
   if (read.file.name.empty() || !object.contains("text")) {
-    read.error = R"(say which file, and what is in it: {"name":"my.scenario","text":"…"})";
+    read.error = R"(give the file's name and text: {"name":"my.scenario","text":"…"})";
   } else if (read.file.name.size() > kMaxFileNameBytes) {
     read.error = "the name of the file is too long";
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Texts and pictures of files for the UI thread, which waits for no disk: checks, uploads, the gallery.
+// Scenario, world and robot files for the UI thread, which never waits for the disk: checks, uploads, texts,
+// the gallery.
 #pragma once
 
 #include <utility>
@@ -17,7 +18,7 @@ namespace coopdyn {
 struct PageFileRead {
   WebFile file;
   std::string token;
-  std::string error;  // says what to write instead
+  std::string error;  // with what to write instead; empty on success
 };
 PageFileRead ReadPageFile(std::string_view json);
 
@@ -25,20 +26,20 @@ class PageFiles {
  public:
   using Done = WebFiles::Done;
 
-  /// Both outlive it.
+  /// Both outlive this object.
   PageFiles(boost::asio::io_context& context, const WebFiles& files) : files_(files), answers_(context) {}
 
-  /// `done` is called once on the UI thread, later, unless Stop() came first. UI thread.
+  /// All requests call `done` once, later, on the UI thread, unless Stop() comes first. UI thread.
   void Check(WebFile file, Done done);
   void Upload(WebFile file, Done done);
   void Gallery(Done done);
   /// `kind`: world, scenario or robot.
   void Thumb(const std::string& kind, const std::string& name, Done done);
-  /// Of a world or a scenario.
+  /// The text of a world or scenario.
   void Text(const std::string& kind, const std::string& name, Done done);
-  /// What is asked of a recording besides its file.
+  /// A view of a recording.
   void Run(const RunView& view, Done done);
-  /// No answer gets through any more, those that wait are forgotten. UI thread, or when that has stopped.
+  /// Drops all further answers. UI thread, or after that thread has stopped.
   void Stop() { answers_.Stop(); }
 
  private:

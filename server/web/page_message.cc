@@ -46,7 +46,7 @@ std::string ModuleAt(const json::object& object) {
   return module;
 }
 
-/// A number, or one of the strings that stand for the others.
+/// A number, or one of the strings for non-finite numbers.
 std::optional<double> ToNumber(const json::value& value) {
   if (value.is_number()) return value.to_number<double>();
   if (value.is_string()) {
@@ -155,7 +155,7 @@ PageMessage ReadObject(const json::object& object) {
   if (type == "poses") {
     const json::value* rate = object.if_contains("rate");
     if (rate == nullptr || !rate->is_number() || !(rate->to_number<double>() >= 0))
-      throw Wrong{"poses take a rate per second, 0 for none: {\"type\":\"poses\",\"rate\":30}"};
+      throw Wrong{"poses need a rate per second, 0 for none: {\"type\":\"poses\",\"rate\":30}"};
     return PagePoses{std::min(rate->to_number<double>(), PagePoses::kMaxRate_hz)};
   }
   if (type == "close") return PageClose{ModuleAt(object), NameAt(object, "channel")};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The JSON that the page and scripts send, and that they get: docs/protocol.md. Pure; any thread.
+// The JSON that the page and scripts send and receive: docs/protocol.md. Pure; any thread.
 #pragma once
 
 #include <cstdint>
@@ -22,10 +22,10 @@ namespace coopdyn {
 struct PageCall {
   boost::json::value id;  // repeated in the reply: a number, a string or null
   std::string module;     // "/robot1/motors"; a missing leading '/' is added
-  /// Calls of one module and channel share a connection, so the next is read when the last was answered.
+  /// Calls of one module and channel share a connection: the module reads the next after answering the last.
   std::string channel;
-  std::optional<std::string> line;  // as a person types it; the rest is then empty
-  std::string command_name;         // or message.command
+  std::optional<std::string> line;  // as typed; command_name and message are then empty
+  std::string command_name;         // empty: message.command is the number
   Message message;
   std::string token;
 };
@@ -35,14 +35,14 @@ struct PageHello {
   std::string token;
 };
 
-/// {"type":"view","width":640,"height":480,"eye":[x,y,z],"look":[x,y,z],"rays":false}: pictures from here,
-/// please. Without width: no more pictures. A message {"type":"shown"} asks for the next one.
+/// {"type":"view","width":640,"height":480,"eye":[x,y,z],"look":[x,y,z],"rays":false}: starts pictures from
+/// this camera; without width, stops them. A message {"type":"shown"} asks for the next one.
 struct PageView {
   std::optional<ImageRequest> request;
 };
 struct PageShown {};
 
-/// {"type":"poses","rate":30}: where the bodies are (pose_stream.h), at most this often a second; 0: no more.
+/// {"type":"poses","rate":30}: starts the bodies' poses (pose_stream.h), at most 30 a second; 0 stops them.
 struct PagePoses {
   static constexpr double kMaxRate_hz = 60;
   double rate_hz = 0;
@@ -56,26 +56,26 @@ struct PageClose {
 
 using PageMessage = std::variant<PageCall, PageHello, PageView, PageShown, PagePoses, PageClose, PageMe>;
 
-/// What could be read, or what is wrong with it.
+/// A message, or the error in it.
 struct PageRead {
   std::optional<PageMessage> message;
-  std::string error;      // says what to write instead
-  boost::json::value id;  // of the bad message, as far as it could be read
+  std::string error;      // with what to write instead
+  boost::json::value id;  // of the message, even a bad one; null if unreadable
 };
 PageRead ReadPageMessage(std::string_view json);
 
-/// A module's reply or push as the page gets it.
+/// A module's reply or push, as sent to the page.
 struct PageReply {
   std::optional<boost::json::value> id;  // none: a push, `"push":true` instead
   std::string module;
   std::string channel;
   Message message;
-  std::string line;  // the reply as the text encoding has it, and its explanation; for the console
-  std::string note;
-  std::optional<Message> sent = {};  // what a line meant, so that the page can say it in other languages
+  std::string line;                  // the reply in the text encoding, for the console
+  std::string note;                  // its explanation, for the console
+  std::optional<Message> sent = {};  // the message that a line was read as, for "copy as code"
 };
-/// {"id":1,"module":"…","error":0,"text":"","command":11,"params":[0],"data":[0.01,1]}; numbers that are not
-/// finite are the strings "inf", "-inf", "nan".
+/// {"id":1,"module":"…","error":0,"text":"","command":11,"params":[0],"data":[0.01,1]}; non-finite numbers
+/// are the strings "inf", "-inf", "nan".
 std::string WritePageReply(const PageReply& reply);
 
 }  // namespace coopdyn

@@ -26,7 +26,7 @@ boost::json::array PointOf(const Vector3& point) {
   return {point.x(), point.y(), point.z()};
 }
 
-/// A binary message: see the header of this class.
+/// A binary message with a picture; see page_socket.h.
 std::string PictureMessage(const ImageResult& result) {
   const std::string json =
       JsonText(result.error.empty() ? boost::json::object{{"time_s", ToSeconds(result.time)},
@@ -58,13 +58,13 @@ PageSocket::PageSocket(beast::tcp_stream stream, WebContext& context, PeerInfo p
 
 void PageSocket::Start(http::request<http::string_body> upgrade) {
   upgrade_ = std::move(upgrade);
-  beast::get_lowest_layer(socket_).expires_never();  // the WebSocket has its own
+  beast::get_lowest_layer(socket_).expires_never();  // the WebSocket has its own timeouts
   websocket::stream_base::timeout timeout{};
   timeout.handshake_timeout = kHandshakeTime;
   timeout.idle_timeout = kSilence;
   timeout.keep_alive_pings = true;
   socket_.set_option(timeout);
-  // The status names all robots and their modules: compressed it takes a tenth.
+  // The status lists all robots and their modules; compression reduces it to a tenth.
   websocket::permessage_deflate compression;
   compression.server_enable = true;
   compression.compLevel = 3;
@@ -253,13 +253,13 @@ void PageSocket::WriteNext() {
   }
   writing_ = true;
   socket_.binary(binary);
-  socket_.compress(!binary);  // poses and pictures are small as they are
+  socket_.compress(!binary);  // poses and pictures are compact already
   socket_.async_write(boost::asio::buffer(written_),
                       [self = shared_from_this()](error_code failed, std::size_t) {
                         self->writing_ = false;
                         if (failed) return self->Close();
                         self->WriteNext();
-                        self->Read();  // it may have been held back
+                        self->Read();  // may have paused at a full queue
                       });
 }
 

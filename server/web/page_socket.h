@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// One open page: a WebSocket that carries calls to modules, the status, and pictures. A slow one gets the
-// newest status, picture and poses only. Text messages are JSON; a binary one has a type byte: 2 poses
-// (pose_stream.h), 1 a picture: uint32 (little-endian) length of a JSON object, that object
-// {"time_s":…,"step":…,"eye":[x,y,z],"look":[x,y,z]} or {"error":"…"}, then a JPEG. UI thread.
+// One open page: a WebSocket that carries calls to modules, the status, poses and pictures. A slow page
+// receives only the newest status, poses and picture. Text messages are JSON; a binary one starts with its
+// type: byte 2 for poses (pose_stream.h); byte 1 for a picture, followed by the uint32 (little-endian) length
+// of a JSON object, that object {"time_s":…,"step":…,"eye":[x,y,z],"look":[x,y,z]} or {"error":"…"}, and a
+// JPEG. UI thread.
 #pragma once
 
 #include <utility>
@@ -33,15 +34,15 @@ class PageSocket : public WebConnection,
  public:
   static constexpr std::size_t kMaxMessageBytes = std::size_t{20} << 20;  // an upload of 16 MiB as JSON
   static constexpr std::size_t kMaxStrangersMessageBytes = std::size_t{1} << 20;  // without the token
-  static constexpr std::size_t kMaxQueuedReplies = 64;  // beyond that nothing more is read
+  static constexpr std::size_t kMaxQueuedReplies = 64;  // beyond this, reading pauses
   static constexpr std::size_t kMaxQueuedBytes = std::size_t{8} << 20;
-  static constexpr std::size_t kMaxQueuedPushes = 64;  // beyond that the oldest is dropped
+  static constexpr std::size_t kMaxQueuedPushes = 64;  // beyond this, the oldest is dropped
   static constexpr std::chrono::seconds kHandshakeTime{15};
-  static constexpr std::chrono::seconds kSilence{20};  // a peer that answers no ping for so long is gone
+  static constexpr std::chrono::seconds kSilence{20};  // without an answer to pings; then the peer is gone
 
   PageSocket(boost::beast::tcp_stream stream, WebContext& context, PeerInfo peer);
 
-  /// Answers the upgrade that has been checked already.
+  /// Accepts `upgrade`, which FindRoute() has checked.
   void Start(boost::beast::http::request<boost::beast::http::string_body> upgrade);
   void Close() override;
   void OnStatus(const std::shared_ptr<const std::string>& status) override;
@@ -59,10 +60,10 @@ class PageSocket : public WebConnection,
   void OnHello(const PageHello& hello);
   void OnReply(PageReply reply);
   void OnPicture(const ImageResult& result);
-  /// Poses at this rate from now on; 0: none.
+  /// Sends poses at this rate from now on; 0 stops them.
   void SendPoses(double rate_hz);
   void AwaitPoses();
-  /// The poses of the newest frame, if they are due and not what the viewer has.
+  /// The pose message of the newest frame; empty if none is due or nothing changed.
   std::string TakePoses();
   void Send(std::string text, bool push = false);
   void WriteNext();
@@ -77,20 +78,20 @@ class PageSocket : public WebConnection,
   bool open_ = false;
   bool reading_ = false;
   bool writing_ = false;
-  std::string written_;  // what is being written
+  std::string written_;  // the message being written
   std::deque<Outgoing> queue_;
   std::size_t queued_bytes_ = 0;
   std::size_t queued_pushes_ = 0;
   std::size_t dropped_pushes_ = 0;
-  std::shared_ptr<const std::string> status_;  // the newest, not yet written
+  std::shared_ptr<const std::string> status_;  // the newest; null once written
   std::shared_ptr<const std::string> people_;  // likewise
-  std::string picture_;                        // likewise
-  std::uint64_t person_ = 0;                   // among those who look
+  std::string picture_;                        // the newest; empty once written
+  std::uint64_t person_ = 0;                   // this page in context_.people
   PoseStream poses_;
   boost::asio::steady_timer pose_timer_;
-  std::chrono::nanoseconds pose_every_{0};  // 0: none are wanted
+  std::chrono::nanoseconds pose_every_{0};  // 0: no poses
   bool poses_due_ = false;
-  FramePtr posed_;  // the frame whose poses were taken last
+  FramePtr posed_;  // frame of the last pose message
 };
 
 }  // namespace coopdyn

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Who looks at the page, as each calls himself, and what each has selected. UI thread.
+// The people viewing the page: their names and selections. UI thread.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,11 @@ namespace coopdyn {
 /// {"type":"me","name":"Ana","selected":"BOX_1"}.
 struct PageMe {
   static constexpr std::size_t kMaxNameBytes = 40, kMaxSelectedBytes = 63;
-  std::string name;      // empty: none was given
-  std::string selected;  // of a thing or robot; empty: nothing
+  std::string name;      // empty if not given
+  std::string selected;  // name of a thing or robot; empty if none
 };
 
-/// A page that hears who else looks.
+/// A page that is notified of the people.
 class PeopleWatcher {
  public:
   virtual ~PeopleWatcher() = default;
@@ -26,9 +26,9 @@ class PeopleWatcher {
 
 class People {
  public:
-  /// A new one comes; returns its number. The others are told with the first Set().
+  /// Adds a person and returns its id. The first Set() notifies the watchers.
   std::uint64_t Enter(std::weak_ptr<PeopleWatcher> watcher);
-  /// Says something else of itself.
+  /// Updates a person and notifies all watchers.
   void Set(std::uint64_t id, PageMe me);
   void Leave(std::uint64_t id);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures for the UI thread.
+// Requests pictures for the UI thread.
 #pragma once
 
 #include <utility>
@@ -14,7 +14,7 @@
 
 namespace coopdyn {
 
-/// Which state of the world is to be seen.
+/// Identifies a state of the world.
 struct SceneMoment {
   std::uint64_t epoch = 0;
   std::uint64_t step = 0;
@@ -24,12 +24,12 @@ struct SceneMoment {
 
 class Pictures {
  public:
-  /// `images`: null without rendering. All outlive it.
+  /// `images`: null without rendering. All outlive this object.
   Pictures(boost::asio::io_context& context, const FrameBoard& frames, ImageBoard* images)
       : frames_(frames), images_(images), answers_(context) {}
 
   bool available() const { return images_ != nullptr; }
-  /// `done` is called once on the UI thread, later, unless Stop() came first. UI thread.
+  /// Calls `done` once, later, on the UI thread, unless Stop() comes first. UI thread.
   void Request(ImageRequest request, std::function<void(const ImageResult&)> done) {
     const auto answer = answers_.Expect(std::move(done));
     if (images_ != nullptr) return images_->Request(std::move(request), answer);
@@ -37,12 +37,12 @@ class Pictures {
     none.error = "the daemon runs without pictures (--no-render)";
     answer(none);
   }
-  /// What the newest frame shows. UI thread.
+  /// The moment of the newest frame. UI thread.
   SceneMoment moment() const {
     const FramePtr frame = frames_.Latest();
     return frame == nullptr ? SceneMoment() : SceneMoment{frame->epoch, frame->step, frame->revision};
   }
-  /// No answer gets through any more, those that wait are forgotten. UI thread, or when that has stopped.
+  /// Drops all further answers. UI thread, or after that thread has stopped.
   void Stop() { answers_.Stop(); }
 
  private:

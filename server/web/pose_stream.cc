@@ -14,7 +14,7 @@ void AppendLow(std::string& bytes, std::uint64_t number, int count) {
   for (int i = 0; i < count; ++i) bytes += static_cast<char>(number >> (8 * i) & 0xffU);
 }
 
-/// Seven bits a byte, the lowest first; the highest bit says that more follow.
+/// Seven bits per byte, the lowest first; the highest bit says that another byte follows.
 void AppendVarint(std::string& bytes, std::uint64_t number) {
   for (; number >= 0x80U; number >>= 7) bytes += static_cast<char>((number & 0x7fU) | 0x80U);
   bytes += static_cast<char>(number);
@@ -58,7 +58,7 @@ std::string PoseStream::Next(const Frame& frame, std::uint32_t scene) {
     Units& had = bodies_[i];
     unsigned mask = now[6] != had[6] ? 0x40U : 0U;
     for (std::size_t k = 0; k < 6; ++k) {
-      // Another component is left out: the three are not comparable.
+      // If another component is omitted, the three are not comparable: send them all.
       if (now[k] != had[k] || (mask != 0 && k >= 3)) mask |= 1U << k;
     }
     if (mask == 0 && !anew) {

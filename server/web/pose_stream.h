@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Poses for one viewer, as few bytes as will do (docs/protocol.md): what has changed since the last message,
-// in units of 0.1 mm and 1/8192 of a quaternion's component. Pure; one thread.
+// Encodes poses for one viewer in few bytes (docs/protocol.md): the changes since the last message, in units
+// of 0.1 mm, and 1/(8192 √2) for the components of quaternions. Pure; one thread.
 #pragma once
 
 #include <array>
@@ -19,22 +19,22 @@ class PoseStream {
   static constexpr int kQuaternionUnits = 8192;
   static constexpr char kType = 2;  // first byte of the message
 
-  /// The message that brings a viewer from the last frame to this one; empty if nothing has changed. `scene`:
-  /// number of the frame's scene; another one begins anew.
+  /// The message that takes a viewer from the last frame to this one; empty if nothing has changed. `scene`:
+  /// number of the frame's scene. A new scene starts with all poses.
   std::string Next(const Frame& frame, std::uint32_t scene);
-  /// The viewer has nothing.
+  /// Makes the next message hold all poses.
   void Restart() {
     bodies_.clear();
     fresh_ = true;
   }
 
  private:
-  /// x y z, three components of the quaternion, and which one is left out: the one of largest magnitude, made
-  /// positive.
+  /// x, y, z, three components of the quaternion, and the index of the omitted one: the one of largest
+  /// magnitude, made positive.
   using Units = std::array<std::int64_t, 7>;
   static Units UnitsOf(const BodyState& body);
 
-  std::vector<Units> bodies_;  // that the viewer has
+  std::vector<Units> bodies_;  // as sent to the viewer
   std::uint32_t scene_ = 0;
   std::uint64_t step_ = 0;
   Nanoseconds time_ = -1;

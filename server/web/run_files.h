@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Recordings for the UI thread, which waits for no disk.
+// Recordings for the UI thread, which never waits for the disk.
 #pragma once
 
 #include <utility>
@@ -21,18 +21,18 @@ namespace coopdyn {
 
 class RunFiles {
  public:
-  /// All outlive it.
+  /// All outlive this object.
   RunFiles(boost::asio::io_context& context, const WebRuns& runs, Logger logger);
 
   using Done = std::function<void(const WebRunFile&)>;
-  /// The list, as text; `done` is called once on the UI thread, later, unless Stop() came first. UI thread.
+  /// Passes the list as text to `done`, once, later, on the UI thread, unless Stop() comes first. UI thread.
   void List(Done done);
-  /// Likewise the file NAME.run or NAME.mat; what is temporary is `done`'s to remove.
+  /// Likewise passes the file NAME.run or NAME.mat; `done` must remove a temporary file.
   void Open(const std::string& name, Done done);
   using Piece = std::shared_ptr<const std::string>;
-  /// Likewise the next bytes of `file`, at most `bytes`; none at its end or after an error.
+  /// Likewise passes the next bytes of `file`, at most `bytes`; none at its end or after an error.
   void Read(std::shared_ptr<const UniqueFd> file, std::size_t bytes, std::function<void(const Piece&)> done);
-  /// No answer gets through any more, those that wait are forgotten. UI thread, or when that has stopped.
+  /// Drops all further answers. UI thread, or after that thread has stopped.
   void Stop() {
     answers_.Stop();
     pieces_.Stop();
@@ -43,7 +43,7 @@ class RunFiles {
   const Logger logger_;
   Answers<WebRunFile> answers_;
   Answers<Piece> pieces_;
-  std::optional<IoThread> disk_;  // reads; started with the first
+  std::optional<IoThread> disk_;  // reads files; started by the first Read()
 };
 
 }  // namespace coopdyn

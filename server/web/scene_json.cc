@@ -19,7 +19,7 @@ namespace {
 
 namespace json = boost::json;
 
-/// As many digits as a picture needs.
+/// Rounds to the digits that a picture needs.
 double Short(double value) {
   constexpr double kUnit = 1e-5;
   return std::abs(value) < 1e9 ? std::round(value / kUnit) * kUnit : value;
@@ -28,7 +28,7 @@ double Short(double value) {
 json::array Numbers(const Vector3& v) {
   return {Short(v.x()), Short(v.y()), Short(v.z())};
 }
-json::array Numbers(const Quaternion& q) {  // as three.js has them
+json::array Numbers(const Quaternion& q) {  // in the order of three.js
   return {Short(q.x()), Short(q.y()), Short(q.z()), Short(q.w())};
 }
 json::array Numbers(const Color& color) {
@@ -39,7 +39,7 @@ std::string MeshName(const MeshData& mesh) {
   return HashText(mesh.id);
 }
 
-/// `type` and `size` of a shape.
+/// Adds the `type` and `size` (or `mesh`) of a shape.
 void AddShape(json::object& to, const Shape& shape) {
   if (const auto* box = std::get_if<Box>(&shape)) {
     to["type"] = "box";
@@ -64,7 +64,7 @@ json::value TextureJson(const Texture& texture) {
   return json::object{{"name", texture.name}, {"size", {Short(texture.width_m), Short(texture.height_m)}}};
 }
 
-/// Link `k` in the body that it is drawn with.
+/// The pose of `link` in the body with which it is drawn.
 Pose LinkInBody(const SceneRobot& robot, const LinkModel& link) {
   if (!robot.one_body()) return link.X_LI.Inverse();
   return robot.X_BR * link.X_RL;
@@ -112,7 +112,7 @@ void Append(std::string& bytes, Number number) {
   bytes.append(reinterpret_cast<const char*>(&number), sizeof(number));
 }
 
-/// A chunk of a glb file, filled to whole words.
+/// Appends a chunk of a glb file, padded to 4 bytes.
 void AppendChunk(std::string& glb, std::uint32_t kind, std::string bytes, char filler) {
   while (bytes.size() % 4 != 0) bytes += filler;
   Append(glb, static_cast<std::uint32_t>(bytes.size()));

@@ -56,7 +56,7 @@ void StatusFeed::Poll() {
   Ask([this, alive = std::weak_ptr(alive_)](const Message& reply) {
     if (alive.expired()) return;
     Broadcast(reply);
-    // At the next period, or at once if the answer took longer than one.
+    // Polls again when the period ends; at once if the reply took longer.
     timer_.async_wait([this, alive](boost::system::error_code failed) {
       if (!failed && !alive.expired()) Poll();
     });

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The run's status for everybody who looks: asked of /simulation five times a second while somebody does. UI
-// thread.
+// The run's status for all watchers: polls /simulation five times a second while there are any. UI thread.
 #pragma once
 
 #include <utility>
@@ -20,7 +19,7 @@ namespace coopdyn {
 
 class ModuleLink;
 
-/// Somebody who looks.
+/// Receives the status.
 class StatusWatcher {
  public:
   virtual ~StatusWatcher() = default;
@@ -38,9 +37,9 @@ class StatusFeed {
   StatusFeed(const StatusFeed&) = delete;
   StatusFeed& operator=(const StatusFeed&) = delete;
 
-  /// Tells `watcher` the status until it is gone.
+  /// Sends the status to `watcher` until `watcher` expires.
   void Watch(std::weak_ptr<StatusWatcher> watcher);
-  /// Asks once. `done` gets the reply to get_status, or an error reply; not from within this call.
+  /// Asks once and later, never from within this call, calls `done` with the reply to get_status or an error.
   void Ask(std::function<void(const Message&)> done);
 
  private:

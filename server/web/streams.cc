@@ -51,7 +51,7 @@ void PictureStream::Ask() {
 void PictureStream::OnPicture(const ImageResult& result) {
   if (!socket_.is_open()) return;
   if (!result.error.empty()) {
-    // It gave way to others; a viewer without any picture yet has nothing to look at.
+    // The request was dropped in favour of others. A viewer without any picture has nothing to keep showing.
     return shown_ ? WaitForNews() : Close();
   }
   shown_ = true;
@@ -97,7 +97,7 @@ void PictureStream::WatchViewer() {
 
 namespace {
 
-/// As RFC 6266 has it.
+/// The end of Content-Disposition's `filename` parameter, per RFC 6266.
 std::string FileNameParameter(const std::string& name) {
   const std::string coded = PercentEncode(name);
   return coded == name ? "=\"" + name + "\"" : "*=UTF-8''" + coded;
@@ -129,7 +129,7 @@ void FileStream::SendPiece() {
   if (left_ == 0) return End();
   const auto bytes = static_cast<std::size_t>(std::min<std::uint64_t>(kPieceBytes, left_));
   files_.Read(file_, bytes, [self = shared_from_this()](const RunFiles::Piece& piece) {
-    if (piece->empty()) return self->Close();  // it is shorter than it was: the client sees the wrong length
+    if (piece->empty()) return self->Close();  // the file has shrunk: the client sees the wrong length
     self->left_ -= piece->size();
     self->stream_.expires_after(kPieceTime);
     asio::async_write(self->stream_, asio::buffer(*piece), [self, piece](error_code failed, std::size_t) {
@@ -142,7 +142,7 @@ void FileStream::SendPiece() {
 void FileStream::End() {
   error_code ignored;
   stream_.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
-  // Until the client has closed too, so that it gets everything.
+  // Wait until the client closes too, so that it receives everything.
   stream_.expires_after(kPieceTime);
   stream_.async_read_some(asio::buffer(ignored_),
                           [self = shared_from_this()](error_code, std::size_t) { self->Close(); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Connections that an HTTP answer has taken over: pictures, and files. UI thread.
+// Connections taken over by a long HTTP answer: a stream of pictures, or a file. UI thread.
 #pragma once
 
 #include <utility>
@@ -18,18 +18,18 @@
 
 namespace coopdyn {
 
-/// /view.mjpg: pictures one after the other, the next one only when the last was written, so that a slow
-/// viewer costs nothing.
+/// /view.mjpg: pictures one after the other. Requests the next picture only when the last has been written,
+/// so that a slow viewer costs nothing.
 class PictureStream : public WebConnection, public std::enable_shared_from_this<PictureStream> {
  public:
-  static constexpr std::chrono::seconds kWriteTime{30};  // for one picture; then the viewer is given up
+  static constexpr std::chrono::seconds kWriteTime{30};  // for one picture; then the connection is closed
   static constexpr std::chrono::milliseconds kIdlePeriod{50};
-  /// A world that stands still is shown again after this, which finds viewers that have gone.
+  /// After this, the picture of a still world is sent again, which detects viewers that have gone.
   static constexpr std::chrono::seconds kRepeat{2};
 
   PictureStream(boost::asio::ip::tcp::socket socket, WebContext& context, ImageRequest image);
 
-  /// Answers; with `head_only` no more than the header.
+  /// Sends the header and, unless `head_only`, the pictures.
   void Start(bool head_only);
   void Close() override;
 
@@ -38,7 +38,7 @@ class PictureStream : public WebConnection, public std::enable_shared_from_this<
   void OnPicture(const ImageResult& result);
   void Write();
   void WaitForNews();
-  /// Ends with the viewer's side.
+  /// Closes the connection when the viewer does.
   void WatchViewer();
 
   boost::asio::ip::tcp::socket socket_;
@@ -48,17 +48,17 @@ class PictureStream : public WebConnection, public std::enable_shared_from_this<
   std::string part_;
   std::array<char, 512> ignored_;
   SceneMoment asked_at_;
-  bool shown_ = false;  // a picture at all
+  bool shown_ = false;  // at least one picture was made
   std::chrono::steady_clock::time_point written_at_;
 };
 
-/// A file, read from the disk piece by piece as the client takes it.
+/// A file, read from the disk piece by piece as the client receives it.
 class FileStream : public WebConnection, public std::enable_shared_from_this<FileStream> {
  public:
   static constexpr std::size_t kPieceBytes = std::size_t{256} << 10;
   static constexpr std::chrono::seconds kPieceTime{60};
 
-  /// Takes the connection, which ends with the file.
+  /// Owns the connection and closes it after the file.
   FileStream(boost::beast::tcp_stream stream, RunFiles& files, UniqueFd file, std::uint64_t bytes);
 
   /// Sends the header and, unless `head_only`, the file, as `name`.

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Who is connected to the web server, and who may be besides: nobody takes so much that others find no room.
-// UI thread.
+// The connections of the web server, limited per network so that no client can lock out the rest. UI thread.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +12,7 @@
 
 namespace coopdyn {
 
-/// A connection that can be told to end.
+/// A connection that can be closed.
 class WebConnection {
  public:
   virtual ~WebConnection() = default;
@@ -21,31 +20,31 @@ class WebConnection {
 };
 
 struct WebLimits {
-  std::size_t loopback = 256;    // connections from this machine, which others cannot use up
+  std::size_t loopback = 256;    // connections from this machine, reserved for it
   std::size_t per_address = 64;  // from any other address
   std::size_t others = 256;      // from all other addresses
 };
 
-/// What a connection is counted under: "loopback", the IPv4 address, or the first 64 bits of the IPv6
-/// address, of which one subscriber has all the rest.
+/// The network under which a connection is counted: "loopback", the IPv4 address, or the first 64 bits of the
+/// IPv6 address (one subscriber owns all addresses with these).
 std::string NetworkOf(const PeerInfo& peer);
 
 class WebConnections {
  public:
   enum class Verdict {
     kServe,
-    kRefuse,  // with an answer that says why
-    kDrop     // too many are being refused already
+    kRefuse,  // answer with the reason, then close
+    kDrop     // close without an answer: too many are being refused
   };
-  /// How many connections beyond a limit get an answer.
+  /// Connections beyond a limit that still receive an answer.
   static constexpr std::size_t kRefusedAtOnce = 32;
 
   explicit WebConnections(WebLimits limits) : limits_(limits) {}
 
-  /// Whether one more connection of `peer` is served. When the room for others is full, the network that has
-  /// most gives up its oldest connection for one that has less.
+  /// Decides whether to serve another connection of `peer`. At the limit of all other addresses, closes the
+  /// oldest connection of the network with the most, if the peer's network has fewer.
   Verdict Admit(const PeerInfo& peer);
-  /// Counts `connection` as long as it lives.
+  /// Counts `connection` while it lives.
   void Add(const std::shared_ptr<WebConnection>& connection, const PeerInfo& peer);
   void CloseAll();
 
@@ -55,8 +54,8 @@ class WebConnections {
     std::string network;
   };
   std::size_t Count(std::string_view network) const;
-  /// Closes the oldest connection of the network that has most, if that is more than `own` and one. False if
-  /// none has.
+  /// Closes the oldest connection of the network with the most, if it has more than `own` + 1. Returns
+  /// whether it did.
   bool MakeRoom(std::size_t own);
 
   const WebLimits limits_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What all connections of the web server share. UI thread.
+// State shared by all connections of the web server. UI thread.
 #pragma once
 
 #include <utility>
@@ -21,7 +21,7 @@
 
 namespace coopdyn {
 
-/// Numbers the scenes that are shown, so that viewers know when to ask for another. UI thread.
+/// Numbers the scenes, so that viewers know when to ask for a new one. UI thread.
 class SceneNumbers {
  public:
   std::uint32_t Of(const std::shared_ptr<const Scene>& scene) {
@@ -65,12 +65,12 @@ struct WebContext {
   People people;
   CostBook costs;
 
-  /// Whether `given` is the token. Wrong ones of `peer` are counted, and after some it waits.
+  /// Whether `given` is the token. Counts wrong tokens of `peer`; after some, refuses its tokens for a while.
   bool TakesToken(std::string_view given, const std::string& peer) const {
     if (given.empty() || options.guard == nullptr) return false;
     return options.guard->Judge(given, peer, services.clock().Now()) == TokenVerdict::kRight;
   }
-  /// What to tell `peer` if its tokens are refused unread for now; empty: they are read.
+  /// The text for `peer` if its tokens are refused unread for now; empty if they are read.
   std::string TokenWaitText(const std::string& peer) const {
     return options.guard == nullptr ? "" : options.guard->WaitText(peer, services.clock().Now());
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the web server is started with.
+// Options of the web server.
 #pragma once
 
 #include <chrono>
@@ -14,10 +14,10 @@
 
 namespace coopdyn {
 
-/// A recording to be copied, or why it cannot be.
+/// A recording to download, or the reason why it cannot be.
 struct WebRunFile {
   unsigned status = 200;   // of HTTP: 404 no such recording, 409 not now
-  std::string text;        // why not; or the list
+  std::string text;        // the error; or the list of recordings
   std::string file;        // path
   bool temporary = false;  // to be removed once it is open
 };
@@ -29,9 +29,9 @@ struct WebRuns {
   std::function<void(const std::string& name, std::function<void(const WebRunFile&)> done)> open;
 };
 
-/// A text that the page sends.
+/// A file sent by the page.
 struct WebFile {
-  std::string name;  // of the file, as the client calls it
+  std::string name;  // of the file, as given by the client
   std::string text;
 };
 
@@ -48,28 +48,27 @@ struct WebFiles {
 };
 
 struct WebOptions {
-  /// Names under which a browser may ask for this daemon, besides IP addresses and "localhost": those of
-  /// `--host` and `--advertise`, and the machine's own. Any other Host header is refused, as a guard against
-  /// DNS rebinding.
+  /// Accepted Host headers, besides IP addresses and "localhost": the names given by `--host` and
+  /// `--advertise`, and the machine's own. Any other is refused, as a guard against DNS rebinding.
   std::vector<std::string> host_names;
-  /// Judges the token that changing requests from beyond loopback must carry; outlives the server. Null: they
-  /// are all refused.
+  /// Judges the token that changing requests from beyond loopback must carry; outlives the server. Null: all
+  /// such requests are refused.
   const TokenGuard* guard = nullptr;
-  /// Of the program, shown by the page.
+  /// The program's version, shown on the page.
   std::string version;
   /// The port of the name server, for the connection lines on the page; 0: off.
   int name_port = 0;
   /// Names of the scenarios, worlds or robots on the search path, sorted. Called on the UI thread.
   std::function<std::vector<std::string>(const std::string& what)> names;
-  /// What the run has cost so far; called on the UI thread. Without: it is not told.
+  /// Costs of the run so far. Called on the UI thread. Empty: /api/costs answers 404.
   std::function<CostSnapshot()> costs = {};
-  /// Connections beyond them get 503.
+  /// Connections beyond these receive 503.
   WebLimits limits = {};
-  /// For a whole header of a request, however slowly its bytes come; also between two requests.
+  /// Time limit for a complete request header, including the idle time before it.
   std::chrono::milliseconds header_time{15'000};
-  /// Recordings that can be copied; without functions: none.
+  /// Recordings that can be downloaded; without functions: none.
   WebRuns runs = {};
-  /// Files that can be looked through, checked and uploaded; without functions: none.
+  /// Files that can be browsed, checked and uploaded; without functions: none.
   WebFiles files = {};
 };
 

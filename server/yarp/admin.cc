@@ -17,7 +17,7 @@ Bottle DescribeLink(std::string_view from, std::string_view to, std::string_view
                   Pair("carrier", std::string(carrier)));
 }
 
-/// All connections of one direction, or what there is to tell of the one that the request names.
+/// Lists all connections of one direction, or describes the one that the request names.
 Bottle List(const Bottle& request, const YarpPortView& port) {
   const bool named = request.size() > 2;
   const std::string_view name = WordAt(request, 2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a port of YARP answers about itself. Pure functions; any thread.
+// The answers of a YARP port about itself. Pure functions; any thread.
 #pragma once
 
 #include <optional>
@@ -15,24 +15,24 @@ namespace coopdyn {
 /// A port as seen from one of its connections.
 struct YarpPortView {
   std::string_view path;            // "/robot1/motors"
-  std::string_view peer;            // what the other side calls itself
+  std::string_view peer;            // the peer's name for itself
   std::string_view carrier;         // "tcp"
-  std::span<const YarpLink> links;  // that it has opened
+  std::span<const YarpLink> links;  // outgoing connections of the port
 };
 
 /// `[add] "tcp://reader"` or `[del] "/reader"`, which change connections.
 struct YarpLinkChange {
   bool adds = false;
-  std::string to;  // "tcp://reader", or to delete "/reader"
+  std::string to;  // "tcp://reader"; for a deletion "/reader"
 };
-/// Nothing: it is another request.
+/// Nullopt if it is another request.
 std::optional<YarpLinkChange> LinkChangeIn(const Bottle& request);
-/// The same as a line of text: "/reader", "!/reader", "~/reader".
+/// The same for a line of text: "/reader", "!/reader", "~/reader".
 std::optional<YarpLinkChange> LinkChangeIn(std::string_view line);
-/// The Bottle of the reply, which clients test for 0.
+/// The reply's Bottle, whose first value clients compare with 0.
 Bottle LinkReply(bool done, const std::string& text);
 
-/// The reply to an administrative Bottle (`[ver]`, `[list] [in]`, …), but LinkChangeIn().
+/// The reply to any other administrative Bottle (`[ver]`, `[list] [in]`, …).
 Bottle AnswerYarpAdmin(const Bottle& request, const YarpPortView& port);
 /// The lines of `*`, each with its end.
 std::string DescribeYarpPort(const YarpPortView& port);

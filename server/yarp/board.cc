@@ -15,10 +15,10 @@ namespace coopdyn {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr double kUnlimited = 1e9;  // programs do sums with limits
+constexpr double kUnlimited = 1e9;  // programs calculate with limits
 constexpr std::size_t kParams = 3, kData = 18;
-// What a servo turns into when it becomes compliant and nobody has said how: it gives way by about this much
-// (rad, m) at its full effort, and swings little.
+// Default compliance of a servo that becomes compliant: it yields by about this much (rad, m) at full effort,
+// and is well damped.
 constexpr double kGivesWay = 0.2, kDampingTime_s = 0.1, kDefaultStiffness = 100;
 
 constexpr std::array<std::string_view, 6> kModeWords = {"idl", "pos", "posd", "vel", "torq", "pwm"};
@@ -27,7 +27,7 @@ double Limited(double value) {
   return std::clamp(value, -kUnlimited, kUnlimited);
 }
 
-/// YARP's units of a joint, for a rad or m.
+/// YARP's units per rad or m of the joint.
 double UnitOf(const BoardJoint& joint) {
   return joint.slides ? 1 : kDegrees;
 }
@@ -100,7 +100,7 @@ BoardAnswer Failed(BoardAnswer::Kind kind, std::string why) {
   return {.kind = kind, .why = std::move(why)};
 }
 
-/// One command for some joints, with `each` values of a joint.
+/// A command for `joints`, with their values in `data`.
 Message CommandFor(command::Id id, const std::vector<std::size_t>& joints, std::vector<double> data) {
   Message command;
   command.command = id;
@@ -109,7 +109,7 @@ Message CommandFor(command::Id id, const std::vector<std::size_t>& joints, std::
   return command;
 }
 
-/// The command that tells joints one reference each; 0: `item` is none.
+/// The command that sets one reference per joint; 0 if `item` is not a reference.
 command::Id ReferenceCommand(BoardItem item) {
   switch (item) {
     case BoardItem::kTarget:
@@ -126,7 +126,7 @@ command::Id ReferenceCommand(BoardItem item) {
   }
 }
 
-/// Joints that go somewhere stay where they are; those that are pushed or loose are as they were.
+/// Stops moving joints where they are; joints in torque, PWM or idle mode are unchanged.
 std::vector<Message> Stop(const BoardState& state, const std::vector<std::size_t>& joints) {
   std::vector<Message> commands;
   for (const auto& [mode, id] : {std::pair{BoardMode::kPosition, command::kHold},
@@ -155,7 +155,7 @@ std::string_view BoardModeWord(BoardMode mode) {
 std::optional<BoardMode> BoardModeNamed(std::string_view word) {
   if (word == "veld") word = "vel";
   if (word == "fidl") word = "idl";
-  // A duty can be shown and not set: YARP has no other word for what brakes.
+  // PWM mode can be shown but not set: YARP has no other word for a braking joint.
   const auto* const end = kModeWords.end() - 1;
   const auto* const found = std::find(kModeWords.begin(), end, word);
   if (found == end) return {};
@@ -180,7 +180,7 @@ std::optional<BoardState> ReadBoard(const Message& reply) {
     const double unit = UnitOf(joint);
     joint.position = value[0] * unit;
     joint.velocity = value[1] * unit;
-    joint.effort = std::isnan(value[2]) ? 0 : value[2];  // as before the first step
+    joint.effort = std::isnan(value[2]) ? 0 : value[2];  // before the first step
     joint.target = value[3] * unit;
     joint.reference = value[4] * (joint.mode == BoardMode::kTorque ? 1 : unit);
     joint.lower = Limited(value[5] * unit);
@@ -323,7 +323,7 @@ BoardAnswer BoardClient::Tell(const BoardCall& call, const BoardState& state,
       }
       answer.commands = {CommandFor(command::kSetGains, joints, std::move(data))};
       break;
-    case BoardItem::kPidReset:  // who sets gains begins without an integral
+    case BoardItem::kPidReset:  // setting gains clears the integral
       for (std::size_t k = 0; k < joints.size(); ++k)
         data.insert(data.end(), {joint(k).p, joint(k).i, joint(k).d});
       answer.commands = {CommandFor(command::kSetGains, joints, std::move(data))};
@@ -354,7 +354,7 @@ BoardAnswer BoardClient::Tell(const BoardCall& call, const BoardState& state,
 Message BoardClient::Compliance(const BoardCall& call, const BoardState& state,
                                 const std::vector<std::size_t>& joints) {
   impedances_.resize(state.joints.size());
-  std::vector<double> data;  // also of what stays as it is: the module says whether the client may
+  std::vector<double> data;  // includes unchanged values: the module decides whether the client may set them
   for (std::size_t k = 0; k < joints.size(); ++k) {
     const BoardJoint& joint = state.joints[joints[k]];
     auto& kept = impedances_[joints[k]];
@@ -363,7 +363,7 @@ Message BoardClient::Compliance(const BoardCall& call, const BoardState& state,
     if (call.item == BoardItem::kImpedance) {
       stiffness = call.values[2 * k];
       damping = call.values[2 * k + 1];
-      kept = {stiffness, damping};  // for a stiff joint: when it becomes compliant
+      kept = {stiffness, damping};  // for a stiff joint: used when it becomes compliant
     } else if (call.item == BoardItem::kImpedanceOffset) {
       offset = call.values[k];
     } else {
@@ -403,7 +403,7 @@ void BoardClient::Overlay(BoardState& state) const {
 
 void BoardClient::Taken(const Message& command, const Message& reply) {
   constexpr std::int32_t kLockstep = 1;
-  // In lockstep the step has run; a change of the tuning is at once in what get_board tells.
+  // In lockstep the step has run already; get_board shows changes of tuning at once.
   if (reply.error != 0 || reply.params.empty() || reply.params[0] == kLockstep || reply.data.empty()) return;
   std::optional<BoardMode> mode;
   switch (command.command) {
@@ -427,7 +427,7 @@ void BoardClient::Taken(const Message& command, const Message& reply) {
   for (std::size_t k = 0; k < command.params.size(); ++k) {
     const auto joint = static_cast<std::size_t>(command.params[k]) - 1;
     if (joint >= told_.size()) told_.resize(joint + 1);
-    // The step that runs now may not have seen it.
+    // The current step may have missed the command.
     told_[joint] = {static_cast<std::int64_t>(reply.data.back()) + 1,
                     command.command == command::kSetModes
                         ? std::optional(static_cast<BoardMode>(static_cast<int>(command.data[k])))

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// A group of joints as a control board of YARP, whatever words it is asked in: what it has, what it is told,
-// which commands of the module that becomes. Pure; any thread.
+// A group of joints as a YARP control board, independent of the request's language: its state, calls, and the
+// module's commands that they become. Pure; any thread.
 //
-// YARP's units are degrees, degrees/s, N m and N m/degree for joints that turn; m, m/s, N and N/m for those
-// that slide. Its joints are counted from 0.
+// YARP's units are degrees, degrees/s, N m and N m/degree for rotating joints; m, m/s, N and N/m for sliding
+// ones. Its joints are counted from 0.
 #pragma once
 
 #include <cstddef>
@@ -18,11 +18,11 @@
 
 namespace coopdyn {
 
-/// The modes of our joints, as get_board counts them.
+/// The modes of joints, numbered as in get_board.
 enum class BoardMode { kIdle, kPosition, kDirect, kVelocity, kTorque, kPwm };
-/// YARP's word for it: "pos". Nothing: a mode that we do not have.
+/// YARP's word for the mode: "pos".
 std::string_view BoardModeWord(BoardMode mode);
-/// Also by the words that mean nearly the same: "veld" is velocity, "fidl" is idle.
+/// The reverse, also for near synonyms: "veld" is velocity, "fidl" is idle. Nullopt if there is no such mode.
 std::optional<BoardMode> BoardModeNamed(std::string_view word);
 
 /// In YARP's units.
@@ -32,13 +32,14 @@ struct BoardJoint {
   BoardMode mode = BoardMode::kPosition;
   bool arrived = true;
   double position = 0, velocity = 0, effort = 0;
-  double target = 0, reference = 0;  // the way's end; in force, by the mode
+  double target = 0, reference = 0;  // end of the trajectory; in force, according to the mode
   double lower = 0, upper = 0, max_velocity = 0, max_effort = 0;
   bool stiff = true;
-  double stiffness = 0, damping = 0, offset = 0;  // stiffness of a stiff joint: what compliance begins with
-  double speed = 0, acceleration = 0;             // of ways to targets
+  double stiffness = 0, damping = 0, offset = 0;  // stiffness of a stiff joint: used when it becomes
+                                                  // compliant
+  double speed = 0, acceleration = 0;             // of trajectories to targets
   double p = 0, i = 0, d = 0;
-  double counts = 0;  // of the encoder in a revolution; 0: it is exact, or the joint slides
+  double counts = 0;  // encoder counts per revolution; 0: exact encoder or sliding joint
 };
 
 struct BoardState {
@@ -46,54 +47,54 @@ struct BoardState {
   std::int64_t step = 0;
   std::vector<BoardJoint> joints;
 };
-/// Of a reply to get_board, or a push of it. Nothing: it is neither.
+/// Parses a reply to get_board, or a push of it. Nullopt for any other message.
 std::optional<BoardState> ReadBoard(const Message& reply);
 
-/// What a board can be asked for or told: one value a joint unless said otherwise.
+/// An item of a board that can be read or set: one value per joint unless stated otherwise.
 enum class BoardItem {
-  kNothing,  // that we do not have; `why` in BoardAnswer tells so
-  kAxes,     // one value in all
+  kNothing,  // not supported; BoardAnswer::why says so
+  kAxes,     // one value for the board
   kName,     // in BoardAnswer::names
-  kType,     // 0 turns, 1 slides
+  kType,     // 0: rotates, 1: slides
   kPosition,
   kVelocity,
   kEffort,
-  kTarget,    // told: moves there
-  kRelative,  // told only: moves by so much
+  kTarget,    // set: moves there
+  kRelative,  // set only: moves by this distance
   kDirect,
   kVelocityReference,
   kTorque,
   kSpeed,
   kAcceleration,
-  kDone,            // one value in all
-  kStop,            // told only, no value
-  kPositionLimits,  // two values, as all limits and ranges
+  kDone,            // one value for the board
+  kStop,            // set only, no value
+  kPositionLimits,  // two values, like all limits and ranges
   kVelocityLimits,
   kTorqueRange,
   kMode,       // BoardMode
   kCompliant,  // 0 or 1
   kImpedance,  // stiffness, damping
   kImpedanceOffset,
-  kImpedanceLimits,  // two of the stiffness, two of the damping
-  kPid,              // p, d, i, and seven that are 0
-  kPidReset,         // told only, no value
+  kImpedanceLimits,  // two for the stiffness, two for the damping
+  kPid,              // p, d, i, and seven zeros
+  kPidReset,         // set only, no value
   kPidReference,
   kPidError,
   kPidOutput,
   kPidEnabled,
   kAmplifier,  // 1: the motor is on
   kGearRatio,
-  kCounts,  // asked only
+  kCounts,  // read only
 };
-/// How many values each joint has; 0: none, or it is of the board.
+/// Number of values per joint; 0: none, or the item belongs to the board.
 std::size_t BoardWidth(BoardItem item);
 
 struct BoardCall {
   BoardItem item = BoardItem::kNothing;
-  bool tells = false;                           // else it asks
-  std::optional<std::vector<int>> joints = {};  // nothing: all
+  bool tells = false;                           // sets the item; else reads it
+  std::optional<std::vector<int>> joints = {};  // nullopt: all
   std::vector<double> values = {};              // joint by joint
-  std::string refusal = {};                     // of kNothing
+  std::string refusal = {};                     // for kNothing
 };
 
 struct BoardAnswer {
@@ -101,21 +102,21 @@ struct BoardAnswer {
   Kind kind = Kind::kDone;
   std::string why = {};
   std::vector<double> values = {};      // joint by joint
-  std::vector<std::string> names = {};  // of kName
-  std::vector<Message> commands = {};   // for the module, before the answer is true
+  std::vector<std::string> names = {};  // for kName
+  std::vector<Message> commands = {};   // commands to the module before the answer is valid
 };
 
-/// What one client has told a board and need not be in force yet. Its own thread.
+/// A client's commands to a board that may not be in force yet. One thread.
 class BoardClient {
  public:
-  /// Answers `call` by `state`, as it will be when what was told before is in force.
+  /// Answers `call` from `state`, as if the client's earlier commands were in force.
   BoardAnswer Answer(const BoardCall& call, BoardState state);
-  /// The module has taken a command of the last answer.
+  /// The module has executed a command of the last answer.
   void Taken(const Message& command, const Message& reply);
 
  private:
   struct Joint {
-    std::int64_t until_step = -1;  // then the board's own state tells
+    std::int64_t until_step = -1;  // then the board's own state is current
     std::optional<BoardMode> mode;
     bool moves = false;
     std::optional<double> reference = {};  // in the module's units
@@ -127,7 +128,7 @@ class BoardClient {
 
   std::vector<Joint> told_;
   std::vector<std::optional<std::pair<double, double>>>
-      impedances_;  // of stiff joints: for when they are not
+      impedances_;  // of stiff joints, for when they become compliant
 };
 
 }  // namespace coopdyn

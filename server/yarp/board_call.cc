@@ -11,7 +11,7 @@
 namespace coopdyn {
 namespace {
 
-/// Walks over what follows a word.
+/// Reads the arguments after a word.
 class Arguments {
  public:
   Arguments(const Bottle& items, std::size_t at) : items_(items), at_(at) {}
@@ -33,7 +33,7 @@ class Arguments {
     ok_ &= items.ok();
     return joints;
   }
-  /// All that is left, out of its lists.
+  /// Appends all remaining values, including those in nested lists.
   void AppendValues(BoardItem item, std::vector<double>& values) {
     for (; !at_end(); ++at_) AppendValue(item, items_[at_], values);
   }

@@ -22,9 +22,9 @@ struct Method {
 
 constexpr std::size_t kPidFields = 10;
 constexpr BoardItem kNoItem = BoardItem::kNothing;
-// What asks. Shapes beyond those of BoardRpc: v, V: a PID, those of all joints; y: a
-// description of a PID; e: an empty list; m, p: lists of our modes and PIDs; f: a fault, none; n: names
-// of interfaces.
+// Methods that read. Shapes in addition to those of BoardRpc: v, V: one PID, the PIDs of all joints; y: a
+// description of a PID; e: an empty list; m, p: lists of our modes and PIDs; f: no fault; n: names of
+// interfaces.
 constexpr Method kMethodsThatAsk[] = {
     {"getAxes", BoardItem::kAxes, BoardScope::kBoard, "i"},
     {"getNumberOfMotors", BoardItem::kAxes, BoardScope::kBoard, "i"},
@@ -115,7 +115,7 @@ constexpr Method kMethodsThatAsk[] = {
     {"getPWMLimit", kNoItem, BoardScope::kBoard, "d"},
     {"getPowerSupplyVoltage", kNoItem, BoardScope::kBoard, "d"},
 };
-// Their first argument is the kind of PID.
+// Methods whose first argument is the kind of PID.
 constexpr Method kPidMethodsThatAsk[] = {
     {"getPid", BoardItem::kPid, BoardScope::kOne, "v"},
     {"getPids", BoardItem::kPid, BoardScope::kAll, "V"},
@@ -133,7 +133,7 @@ constexpr Method kPidMethodsThatAsk[] = {
     {"getPidExtraInfo", kNoItem, BoardScope::kBoard, "y"},
     {"getPidExtraInfos", kNoItem, BoardScope::kBoard, "e"},
 };
-// What tells; the answer is the code of success alone.
+// Methods that set; the answer is only the success code.
 constexpr BoardWord kMethodsThatTell[] = {
     {"positionMoveOne", BoardItem::kTarget, BoardScope::kOne},
     {"positionMoveGroup", BoardItem::kTarget, BoardScope::kGroup},
@@ -176,8 +176,8 @@ constexpr BoardWord kMethodsThatTell[] = {
 constexpr BoardWord kPidMethodsThatTell[] = {{"setPid", BoardItem::kPid, BoardScope::kOne},
                                              {"setPids", BoardItem::kPid, BoardScope::kAll},
                                              {"resetPid", BoardItem::kPidReset, BoardScope::kOne}};
-// In the order of YARP's own answer; all but one can be opened, as yarpmotorgui demands most of them, and
-// what we do not have is refused call by call.
+// In the order of YARP's own answer. All but one can be opened because yarpmotorgui requires most of them;
+// unsupported functions are refused call by call.
 constexpr const char* kInterfaces[] = {
     "iAmplifierControl", "iAxisInfo",        "iControlCalibration", "iControlLimits",    "iControlMode",
     "iCurrentControl",   "iEncodersTimed",   "iImpedanceControl",   "iInteractionMode",  "iJointBrake",
@@ -186,7 +186,7 @@ constexpr const char* kInterfaces[] = {
     "iTorqueControl",    "iVelocityControl", "iVelocityDirect"};
 constexpr std::string_view kNotOurs = "iPreciselyTimed";
 
-/// The number by which YARP 4 writes a value that has a word.
+/// The number that YARP 4 sends for a value; the vocab's code if the value has a word.
 std::int32_t WholeOf(BoardItem item, double value) {
   if (item == BoardItem::kType) return VocabCode(value == 1 ? "atpr" : "atrv");
   if (item == BoardItem::kCompliant) return VocabCode(value == 1 ? "comp" : "stif");
@@ -233,7 +233,7 @@ void AppendFixedShape(char letter, YarpStructWriter& write) {
         write.Bool(name != kNotOurs);
       }
       return;
-    default:  // y: three words about it, and ten units
+    default:  // y: three words, and ten units
       constexpr std::size_t kWords = 13;
       write.Struct(kWords);
       for (std::size_t i = 0; i < kWords; ++i) write.String("");
@@ -308,7 +308,7 @@ std::string BoardRpcReply(const BoardRpc& rpc, const BoardAnswer& answer, double
   write.Vocab(CodeOf(answer.kind));
   const BoardItem item = rpc.call.item;
   const std::size_t width = std::max<std::size_t>(BoardWidth(item), 1);
-  std::size_t next = 0;  // which of a joint's values comes now
+  std::size_t next = 0;  // next of the joint's values
   const auto value = [&] { return next < answer.values.size() ? answer.values[next++] : 0; };
   const auto column = [&] {
     std::vector<double> values;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How programs of YARP 4 (controlBoard_nwc_yarp) ask a control board: calls of Thrift in Bottles, with
+// Requests of YARP 4 programs (controlBoard_nwc_yarp) to a control board: Thrift calls in Bottles, with
 // replies of a fixed shape. Pure functions; any thread.
 //
 // Names, arguments and shapes follow ControlBoardMsgs.thrift of YARP 4.0.
@@ -17,14 +17,14 @@ namespace coopdyn {
 
 struct BoardRpc {
   BoardCall call = {};
-  /// What follows the code of success: d, i, b, s: a number, whole number, truth value, string of one joint;
-  /// D, I: lists of all joints; t, T: times; others as board_rpc.cc tells.
+  /// Fields after the success code. d, i, b, s: a number, whole number, truth value or string of one joint;
+  /// D, I: lists for all joints; t, T: times; others: see board_rpc.cc.
   std::string_view shape = {};
   std::optional<YarpAnswer> fixed = {};  // the whole answer
 };
 
 BoardRpc ReadBoardRpc(const Bottle& request);
-/// The bytes of the reply, in the tags of YARP 4.
+/// The bytes of the reply, with YARP 4's tags.
 std::string BoardRpcReply(const BoardRpc& rpc, const BoardAnswer& answer, double time_s);
 
 }  // namespace coopdyn

@@ -40,7 +40,7 @@ void BoardSampler::AppendState(const BoardState& state, YarpDialect dialect, std
     efforts[i] = state.joints[i].effort;
   }
   write.Struct(is4 ? 24 : 22);
-  for (int motor = 0; motor < 2; ++motor) {  // joints, then motors, which turn as they do
+  for (int motor = 0; motor < 2; ++motor) {  // joints, then motors, which move like the joints
     append(positions, true);
     append(velocities_, true);
     append(accelerations, true);

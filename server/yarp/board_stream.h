@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a control board of YARP sends by itself: state:o, the positions, and stateExt:o, all that its clients
-// read. Pure; one thread.
+// The streams of a YARP control board: state:o, the positions, and stateExt:o, the complete state for its
+// clients. Pure; one thread.
 //
 // The layout follows jointData.thrift of YARP 3.12 (22 fields) and 4.0 (24).
 #pragma once
@@ -13,7 +13,7 @@
 
 namespace coopdyn {
 
-/// The samples of one connection: accelerations are differences between them.
+/// The samples of one connection: accelerations are differences between samples.
 class BoardSampler {
  public:
   /// Appends the bytes of stateExt:o.
@@ -24,7 +24,7 @@ class BoardSampler {
   double time_s_ = 0;
 };
 
-/// A Vector: of state:o the positions.
+/// The Vector of state:o: the positions.
 Bottle BoardPositions(const BoardState& state);
 
 }  // namespace coopdyn

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The ports of a control board that take something: rpc:i, nws/rpc:i and command:i.
+// The input ports of a control board: rpc:i, nws/rpc:i and command:i.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace coopdyn {
 
-/// A request first asks the module for its state (get_board), then sends what becomes of it.
+/// First asks the module for its state (get_board), then sends the resulting commands.
 class BoardTranslator final : public YarpTranslator {
  public:
   enum class Language { kWords, kRpc, kStream };
@@ -27,13 +27,13 @@ class BoardTranslator final : public YarpTranslator {
  private:
   const Language language_;
   BoardClient client_;
-  BoardRequest words_;  // of kWords
-  BoardRpc rpc_;        // of kRpc
+  BoardRequest words_;  // for kWords
+  BoardRpc rpc_;        // for kRpc
   BoardCall call_;
   BoardAnswer answer_;
   double time_s_ = 0;
-  bool asked_ = false;    // for the state
-  std::size_t sent_ = 0;  // of answer_.commands
+  bool asked_ = false;    // the state was requested
+  std::size_t sent_ = 0;  // number of answer_.commands sent
   std::int32_t count_ = 0;
 };
 

@@ -15,7 +15,7 @@ using Form = BoardRequest::Form;
 
 using Scope = BoardScope;
 
-// What follows [get].
+// Words after [get].
 constexpr BoardWord kAsking[] = {
     {"axes", BoardItem::kAxes, Scope::kBoard},         {"mnum", BoardItem::kAxes, Scope::kBoard},
     {"mtnm", BoardItem::kAxes, Scope::kBoard},         {"name", BoardItem::kName, Scope::kOne},
@@ -29,14 +29,14 @@ constexpr BoardWord kAsking[] = {
     {"asts", BoardItem::kAmplifier, Scope::kOne},      {"asta", BoardItem::kAmplifier, Scope::kAll},
     {"gbxr", BoardItem::kGearRatio, Scope::kOne},      {"mcpr", BoardItem::kCounts, Scope::kOne},
 };
-// What follows [set].
+// Words after [set].
 constexpr BoardWord kTelling[] = {
     {"rel", BoardItem::kRelative, Scope::kOne},        {"rels", BoardItem::kRelative, Scope::kAll},
     {"relg", BoardItem::kRelative, Scope::kCounted},   {"sto", BoardItem::kStop, Scope::kOne},
     {"stos", BoardItem::kStop, Scope::kBoard},         {"stog", BoardItem::kStop, Scope::kCounted},
     {"llim", BoardItem::kPositionLimits, Scope::kOne}, {"vlim", BoardItem::kVelocityLimits, Scope::kOne},
 };
-// What follows either.
+// Words after [get] or [set].
 constexpr BoardWord kBoth[] = {
     {"pos", BoardItem::kTarget, Scope::kOne},
     {"poss", BoardItem::kTarget, Scope::kAll},
@@ -54,14 +54,14 @@ constexpr BoardWord kBoth[] = {
     {"accs", BoardItem::kAcceleration, Scope::kAll},
     {"accg", BoardItem::kAcceleration, Scope::kCounted},
 };
-// What follows [torq].
+// Words after [torq].
 constexpr BoardWord kTorques[] = {
     {"trq", BoardItem::kEffort, Scope::kOne},      {"trqs", BoardItem::kEffort, Scope::kAll},
     {"rng", BoardItem::kTorqueRange, Scope::kOne}, {"rngs", BoardItem::kTorqueRange, Scope::kAll},
     {"ref", BoardItem::kTorque, Scope::kOne},      {"refs", BoardItem::kTorque, Scope::kAll},
     {"refg", BoardItem::kTorque, Scope::kCounted},
 };
-// What follows [pid].
+// Words after [pid].
 constexpr BoardWord kPids[] = {
     {"pid", BoardItem::kPid, Scope::kOne},          {"pids", BoardItem::kPid, Scope::kAll},
     {"ref", BoardItem::kPidReference, Scope::kOne}, {"refs", BoardItem::kPidReference, Scope::kAll},
@@ -69,7 +69,7 @@ constexpr BoardWord kPids[] = {
     {"out", BoardItem::kPidOutput, Scope::kOne},    {"outs", BoardItem::kPidOutput, Scope::kAll},
     {"ena", BoardItem::kPidEnabled, Scope::kOne},   {"res", BoardItem::kPidReset, Scope::kOne},
 };
-// The head of what streams.
+// First words of streamed commands.
 constexpr BoardWord kStreams[] = {
     {"vmo", BoardItem::kVelocityReference, Scope::kOne},
     {"vmos", BoardItem::kVelocityReference, Scope::kAll},
@@ -95,7 +95,7 @@ constexpr BoardWord kImpedances[] = {{"ipr", BoardItem::kImpedance, Scope::kOne}
                                      {"iof", BoardItem::kImpedanceOffset, Scope::kOne},
                                      {"llim", BoardItem::kImpedanceLimits, Scope::kOne}};
 
-// What sets or resets encoders; what asks for accelerations.
+// Words that set or reset encoders; words that ask for accelerations.
 constexpr std::string_view kEncoderWords[] = {"enc",  "encs", "ere",  "eres", "mnc",
                                               "mncs", "mre",  "mres", "mcpr"};
 constexpr std::string_view kAccelerations[] = {"eac", "eacs", "mac", "macs"};
@@ -110,7 +110,7 @@ BoardRequest Refuse(const std::string& why) {
   return Fixed(BoardFailure(why));
 }
 
-/// `word` is about the arguments from `at` on. `shown`: the word of the answer.
+/// `at`: the index of the word's first argument. `shown`: the word in the answer.
 BoardRequest RequestOf(const BoardWord& word, bool tells, const Bottle& request, std::size_t at,
                        const BottleValue& shown, Form form, Form form_of_all) {
   BoardRequest made{.form = Form::kSet, .call = MakeBoardCall(word, tells, request, at), .word = shown};
@@ -171,7 +171,7 @@ BoardRequest OfInterface(const Bottle& request, bool tells) {
     return Refuse("encoders are those of the robot's model: they cannot be set");
   if (!tells && std::ranges::find(kAccelerations, which) != std::end(kAccelerations))
     return Refuse("stateExt:o has the accelerations: they are differences between two samples");
-  return Refuse("there is no " + std::string(which) + ": help tells what there is");
+  return Refuse("there is no " + std::string(which) + ": help lists the words");
 }
 
 Bottle Help() {
@@ -201,7 +201,7 @@ Bottle Doubles(const std::vector<double>& values) {
   return list;
 }
 
-/// What counts, is true or false, or is a code, is a whole number.
+/// True for counts, truth values and codes.
 bool IsWhole(BoardItem item) {
   return item == BoardItem::kAxes || item == BoardItem::kDone || item == BoardItem::kType ||
          item == BoardItem::kPidEnabled || item == BoardItem::kAmplifier;
@@ -217,7 +217,7 @@ BottleValue ValueOf(BoardItem item, double value) {
   return {value};
 }
 
-/// The values of all joints: a list for each that a joint has, or for PIDs a list for each joint.
+/// Appends the values of all joints: one list per value of a joint; for PIDs one list per joint.
 void AppendLists(BoardItem item, const std::vector<double>& values, Bottle& answer) {
   const std::size_t width = std::max<std::size_t>(BoardWidth(item), 1), count = values.size() / width;
   if (item == BoardItem::kPid) {
@@ -246,7 +246,7 @@ BoardRequest ReadBoardWords(const Bottle& request) {
   if (verb == "help") return Fixed(Help());
   if (request.size() < 2) return {};
   const bool tells = verb == "set";
-  if (!tells && verb != "get") return Refuse("begin with get or set: help tells what there is");
+  if (!tells && verb != "get") return Refuse("begin with get or set: help lists the words");
   const std::string_view word = request[1].word();
   if (word == "prot" && !tells)
     return Fixed(
@@ -299,7 +299,7 @@ BoardCall ReadBoardStream(const Bottle& message) {
   if (head == nullptr || body == nullptr || head->empty())
     return RefuseBoardCall("a command is two lists: ([vmos]) (10.0 20.0)");
   std::size_t at = 0;
-  // YARP 4 names the interface before the word.
+  // YARP 4 puts the interface before the word.
   for (const std::string_view interface : {"ipos", "ipod", "ivel", "ived", "itrq"}) {
     if ((*head)[0].word() == interface && head->size() > 1) at = 1;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How programs of YARP 3 speak to a control board: requests by word (`[get] [encs]`, `[set] [pos] 0 30`) and
-// the commands that stream, of YARP 3 and 4. Pure functions; any thread.
+// YARP 3 programs' requests to a control board in words (`[get] [encs]`, `[set] [pos] 0 30`), and the
+// streamed commands of YARP 3 and 4. Pure functions; any thread.
 //
 // The words and the order of replies follow controlBoard_nws_yarp and remote_controlboard of YARP 3.12.
 #pragma once
@@ -13,7 +13,7 @@
 
 namespace coopdyn {
 
-/// A request, and what its answer needs of it.
+/// A request with the data for its answer.
 struct BoardRequest {
   enum class Form {
     kFixed,     // `fixed` is the whole answer
@@ -33,9 +33,9 @@ struct BoardRequest {
 };
 
 BoardRequest ReadBoardWords(const Bottle& request);
-/// `count`: of the time stamps of this connection.
+/// `count`: number of the connection's time stamp.
 Bottle BoardWords(const BoardRequest& request, const BoardAnswer& answer, double time_s, std::int32_t count);
-/// `[fail]` and why.
+/// `[fail]` and the reason.
 Bottle BoardFailure(const std::string& why);
 
 /// A message to command:i: (head) (values).

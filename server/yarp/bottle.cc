@@ -13,7 +13,7 @@ enum Tag : std::int32_t {
   kInt32 = 1,
   kString = 4,
   kVocab32 = 9,
-  kTen = 10,  // float64 of YARP 3, float32 of YARP 4
+  kTen = 10,  // float64 in YARP 3, float32 in YARP 4
   kBlob = 12,
   kInt64 = 17,
   kVocab64 = 18,  // YARP 4
@@ -28,7 +28,7 @@ std::string VocabText(std::string_view bytes) {
   return std::string(bytes.substr(0, std::min(bytes.find('\0'), bytes.size())));
 }
 
-/// Reads with the tags of one dialect.
+/// Reads a Bottle with the tags of one dialect.
 class Reader {
  public:
   Reader(std::string_view bytes, YarpDialect dialect) : bytes_(bytes), dialect_(dialect) {}
@@ -46,7 +46,7 @@ class Reader {
 
   std::optional<Bottle> Items(std::int32_t common_tag, std::size_t depth) {
     const std::optional<std::int32_t> count = bytes_.Take<std::int32_t>();
-    // Each item has a byte at least.
+    // Each item needs at least one byte.
     if (!count || *count < 0 || static_cast<std::size_t>(*count) > bytes_.size() || depth > kMaxBottleDepth)
       return {};
     Bottle items;
@@ -112,7 +112,7 @@ class Reader {
     std::optional<std::string_view> bytes = size ? bytes_.TakeBytes(*size) : std::nullopt;
     if (!bytes) return {};
     if (tag == kBlob) return BottleValue{YarpBlob{std::string(*bytes)}};
-    if (bytes->ends_with('\0')) bytes->remove_suffix(1);  // counted by old programs
+    if (bytes->ends_with('\0')) bytes->remove_suffix(1);  // old programs count it
     return BottleValue{std::string(*bytes)};
   }
 
@@ -145,7 +145,7 @@ class Writer {
     const std::int32_t tags[] = {kInt32, kInt64, float64, kString, kVocab32, kBlob, kList};
     return tags[item.value.index()];
   }
-  /// 0: they differ, or are lists.
+  /// 0 if the tags differ or the items are lists.
   std::int32_t CommonTag(const Bottle& bottle) const {
     if (bottle.empty() || bottle.front().As<Bottle>() != nullptr) return 0;
     const auto same = [&](const BottleValue& item) {
@@ -167,7 +167,7 @@ class Writer {
     four.resize(4, '\0');
     out_ += four;
   }
-  void Write(const Bottle& /*list*/) {}  // List() does it
+  void Write(const Bottle& /*list*/) {}  // done by List()
 
   const YarpDialect dialect_;
   std::string& out_;

@@ -46,7 +46,7 @@ class TextReader {
  public:
   explicit TextReader(std::string_view text) : text_(text) {}
 
-  /// What is before `end`, which is taken; '\0': the end of the text.
+  /// The items before `end`, consuming `end`; '\0' means the end of the text.
   std::optional<Bottle> Items(char end, std::size_t depth) {
     if (depth > kMaxBottleDepth) return {};
     Bottle items;

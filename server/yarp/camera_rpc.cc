@@ -18,11 +18,11 @@ namespace {
 
 constexpr const char* kNoFeatures = "this camera has no features such as brightness: hasFeature tells so";
 constexpr std::int32_t kInUse = 2;  // RGBD_SENSOR_OK_IN_USE
-// From the picture's frame to that of the distances, row by row: one lens makes both.
+// Pose of the picture's frame in the depth image's frame, row by row: both use the same lens.
 constexpr std::int32_t kSide = 4;
 constexpr std::array<double, 16> kSamePlace = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
-/// What get_camera tells, in YARP's units.
+/// The reply to get_camera, in YARP's units.
 struct CameraView {
   std::int32_t width = 0, height = 0;
   double across_deg = 0, down_deg = 0;
@@ -48,7 +48,7 @@ Bottle LensOf(const Message& camera) {
   return lens;
 }
 
-/// Nothing: it is no reply to get_camera.
+/// Nullopt if it is not a reply to get_camera.
 std::optional<CameraView> ReadCamera(const Message& reply) {
   constexpr double kMaxSide = 1e6;
   const auto is_side = [](double pixels) { return pixels >= 0 && pixels <= kMaxSide; };
@@ -69,8 +69,8 @@ std::optional<CameraView> ReadCamera(const Message& reply) {
   return view;
 }
 
-/// YARP 3 asks in words: of the frame grabber [fgi] and [visr], of the RGB-D sensor these and [visd], [rgdb].
-/// YARP 4 has calls: getRgbWidthRPC, getDepthWidthRPC.
+/// YARP 3 uses words: [fgi] and [visr] for the frame grabber; these, [visd] and [rgdb] for the RGB-D sensor.
+/// YARP 4 uses calls: getRgbWidthRPC, getDepthWidthRPC.
 class CameraTranslator final : public ReadingTranslator {
   command::Id Reading() const override { return command::kGetCamera; }
   std::string_view Help() const override {
@@ -118,7 +118,7 @@ class CameraTranslator final : public ReadingTranslator {
     return {};
   }
 
-  /// What is the same of picture and distances.
+  /// Calls with the same answer for picture and depth image.
   std::optional<YarpAnswer> OfCall(const CameraView& view) const {
     if (IsOfEither("Width") || name() == "getWidthRPC") return OneInt(view.width);
     if (IsOfEither("Height") || name() == "getHeightRPC") return OneInt(view.height);
@@ -170,7 +170,7 @@ class CameraTranslator final : public ReadingTranslator {
     return {};
   }
 
-  /// IFrameGrabberControls: a camera here has no brightness, shutter and so on.
+  /// IFrameGrabberControls: our cameras have no brightness, shutter and so on.
   std::optional<YarpAnswer> OfFeatures(std::string_view device, std::string_view what) const {
     if (device == "fgc") {
       if (WordAt(request(), 1) != "has") return Fail(kNoFeatures);
@@ -195,7 +195,7 @@ class CameraTranslator final : public ReadingTranslator {
     return {};
   }
 
-  /// The call asks it of the picture or of the distances.
+  /// True if the call asks for `what` of the picture or of the depth image.
   bool IsOfEither(std::string_view what) const {
     return name() == "getRgb" + std::string(what) + "RPC" || name() == "getDepth" + std::string(what) + "RPC";
   }

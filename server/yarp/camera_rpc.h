@@ -8,7 +8,7 @@
 
 namespace coopdyn {
 
-/// For the requests to a module `camera`.
+/// For requests to a module `camera`.
 std::unique_ptr<YarpTranslator> MakeCameraTranslator();
 
 }  // namespace coopdyn

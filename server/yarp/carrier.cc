@@ -13,7 +13,7 @@
 namespace coopdyn {
 namespace {
 
-constexpr std::int32_t kFirstCode = 7777;  // and the carrier's own
+constexpr std::int32_t kFirstCode = 7777;  // plus the carrier's code
 constexpr std::size_t kHeaderBytes = 8;    // 'Y' 'A' int32 'R' 'P'
 constexpr std::int32_t kIndexBytes = 10;
 constexpr std::array<std::string_view, 6> kNames = {"tcp", "fast_tcp", "udp", "text", "text_ack", "unknown"};
@@ -38,7 +38,7 @@ std::string Header(std::int32_t number) {
   return bytes + "RP";
 }
 
-/// "/src (recv portmonitor)" is /src.
+/// "/src (recv portmonitor)" becomes /src.
 std::string WithoutQualifiers(std::string_view name) {
   return std::string(name.substr(0, std::min(name.find_first_of(std::string_view(" \0", 2)), name.size())));
 }
@@ -59,7 +59,7 @@ bool TakesBottle(std::string_view command) {
   return command == "d" || command == "D" || command == "do" || command == "a";
 }
 
-/// "D 3598 1795.8" is D with an envelope.
+/// Splits "D 3598 1795.8" into D and its envelope.
 void SplitEnvelope(YarpInput& input) {
   const std::string& text = input.text;
   if (text.size() < 2 || text[1] != ' ' || (text[0] != 'd' && text[0] != 'D')) return;
@@ -181,7 +181,7 @@ YarpInput YarpReader::Frame(std::string_view bytes) {
 }
 
 YarpInput YarpReader::Line(std::string_view bytes) {
-  // No byte is read twice: a message that comes in small pieces costs no more.
+  // No byte is read twice: a message in many small pieces costs no more.
   while (scanned_ < bytes.size()) {
     const char c = bytes[scanned_++];
     if (c == '\r' || c == '\0') continue;

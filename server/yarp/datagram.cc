@@ -13,7 +13,7 @@ namespace coopdyn {
 namespace {
 
 constexpr std::size_t kHeadBytes = 8;
-constexpr std::int32_t kWakeUp = -1;  // a number that says nothing
+constexpr std::int32_t kWakeUp = -1;  // a datagram to be ignored
 
 std::uint32_t ChecksumOf(std::string_view bytes) {
   boost::crc_32_type crc;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How messages of YARP are cut into datagrams: a checksum, a number from 0 on within the message, a piece of
-// it. Pure functions of bytes; any thread. The layout follows YARP 3.12 and 4.0 (src/libYARP_os,
+// Splits YARP messages into datagrams: a checksum, a number counted from 0 in each message, and a piece of
+// the message. Pure functions of bytes; any thread. The layout follows YARP 3.12 and 4.0 (src/libYARP_os,
 // DgramTwoWayStream).
 #pragma once
 
@@ -17,11 +17,11 @@ inline constexpr std::size_t kMaxDatagramBytes = 65000;
 /// The datagrams of one message.
 std::vector<std::string> CutIntoDatagrams(std::string_view message);
 
-/// Puts messages together again. One sender.
+/// Reassembles the messages of one sender.
 class DatagramJoiner {
  public:
-  /// The messages that are whole now, one after the other, mostly none or one. One of which a datagram is
-  /// missing or spoiled is dropped.
+  /// Returns the messages that are now complete, concatenated; usually none or one. Drops a message with a
+  /// missing or corrupt datagram.
   std::string Add(std::string_view datagram);
 
  private:

@@ -98,7 +98,7 @@ class LidarTranslator final : public ReadingTranslator {
   }
 };
 
-/// Three numbers from the item `at` on.
+/// Three numbers from index `at` on.
 std::optional<std::array<double, 3>> ThreeNumbers(const Bottle& request, std::size_t at) {
   std::array<double, 3> numbers{};
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -116,8 +116,8 @@ Message SetVelocity(double forward_m_s, double turn_rad_s) {
   return command;
 }
 
-/// Commands of baseControl: KIND (1 percent polar, 2 polar, 3 cartesian), three values, a gain. Two wheels go
-/// ahead or back, so of other directions the part ahead counts.
+/// Commands of baseControl: KIND (1 percent polar, 2 polar, 3 cartesian), three values, a gain. A two-wheeled
+/// drive moves only forward and backward, so only the forward component of a direction counts.
 class BaseTranslator final : public ReadingTranslator {
   command::Id Reading() const override { return command::kGetLimits; }
   std::string_view Help() const override {

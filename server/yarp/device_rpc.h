@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Requests of YARP's network clients to sensors and to a drive: each becomes commands of its module.
+// Requests of YARP's network clients to sensors and drives: each becomes commands of the module.
 #pragma once
 
 #include <memory>
@@ -11,8 +11,8 @@
 
 namespace coopdyn {
 
-/// For a port of the module with these commands, in one of the talks kMetadata, kAnalog, kBattery, kLidar,
-/// kOdometry, kCamera, kBase and kBaseRpc.
+/// For a port of the module with command table `table`, with one of the talks kMetadata, kAnalog, kBattery,
+/// kLidar, kOdometry, kCamera, kBase and kBaseRpc.
 std::unique_ptr<YarpTranslator> MakeDeviceTranslator(YarpTalk talk, std::string_view port,
                                                      const CommandTable& table);
 

@@ -19,7 +19,7 @@
 namespace coopdyn {
 namespace {
 
-/// A program has several ports, such as /ctl/rpc:o and /ctl/command:o: it is "/ctl". Empty: it has no name.
+/// The program that owns `port`: "/ctl" for its ports /ctl/rpc:o, /ctl/command:o and others. Empty: unnamed.
 std::string PartyOf(std::string_view port) {
   if (!port.starts_with('/')) return {};
   if (!port.ends_with(":o")) return std::string(port);
@@ -33,9 +33,9 @@ YarpAsker AskerOf(const Connection& asker) {
   return asker.trusted() ? YarpAsker::kTrusted : YarpAsker::kStranger;
 }
 
-constexpr int kAnyPort = 1;  // a hello of tcp has a port that nobody reads
+constexpr int kAnyPort = 1;  // tcp's hello contains a port that nobody reads
 
-/// One connection that a program of YARP has made to a module.
+/// A connection from a YARP program to a module.
 class YarpEncoding final : public Encoding {
  public:
   YarpEncoding(const Endpoint& endpoint, YarpNetwork& network)
@@ -104,7 +104,7 @@ class YarpEncoding final : public Encoding {
 
   void Push(UnaskedMessage& push, std::string& out) override {
     const Message& message = *push.message();
-    // Other subscribers than `r` would mistake a push for the reply that they wait for.
+    // Only subscribers by `r`: others would mistake a push for a pending reply.
     if (!reversed_ || message.command >= command::kClosing || message.data.empty()) return;
     writer_.Append(message, reader_.carrier(), dialect_, out);
   }
@@ -114,13 +114,13 @@ class YarpEncoding final : public Encoding {
     dialect_ = dialect;
     if (translator_ != nullptr) translator_->set_dialect(dialect);
   }
-  /// A translator answers only what it has decoded.
+  /// A translator answers only requests that it has decoded.
   YarpAnswer AnswerTo(const Message& reply) const {
     if (awaited_ == Awaited::kTranslated) return translator_->Reply(reply);
     if (translator_ != nullptr) return {BottleOf(YarpVocab{"fail"}, reply.text), {}};
     return {as_message_ ? MessageBottle(reply) : WordsBottle(reply), {}};
   }
-  /// Why the request was not done; empty: it was.
+  /// Why the request failed; empty if it succeeded.
   std::string Refusal(const Message& reply) const {
     if (awaited_ != Awaited::kTranslated) return reply.error != 0 ? reply.text : "";
     const Bottle answer = translator_->Reply(reply).bottle;
@@ -128,7 +128,7 @@ class YarpEncoding final : public Encoding {
     return std::string(WordAt(answer, 1));
   }
   std::string_view ack() const { return YarpAck(reader_.carrier()); }
-  /// Calls `use` with what a port tells of itself.
+  /// Calls `use` with the port's view of this connection.
   std::string About(const std::function<std::string(const YarpPortView&)>& use) const {
     const std::vector<YarpLink> links = network_.links().From(endpoint_.path());
     return use({endpoint_.path(), peer_, CarrierName(reader_.carrier()), links});
@@ -154,7 +154,7 @@ class YarpEncoding final : public Encoding {
     return {.status = DecodeStatus::kNothing, .answer = std::move(answer)};
   }
 
-  /// Nothing can be read any more.
+  /// Refuses all further input.
   Incoming Refuse(const std::string& why, std::size_t consumed) {
     awaited_ = Awaited::kEnd;
     Incoming incoming{DecodeStatus::kFatal, consumed,
@@ -168,15 +168,15 @@ class YarpEncoding final : public Encoding {
     party_ = PartyOf(peer_);
     if (reader_.carrier() == YarpCarrier::kUdp) {
       awaited_ = Awaited::kUdpPort;
-      // The other side closes this connection when it has the port.
+      // The peer closes this connection once it has the port.
       return {.status = DecodeStatus::kNothing,
               .consumed = input.consumed,
               .ask = [this](const Connection& asker, ReplyFunction reply) {
                 network_.Accept(peer_, endpoint_.path(), AskerOf(asker), std::move(reply));
               }};
     }
-    // Its requests may have no numbers that show it. It is asked before it is welcome: a port that waits for
-    // the reply to a request answers no question.
+    // The peer's requests may contain no number that shows its dialect. It is asked before the welcome,
+    // because a port that waits for a reply answers no questions.
     if (!network_.dialect() && !reader_.is_text() && peer_.starts_with('/')) {
       awaited_ = Awaited::kVersion;
       return {.status = DecodeStatus::kNothing,
@@ -192,12 +192,13 @@ class YarpEncoding final : public Encoding {
 
   Incoming Command(const YarpInput& input) {
     const std::string& word = input.text;
-    if (reader_.carrier() == YarpCarrier::kUdp) return {.status = DecodeStatus::kLeave};  // it had the port
+    if (reader_.carrier() == YarpCarrier::kUdp)
+      return {.status = DecodeStatus::kLeave};  // it has the port now
     if (word == "d" || word == "D" || word == "do") return Request(input, word == "d");
     if (word == "<ACK>" && reversed_) return Done("");
     if (word == "a") return Administer(Read(input.payload).value_or(Bottle()));
     if (word == "q") return {.status = DecodeStatus::kLeave, .answer = std::string(ack())};
-    if (!reader_.is_text()) return Done(std::string(ack()));  // as YARP: unknown commands do nothing
+    if (!reader_.is_text()) return Done(std::string(ack()));  // as in YARP, unknown commands do nothing
     if (word == "r") return Reverse();
     if (const std::optional<YarpLinkChange> change = LinkChangeIn(word)) return ChangeLink(*change, false);
     std::string text = word == "*"                  ? About(DescribeYarpPort)
@@ -276,7 +277,7 @@ class YarpEncoding final : public Encoding {
     return {.status = decoded.status, .message = std::move(decoded.message)};
   }
 
-  /// The port's reading comes from now on.
+  /// Starts to send the port's reading.
   Incoming Reverse() {
     std::optional<YarpStream> stream = StreamOf(endpoint_.path(), endpoint_.table());
     if (!stream) return Done("There is no reading to send\r\n" + std::string(ack()));
@@ -298,20 +299,20 @@ class YarpEncoding final : public Encoding {
     return reader_.is_text() ? ParseBottle(payload) : DecodeBottle(payload, dialect_);
   }
 
-  /// What the next reply is to. Of a request, kTranslated: the translator has decoded it.
+  /// The source of the next reply. kTranslated: of a request that the translator has decoded.
   enum class Awaited { kNothing, kEnd, kUdpPort, kVersion, kLink, kModule, kTranslated };
 
   const Endpoint& endpoint_;
   YarpNetwork& network_;
-  const std::unique_ptr<YarpTranslator> translator_;  // null: the words are the module's
+  const std::unique_ptr<YarpTranslator> translator_;  // null: the port uses the module's own commands
   YarpReader reader_;
-  YarpDialect dialect_ = YarpDialect::k3;  // until the peer's numbers show it
+  YarpDialect dialect_ = YarpDialect::k3;  // until the peer's numbers show another
   std::string peer_, party_;
   Awaited awaited_ = Awaited::kNothing;
-  bool wants_reply_ = false, as_message_ = false;  // the request decoded last
-  bool reversed_ = false;                          // readings go out
-  bool warned_ = false;                            // that streamed commands are refused
-  bool as_bottle_ = false;                         // of the answer about a connection to another port
+  bool wants_reply_ = false, as_message_ = false;  // of the last decoded request
+  bool reversed_ = false;                          // readings are sent out
+  bool warned_ = false;                            // a refused streamed command has been logged
+  bool as_bottle_ = false;                         // answer a connection request with a Bottle
   YarpSampleWriter writer_;
 };
 

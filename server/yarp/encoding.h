@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Programs of YARP on a module's port: they send Bottles, their requests reach the module as any client's do.
+// YARP programs on a module's port: they send Bottles, which reach the module like any client's requests.
 #pragma once
 
 #include "server/net/encoding.h"
@@ -7,8 +7,8 @@
 
 namespace coopdyn {
 
-/// All encodings of a daemon: that of YARP, then StandardEncodings(). `network` opens what ports are told to
-/// connect to, and outlives them.
+/// All encodings of a daemon: YARP's, then StandardEncodings(). `network` opens the connections that ports
+/// are asked to open; it outlives the encodings.
 Encodings EncodingsWithYarp(YarpNetwork& network);
 
 }  // namespace coopdyn

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The connections that ports of ours have opened, and those by datagrams. Any thread.
+// Outgoing connections of our ports, and connections by datagrams. Thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace coopdyn {
 
-/// A connection of a port of ours.
+/// A connection of one of our ports.
 struct YarpLink {
   enum class Way { kOut, kIn };
   std::string port;   // of ours
@@ -25,24 +25,24 @@ struct YarpLink {
 class YarpLinks {
  public:
   using Id = std::uint64_t;
-  /// Of connections that come in; beyond it the oldest is ended.
+  /// Most incoming connections; beyond it the oldest ends.
   static constexpr std::size_t kMaxInputs = 256;
 
-  /// `session`: the socket that the module's session has, or is about to get.
+  /// `session`: the socket that the module's session has or will have.
   Id Add(YarpLink link, const UniqueFd& session);
   void Forget(Id id);
   bool Has(Id id) const;
-  /// Ends the session of that connection, if it is there: it sees the end of its input.
+  /// Ends that connection's session, if it exists, by an end of its input.
   void End(Id id);
-  /// Ends the session of that connection: it sees the end of its input. False: there is none.
+  /// Ends that connection's session by an end of its input. Returns false if there is none.
   bool End(const std::string& port, const std::string& other, YarpLink::Way way);
-  /// Those that the port has opened, the oldest first.
+  /// The port's outgoing connections, oldest first.
   std::vector<YarpLink> From(const std::string& port) const;
 
  private:
   struct Entry {
     YarpLink link;
-    UniqueFd socket;  // the session's, once more
+    UniqueFd socket;  // a duplicate of the session's
   };
   mutable Mutex mutex_;
   std::map<Id, Entry> entries_ GUARDED_BY(mutex_);

@@ -41,14 +41,14 @@ using asio::ip::udp;
 using boost::system::system_error;
 
 constexpr std::chrono::seconds kConnectWithin{3}, kProbeWithin{1}, kLookAfterSender{3};
-constexpr int kSendBuffer = 64 << 10;  // what waits in the kernel grows old
+constexpr int kSendBuffer = 64 << 10;  // samples in the kernel's buffer become stale
 
 struct Address {
   std::string host;
   int port = 0;
 };
 
-/// Only programs of this machine, or of its network cable, can be there.
+/// True for addresses that only programs on this machine or network link can have.
 bool IsInside(const asio::ip::address& address) {
   if (address.is_v6() && address.to_v6().is_v4_mapped())
     return IsInside(asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6()));
@@ -68,7 +68,7 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
   Impl(NameTable& n, Logger l, YarpNetworkOptions o)
       : names(n), logger(std::move(l)), options(std::move(o)) {}
 
-  /// Null: stopped.
+  /// Null after Stop().
   asio::io_context* Context() {
     const MutexLock lock(mutex);
     if (!stopped && thread == nullptr) thread = std::make_unique<IoThread>("yarp", logger);
@@ -84,7 +84,7 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
     done(problem.empty() ? std::move(reply) : Refusal(problem));
   }
 
-  /// Returns why it cannot be.
+  /// Returns an error text.
   asio::awaitable<std::string> Open(asio::io_context& context, const std::string& from,
                                     const YarpTarget& target, YarpStream stream, YarpAsker asker) {
     if (!target.problem.empty())
@@ -126,7 +126,7 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
     YarpStream stream;
   };
 
-  /// Gives the connection to the module. Returns why it cannot be.
+  /// Passes the connection to the module. Returns an error text.
   std::string HandOver(const Output& output, UniqueFd session, const std::string& welcome) {
     const YarpTarget& target = output.target;
     const std::optional<NameEntry> source = names.Find(output.from);
@@ -157,7 +157,7 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
     return {};
   }
 
-  /// HandOver() for a reader that has told its UDP port in `welcome`.
+  /// HandOver() for a reader whose UDP port is in `welcome`.
   std::string SendDatagrams(asio::io_context& context, const Output& output, const Address& reader,
                             const asio::ip::address& ip, const std::string& welcome) {
     udp::socket datagrams(context);
@@ -174,7 +174,7 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
     return {};
   }
 
-  /// A reader of datagrams learns by a connection of its own that no more come.
+  /// Tells a reader of datagrams, by a separate connection, that no more will come.
   static asio::awaitable<void> TellEnd(asio::io_context& context, Address reader, std::string from) {
     try {
       const auto dialled = Dialled::Begin(context, kProbeWithin);
@@ -187,7 +187,7 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
     }
   }
 
-  /// Opens a UDP port for `sender`. Returns why it cannot be.
+  /// Opens a UDP port for `sender`. Returns an error text.
   std::string TakeDatagrams(asio::io_context& context, const std::string& sender, const std::string& to,
                             YarpAsker asker, std::int32_t& port) {
     const std::optional<NameEntry> module = names.Find(to);
@@ -196,7 +196,7 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
     std::shared_ptr<YarpUdpRelay> relay;
     asio::ip::address address;
     try {
-      // `--host` may be a name.
+      // `--host` may be a host name.
       address = udp::resolver(context).resolve(options.address, "0")->endpoint().address();
       udp::socket datagrams(context, udp::endpoint(address, 0));
       port = datagrams.local_endpoint().port();
@@ -210,7 +210,7 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
     relay->Start([weak = weak_from_this(), id] {
       if (const auto impl = weak.lock()) impl->links.Forget(id);
     });
-    // Who has sent a datagram is not known for sure.
+    // A datagram's sender is not verified.
     PeerInfo peer{sender + " by udp", address.is_loopback()};
     module->adopt(session.Release(), YarpHello(YarpCarrier::kFastTcp, sender), std::move(peer), nullptr);
     asio::co_spawn(context, WatchSender(context, sender, asker, id, relay),
@@ -218,8 +218,8 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
     return {};
   }
 
-  /// Datagrams do not tell that their sender has died: its port, to which nobody can connect any more, does.
-  /// One that has no port, or is not to be asked, must go on sending.
+  /// Datagrams do not show that their sender has died, but its port does: it refuses connections. A sender
+  /// that has no port, or may not be asked, must keep sending.
   asio::awaitable<void> WatchSender(asio::io_context& context, std::string sender, YarpAsker asker,
                                     YarpLinks::Id id, std::weak_ptr<YarpUdpRelay> datagrams) {
     asio::steady_timer timer(context);
@@ -253,14 +253,14 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
       const Address address = co_await Find(context, name, asker);
       if (address.port != 0 && co_await DialectOf(context, address) == YarpDialect::k4) reply.params = {4};
     } catch (const system_error&) {
-      // as old as most
+      // assume the older version
     }
     done(std::move(reply));
   }
 
   asio::awaitable<void> Tell(asio::io_context& context, std::string from, std::string to, bool connects) {
     try {
-      // Whoever has subscribed is not known here.
+      // The subscriber is not known here.
       const std::optional<NameEntry> own = Own(from);
       Address source;
       if (own) source = {options.own_ip, own->port};  // co_await within ?: frees twice, with GCC 12
@@ -278,15 +278,16 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
     }
   }
 
-  /// A name of ours.
+  /// The entry of one of our names.
   std::optional<NameEntry> Own(const std::string& name) const {
     const std::optional<NameEntry> entry = names.Find(name);
     return entry && !entry->external ? entry : std::nullopt;
   }
 
-  /// Where another program is. Port 0: nobody has that name, or it is not to be connected with. The daemon
-  /// itself is not: it would seem to be a program of this machine. In our own table each name has an address
-  /// that it may have (NameTable::Register()). At another name server anybody may have registered anything.
+  /// The address of another program. Port 0: unknown name, or connecting to it is not allowed. That includes
+  /// the daemon itself, which would appear to be a local program. In our own table every name has an address
+  /// that it may have (NameTable::Register()). At another name server anybody may have registered any
+  /// address.
   asio::awaitable<Address> Find(asio::io_context& context, const std::string& name, YarpAsker asker) {
     if (Own(name) || !NameProblem(name).empty()) co_return Address{};
     if (options.server.empty()) {
@@ -311,7 +312,7 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
     co_return may ? found : Address{};
   }
 
-  /// YARP 3 and 4 answer `[pid]` differently. Whoever says nothing has version 3.
+  /// YARP 3 and 4 answer `[pid]` differently. A program that does not answer counts as version 3.
   asio::awaitable<YarpDialect> DialectOf(asio::io_context& context, const Address& address) {
     if (options.dialect) co_return *options.dialect;
     std::string answer;
@@ -322,7 +323,7 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
       co_await dialled->ReadLine();  // Welcome admin
       answer = co_await dialled->ReadLine();
     } catch (const system_error&) {
-      // it is asked no more
+      // assume version 3
     }
     co_return answer.starts_with("[fail]") ? YarpDialect::k4 : YarpDialect::k3;
   }

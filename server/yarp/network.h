@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Opens connections from our ports to programs of YARP, when they are told to ("[add]"), and takes datagrams.
-// Any thread.
+// Opens connections from our ports to YARP programs on request ("[add]"), and receives datagrams.
+// Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -20,57 +20,57 @@ namespace coopdyn {
 
 class YarpMadeThings;
 
-/// Whoever makes the daemon open a connection.
+/// The program on whose behalf the daemon opens a connection.
 enum class YarpAsker {
   kTrusted,   // a program on this machine
-  kStranger,  // is not connected with what only this machine reaches
+  kStranger,  // not connected to addresses that only this machine reaches
 };
 
 struct YarpNetworkOptions {
-  std::string server;                  // HOST:PORT of the name server; empty: the table has the names
-  std::string own_ip;                  // of names in the table without an address
-  std::string address;                 // where datagrams come in
-  std::optional<YarpDialect> dialect;  // of readers; nothing: each is asked
-  /// A reader that acknowledges, named so, has taken the sample of a step; it gets one every so many. And: it
-  /// has gone. Any thread.
+  std::string server;                  // HOST:PORT of the name server; empty: our own table
+  std::string own_ip;                  // for names in the table without an address
+  std::string address;                 // receives datagrams
+  std::optional<YarpDialect> dialect;  // of readers; nullopt: each is asked
+  /// Reader `name` acknowledged step `step`; it receives every `every`th step. gone: the reader has gone. Any
+  /// thread.
   std::function<void(std::uint64_t id, const std::string& name, std::uint64_t step, int every)> taken = {};
   std::function<void(std::uint64_t id)> gone = {};
 };
 
-/// Outlives whoever has an encoding of it. Its thread starts with the first connection.
+/// Outlives all users of its encoding. Its thread starts with the first connection.
 class YarpNetwork {
  public:
   /// `names` outlives it.
   YarpNetwork(NameTable& names, Logger logger, YarpNetworkOptions options);
-  /// Stop().
+  /// Calls Stop().
   ~YarpNetwork();
   YarpNetwork(const YarpNetwork&) = delete;
   YarpNetwork& operator=(const YarpNetwork&) = delete;
 
-  /// Connects `from`, which is in the table, to `target`: "tcp://reader", or "/reader" for tcp. It replaces a
-  /// connection between the two. `done` gets what YARP's programs want to read: without error that it was
-  /// added; on the network's thread, or at once. `asker`: for whom; see Find() of the implementation.
+  /// Connects `from`, a name in the table, to `target`: "tcp://reader", or "/reader" for tcp. Replaces an
+  /// existing connection between the two. Passes to `done` the text that YARP's programs expect, without
+  /// error on success; on the network's thread, or at once. `asker` limits the targets: see Find() in
+  /// network.cc.
   void Connect(const std::string& from, const std::string& target, YarpStream stream, YarpAsker asker,
                ReplyFunction done);
-  /// Takes datagrams of `sender` for our port `to`. It replaces another such connection of the two. `done`
-  /// gets the number of the UDP port in its params, as for Connect().
+  /// Receives datagrams of `sender` for our port `to`. Replaces an existing such connection. `done` receives
+  /// the UDP port in its params, as in Connect().
   void Accept(const std::string& sender, const std::string& to, YarpAsker asker, ReplyFunction done);
-  /// Asks the port `name`, which connects to one of ours, for its version of YARP: `done` gets it, 3 or 4, in
-  /// its params, as for Connect().
+  /// Asks the port `name`, which connects to one of ours, for its YARP version: `done` receives 3 or 4 in its
+  /// params, as in Connect().
   void AskVersion(const std::string& name, YarpAsker asker, ReplyFunction done);
-  /// Tells whoever has the port `from` to connect to `to`, or to do so no longer, as a name server does for
-  /// subscriptions.
+  /// Tells the port `from` to connect to `to`, or to disconnect, as a name server does for subscriptions.
   void Tell(const std::string& from, const std::string& to, bool connects);
-  /// Of all programs, as the user says. Nothing: each is asked.
+  /// The YARP version of all programs, as set by the user. Nullopt: each is asked.
   std::optional<YarpDialect> dialect() const;
-  /// Logs that a streamed command, which gets no answer, was refused.
+  /// Logs the refusal of a streamed command, which gets no answer.
   void NoteRefused(const std::string& port, const std::string& sender, const std::string& why);
-  /// What the world interface has made.
+  /// The things made through the world interface.
   const std::shared_ptr<YarpMadeThings>& made() const { return made_; }
-  /// What has been connected, to be listed and ended.
+  /// Open connections, for lists and ends.
   YarpLinks& links();
-  /// Nothing is connected any more. Those that are there stay, until their modules end. Neither Connect() nor
-  /// Accept() may come meanwhile.
+  /// Opens no more connections; existing ones stay until their modules end. Connect() and Accept() must not
+  /// run at the same time.
   void Stop();
 
  private:

@@ -13,10 +13,10 @@ namespace {
 constexpr std::string_view kOut = ":o", kAnyModule = "*", kBase = "/base";
 
 struct TakingPort {
-  std::string_view end, module;  // the kind of module: CommandTable::module()
+  std::string_view end, module;  // kind of module: CommandTable::module()
   YarpTalk talk;
 };
-// Longer ends first.
+// Longer suffixes first.
 constexpr TakingPort kTakingPorts[] = {
     {"/analog:o/rpc:i", "wrench", YarpTalk::kAnalog},
     {"/nws/rpc:i", "joints", YarpTalk::kBoardRpc},
@@ -42,7 +42,7 @@ struct SendingPort {
   command::Id reading;
   YarpSample sample;
 };
-// Ports that send as YARP's devices do; an empty subject is the module itself.
+// Ports that send like YARP's devices; an empty subject means the module's own port.
 constexpr SendingPort kSendingPorts[] = {
     {"state", "joints", command::kGetBoard, YarpSample::kBoardPositions},
     {"stateExt", "joints", command::kGetBoard, YarpSample::kBoard},
@@ -66,7 +66,7 @@ constexpr SendingPort kSendingPorts[] = {
     {"clock", "simulation", command::kGetClock, YarpSample::kReading},
 };
 
-/// "10": whole, from 1 on.
+/// Parses "10": a whole number from 1 on.
 std::optional<std::int32_t> StepsIn(std::string_view text) {
   std::int32_t steps = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), steps);

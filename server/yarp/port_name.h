@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The names of YARP's ports for a module: /robot1/pose itself, /robot1/pose/state:o, /robot1/pose/10/state:o,
-// /robot1/motors/command:i; those that YARP's own devices have; and /clock. Pure functions; any thread.
+// /robot1/motors/command:i, the names of YARP's own devices, and /clock. Pure functions; any thread.
 #pragma once
 
 #include <cstdint>
@@ -12,25 +12,26 @@
 namespace coopdyn {
 
 struct YarpPortName {
-  std::string_view module;  // "/robot1/pose"
-  std::string_view
-      subject;         // "state": the first reading; "scan": that of get_scan; or the whole end: "command:i"
-  bool takes = false;  // requests or commands go in. Else readings come out
-  std::int32_t every = 1;  // steps, between two readings
+  std::string_view module;   // "/robot1/pose"
+  std::string_view subject;  // "state": the first reading; "scan": that of get_scan; an input's whole suffix:
+                             // "command:i"
+  bool takes = false;        // an input for requests or commands; else sends readings
+  std::int32_t every = 1;    // steps between two readings
 
-  /// It is a port of the module at `path`, which has the commands of `table`: /robot1/base is the drive.
+  /// True if it is a port of the module at `path` with command table `table`; /robot1/base belongs to the
+  /// drive.
   bool IsOf(std::string_view path, const CommandTable& table) const;
 };
 
-/// Nothing: it is no name of a port of ours, as a module's own name is not.
+/// Nullopt if `name` is not a port of ours; also for a module's own name.
 std::optional<YarpPortName> ParseYarpPortName(std::string_view name);
 
 /// How a port writes its reading.
 enum class YarpSample {
   kReading,         // text, params, data
-  kParams,          // the params alone
-  kBoardPositions,  // of get_board the positions, as a control board does
-  kBoard,           // and all that a control board sends
+  kParams,          // only the params
+  kBoardPositions,  // positions of get_board, like a control board
+  kBoard,           // complete state of a control board
   kMeasures,        // of multipleAnalogSensors
   kInertial,        // twelve numbers of an IMU
   kLaserScan,
@@ -39,28 +40,28 @@ enum class YarpSample {
   kImage,
   kDepth,
 };
-/// What a port sends.
+/// The stream of a port.
 struct YarpStream {
-  std::int32_t reading = 0;  // a get-command
+  std::int32_t reading = 0;  // id of a get-command
   std::int32_t every = 1;    // steps
   YarpSample sample = YarpSample::kReading;
 };
 
-/// The simulated time, as YARP_CLOCK reads it: that of /simulation, and the requests to it.
+/// The simulated time as read by YARP_CLOCK, and requests to the clock; both of /simulation.
 inline constexpr std::string_view kYarpClock = "/clock", kYarpClockRpc = "/clock/rpc";
-/// Makes things in the world, as gazebo-yarp-plugins does: for /world.
+/// Makes things in the world, like gazebo-yarp-plugins; of /world.
 inline constexpr std::string_view kYarpWorldInterface = "/world_input_port";
-/// Of the port `name` of a module with these commands, or of that module itself. Nothing: it has no such
-/// reading.
+/// The stream of port `name` of a module with this command table, or of the module's own port. Nullopt if
+/// there is no such reading.
 std::optional<YarpStream> StreamOf(std::string_view name, const CommandTable& table);
 
-/// In which words a port that takes something is spoken to.
+/// The language of an input port.
 enum class YarpTalk {
-  kModule,  // those of its module
+  kModule,  // its module's commands
   kClock,
-  kBoardWords,   // a control board of YARP 3
-  kBoardRpc,     // of YARP 4
-  kBoardStream,  // of both
+  kBoardWords,   // control board of YARP 3
+  kBoardRpc,     // control board of YARP 4
+  kBoardStream,  // control board of both
   kMetadata,     // of multipleAnalogSensors
   kAnalog,
   kBattery,
@@ -71,10 +72,10 @@ enum class YarpTalk {
   kBase,     // commands of baseControl
   kBaseRpc,  // of mobileBaseVelocityControl
 };
-/// Nothing: a module with these commands has no such port.
+/// Nullopt if a module with this command table has no such port.
 std::optional<YarpTalk> TalkOf(std::string_view name, const CommandTable& table);
 
-/// A module with these commands has this port.
+/// True if the module with this command table has this port.
 inline bool HasYarpPort(const YarpPortName& port, std::string_view name, std::string_view path,
                         const CommandTable& table) {
   return port.IsOf(path, table) &&

@@ -4,8 +4,8 @@
 namespace coopdyn {
 namespace {
 
-/// The name of a call, which Thrift cuts at each `_`: up to the word that ends with RPC, else the first word.
-/// `at`: where its arguments begin.
+/// The name of a call, which Thrift splits at each `_`: joins the words up to the one that ends with RPC; if
+/// none does, the first word. `at` receives the index of the first argument.
 std::string CallName(const Bottle& request, std::size_t& at) {
   std::string name;
   for (std::size_t i = 0; i < request.size() && i < 4; ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A port of a device of YARP that answers from what its module tells.
+// Answers requests to a YARP device from its module's readings.
 #pragma once
 
 #include <cstddef>
@@ -15,10 +15,10 @@
 
 namespace coopdyn {
 
-/// The codes of yarp::dev::ReturnValue that we give.
+/// The codes of yarp::dev::ReturnValue that we use.
 enum class ReturnCode { kDone = 0, kNotThere = 2 };
 
-/// Answers from what the module tells: asks it one thing, then answers.
+/// Asks the module for a reading, may send it a command, then answers.
 class ReadingTranslator : public YarpTranslator {
  public:
   void set_dialect(YarpDialect dialect) final { dialect_ = dialect; }
@@ -31,13 +31,13 @@ class ReadingTranslator : public YarpTranslator {
   YarpAnswer Reply(const Message& reply) final;
 
  protected:
-  /// What the module is asked for.
+  /// The command that reads the module.
   virtual command::Id Reading() const { return command::kPing; }
-  /// What the module is then told, if anything.
+  /// The module's command that follows, if any.
   virtual std::optional<Message> Command(const Message& /*reading*/) { return std::nullopt; }
-  /// The requests that it takes.
+  /// The supported requests.
   virtual std::string_view Help() const = 0;
-  /// From the reply to the reading, or to the command. Nothing: there is no such request.
+  /// Answers from the reply to the reading or command. Nullopt if there is no such request.
   virtual std::optional<YarpAnswer> Answer(const Message& reply) = 0;
 
   const Bottle& request() const { return request_; }
@@ -45,13 +45,13 @@ class ReadingTranslator : public YarpTranslator {
   std::size_t arguments() const { return at_; }
 
   static YarpAnswer Fail(const std::string& why) { return {BottleOf(YarpVocab{"fail"}, why), {}}; }
-  /// Bytes as they are, and by text the same as a Bottle.
+  /// An answer of these bytes; as text, the same decoded as a Bottle.
   static YarpAnswer OfBytes(std::string bytes, const Bottle& if_none = {}) {
     YarpDialect dialect = YarpDialect::k3;
     Bottle shown = DecodeBottle(bytes, dialect).value_or(if_none);
     return {std::move(shown), std::move(bytes)};
   }
-  /// A code, then what `fill` writes in `fields` fields.
+  /// A code, then `fields` fields written by `fill`.
   template <typename Fill>
   YarpAnswer Returned(ReturnCode code, std::size_t fields, const Fill& fill) const {
     std::string bytes;
@@ -75,7 +75,7 @@ class ReadingTranslator : public YarpTranslator {
   Bottle request_;
   std::string name_;
   std::size_t at_ = 1;
-  bool asked_ = false;  // the module
+  bool asked_ = false;  // a request to the module is pending
   YarpDialect dialect_ = YarpDialect::k3;
 };
 

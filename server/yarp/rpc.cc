@@ -39,7 +39,7 @@ Decoded DecodeMessage(const Bottle& bottle) {
   return decoded;
 }
 
-/// Appends one value as a line of text has it.
+/// Appends one value as in a line of text.
 void AppendWord(const BottleValue& item, std::string& line) {
   if (const Bottle* const list = item.As<Bottle>()) {
     line += '(';

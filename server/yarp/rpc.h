@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Requests and replies of modules as Bottles, in two forms: words and numbers, as a person types them in
-// `yarp rpc`, and the message of coopdyn. Pure functions; any thread.
+// Modules' requests and replies as Bottles, in two forms: words and numbers, as typed in `yarp rpc`, and
+// coopdyn's message. Pure functions; any thread.
 //
 //   set_velocity 0.2 0.5            [ok] 1 12.34 1234.0
 //   set_velocty 0.2                 [fail] "unknown command 'set_velocty': did you mean …" 1
@@ -16,14 +16,14 @@ namespace coopdyn {
 
 /// True if `bottle` is a message: error text command (params) (data).
 bool IsMessageBottle(const Bottle& bottle);
-/// What `bottle` asks for: as DecodeText() answers, whose words the others are.
+/// Decodes the request in `bottle`. A bottle of words is decoded like a line of text by DecodeText().
 Decoded DecodeYarpRequest(const Bottle& bottle, const CommandTable& table);
 
 /// `error text command (params) (data)`.
 Bottle MessageBottle(const Message& message);
-/// `[ok]`, the text if there is one, params, data; or `[fail]`, the text and the error's number.
+/// `[ok]`, the text if any, params, data; or `[fail]`, the text and the error number.
 Bottle WordsBottle(const Message& reply);
-/// `[many]` and a line of help each.
+/// `[many]` and one string per line of help.
 Bottle HelpBottle(const CommandTable& table);
 
 }  // namespace coopdyn

@@ -63,7 +63,7 @@ command::Id ReadingIn(const Message& message) {
   return message.command < 0 ? -message.command : message.command;
 }
 
-/// What a reading measures; empty: another length than that reading has.
+/// Converts a reading; nullopt if its length is wrong.
 std::optional<Measures> MeasuresOf(const Message& reading) {
   const std::span<const double> data = std::span(reading.data).first(reading.data.size() - kTimeAndStep);
   Measures measures;
@@ -102,7 +102,7 @@ std::optional<Measures> MeasuresOf(const Message& reading) {
   }
 }
 
-/// Which kinds a module has.
+/// The kinds that a module measures.
 std::vector<Measure> KindsOf(std::string_view module) {
   if (module == "imu") return {kGyroscope, kAccelerometer, kOrientation};
   if (module == "wrench") return {kForceTorque};
@@ -166,11 +166,11 @@ bool AppendOdometry(const Message& reading, YarpStructWriter write) {
   return true;
 }
 
-/// It has energy and power: no voltage, current and temperature.
+/// Only energy and power are known: no voltage, current or temperature.
 bool AppendBattery(const Message& reading, YarpStructWriter write) {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   constexpr std::int32_t kStandby = 0, kInUse = 2, kLow = 5, kCritical = 6;
-  constexpr double kLow_percent = 15, kCritical_percent = 5;  // as the batteries of YARP itself
+  constexpr double kLow_percent = 15, kCritical_percent = 5;  // as in YARP's own batteries
   if (ReadingIn(reading) != command::kGetBattery || reading.data.size() != 3 + kTimeAndStep) return false;
   const double charge_percent = 100 * reading.data[1], power_w = reading.data[2];
   write.Struct(5);
@@ -182,7 +182,7 @@ bool AppendBattery(const Message& reading, YarpStructWriter write) {
   return true;
 }
 
-/// Width, height and byte count, then four bytes a param.
+/// Params: width, height, byte count, then four bytes of the image each.
 bool AppendImage(const Message& reading, YarpSample sample, std::string& out) {
   constexpr std::int32_t kRowMultiple = 8, kBlobTag = 12, kIntsTag = 257;
   const bool depth = sample == YarpSample::kDepth;
@@ -245,7 +245,7 @@ std::string MeasuresMetadata(std::string_view kind, std::string_view name) {
     if (!has) continue;
     write.Struct(3);
     write.String(name);
-    write.String(name);  // of its frame
+    write.String(name);  // its frame's name
     write.String("");
   }
   return bytes;

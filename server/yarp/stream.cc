@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kStamped = 2;  // time_s and step, at the end of a reading
 
-/// How many were dropped before, as the text of a push says.
+/// The number of dropped pushes in a push's text.
 std::int32_t DroppedBefore(std::string_view text) {
   constexpr std::string_view kDropped = "dropped ";
   std::int32_t count = 0;
@@ -72,7 +72,7 @@ YarpOutput::~YarpOutput() {
 Incoming YarpOutput::Decode(std::string_view bytes) {
   Incoming incoming{.status = DecodeStatus::kMessage};
   switch (state_) {
-    case State::kWelcome:  // at once a sample, as a reader may wait for the first one
+    case State::kWelcome:  // send a sample at once: a reader may wait for the first one
       state_ = State::kFirstReading;
       incoming.message = FirstRequest();
       return incoming;
@@ -125,7 +125,7 @@ std::optional<Message> YarpOutput::Next(const Message& reply, std::string& out) 
     return request;
   }
   if (!pulls()) return {};
-  constexpr int kMaxErrors = 4;  // a reset, a load; beyond it nothing can come any more
+  constexpr int kMaxErrors = 4;  // a reset or a load; after more, the stream is dead
   errors_ = reply.error == 0 ? 0 : errors_ + 1;
   if (errors_ > kMaxErrors) {
     if (events_.fails) events_.fails(reply.text);
@@ -149,10 +149,10 @@ Incoming YarpOutput::Acknowledged(std::string_view bytes) {
   Incoming incoming{.status = DecodeStatus::kNothing};
   const std::string_view ack = YarpAck(carrier_);
   if (ack.empty()) {
-    incoming.consumed = bytes.size();  // this side only sends
+    incoming.consumed = bytes.size();  // nothing else is expected from the reader
     return incoming;
   }
-  // One of tcp has a fixed size; lines end, whatever is in them.
+  // An acknowledgement of tcp has a fixed size; one of text ends with its line.
   const std::size_t end = IsText(carrier_)            ? bytes.find('\n') + 1
                           : bytes.size() < ack.size() ? 0
                                                       : ack.size();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a port of ours sends by itself: readings with stamps of simulated time. No sockets.
+// The streams of our ports: readings stamped with simulated time. No sockets.
 #pragma once
 
 #include <cstdint>
@@ -21,31 +21,31 @@ namespace coopdyn {
 /// Writes the readings of one connection.
 class YarpSampleWriter {
  public:
-  /// Appends a reading, which ends with time_s and step, as data that wants no reply. Without text and params
-  /// it is a Vector. A number more for each that was dropped before it.
+  /// Appends a reading, which ends with time_s and step, as data without reply. Without text and params it is
+  /// a Vector. The sequence number also counts dropped readings.
   void Append(const Message& reading, YarpCarrier carrier, YarpDialect dialect, std::string& out);
   void set_sample(YarpSample sample) { sample_ = sample; }
-  /// Of a lidar, the reply to get_scan_geometry.
+  /// For a lidar: the reply to get_scan_geometry.
   void set_geometry(Message geometry) { geometry_ = std::move(geometry); }
 
  private:
   YarpSample sample_ = YarpSample::kReading;
-  BoardSampler board_;  // of YarpSample::kBoard
-  Message geometry_;    // of YarpSample::kLaserScan
+  BoardSampler board_;  // for YarpSample::kBoard
+  Message geometry_;    // for YarpSample::kLaserScan
   std::int32_t sequence_ = 0;
 };
 
-/// A connection that we have opened, to send a module's reading.
+/// A connection opened by us to send a module's reading.
 class YarpOutput final : public Encoding {
  public:
-  /// Called on the session's thread; null: nobody wants to know.
+  /// Called on the session's thread; may be null.
   struct Events {
-    std::function<void()> end = {};  // it is destroyed
-    // the reader has acknowledged the sample of that step
+    std::function<void()> end = {};  // the output is destroyed
+    // the reader acknowledged the sample of `step`
     std::function<void(std::uint64_t step)> taken = {};
-    std::function<void(const std::string& why)> fails = {};  // nothing comes any more
+    std::function<void(const std::string& why)> fails = {};  // no more samples will come
   };
-  /// The first bytes that it decodes are the other side's welcome.
+  /// The first bytes to decode are the reader's welcome.
   YarpOutput(YarpCarrier carrier, YarpDialect dialect, YarpStream stream, Events events);
   ~YarpOutput() override;
   YarpOutput(const YarpOutput&) = delete;
@@ -59,7 +59,7 @@ class YarpOutput final : public Encoding {
 
  private:
   void Append(const Message& reading, std::string& out);
-  /// Pictures are not pushed: one is asked for after each step.
+  /// Pictures are requested after each step instead of pushed.
   bool pulls() const { return stream_.sample == YarpSample::kImage || stream_.sample == YarpSample::kDepth; }
   Message FirstRequest() const;
   Message Picture() const;
@@ -74,8 +74,8 @@ class YarpOutput final : public Encoding {
   enum class State { kWelcome, kFirstReading, kStreams } state_ = State::kWelcome;
   int unacknowledged_ = 0;
   std::uint64_t sent_step_ = 0;  // of the last sample
-  int errors_ = 0;               // to what was pulled, in a row
-  double pulled_s_ = -1;         // the time of the picture that was sent last
+  int errors_ = 0;               // of pictures, in a row
+  double pulled_s_ = -1;         // time of the last picture sent
   YarpSampleWriter writer_;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Writes what programs of YARP read field by field (structs of Thrift, Vectors), where a Bottle of the same
-// values would leave out tags. Pure; one thread.
+// Writes data that YARP programs read field by field (Thrift structs, Vectors). A Bottle of the same values
+// would omit tags. Pure; one thread.
 #pragma once
 
 #include <cstddef>
@@ -22,10 +22,10 @@ class YarpStructWriter {
         double_tag_(dialect == YarpDialect::k4 ? 20 : 10),
         float_tag_(dialect == YarpDialect::k4 ? 10 : 128) {}
 
-  /// Fields follow, each with its tag.
+  /// Starts a struct; its fields follow, each with its tag.
   void Struct(std::size_t fields) { List(0, fields); }
   void Vocab(std::string_view word) { Tagged(9, VocabCode(word)); }
-  /// A code that is no word.
+  /// A code without a word.
   void VocabNumber(std::int32_t code) { Tagged(9, code); }
   void Bool(bool value) { Vocab(value ? "ok" : "fail"); }
   void Int(std::int32_t value) { Tagged(1, value); }
@@ -34,9 +34,9 @@ class YarpStructWriter {
     Tagged(4, static_cast<std::int32_t>(text.size()));
     out_ += text;
   }
-  /// A list of anything.
+  /// A list of arbitrary values.
   void Items(const Bottle& bottle) { EncodeBottle(bottle, dialect_, out_); }
-  /// A Vector, or list of Thrift.
+  /// A Vector, or a Thrift list.
   template <typename Range>
   void Doubles(const Range& values) {
     List(double_tag_, std::size(values));

@@ -30,7 +30,7 @@ YarpTarget ParseYarpTarget(const std::string& text) {
     if (const std::size_t dot = word.find('.'); dot != std::string::npos) word[dot] = ' ';
     target.qualifiers += " (" + word + ")";
   }
-  // Whoever asks must not speak to the reader in our name.
+  // The asker must not inject messages to the reader in our name.
   if (!IsCleanUtf8(target.qualifiers) || std::any_of(target.qualifiers.begin(), target.qualifiers.end(),
                                                      [](unsigned char c) { return c < ' '; }))
     target.problem = "the words of a carrier are plain text";

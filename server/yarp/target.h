@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What `[add] "tcp://reader"` names. Pure functions; any thread.
+// Parses the target of `[add] "tcp://reader"`. Pure functions; any thread.
 #pragma once
 
 #include <string>
@@ -8,17 +8,17 @@
 
 namespace coopdyn {
 
-/// Where a connection goes to, and how.
+/// The destination and carrier of a connection.
 struct YarpTarget {
   std::string name;           // "/reader"
   std::string carrier_words;  // "tcp+recv.portmonitor"
   YarpCarrier carrier = YarpCarrier::kTcp;
   std::string qualifiers;  // " (recv portmonitor)"
-  std::string problem;     // why it cannot be; empty: it can
+  std::string problem;     // why the connection is not possible; empty if it is
 };
 
-/// "tcp+recv.portmonitor+type.lua://reader": plug-ins of the reader are told to it after our name. Others
-/// would run here.
+/// "tcp+recv.portmonitor+type.lua://reader": plug-ins of the reader are appended to our name in the hello.
+/// Other plug-ins would run in the daemon and are refused.
 YarpTarget ParseYarpTarget(const std::string& text);
 
 }  // namespace coopdyn

@@ -98,7 +98,7 @@ class ClockTranslator final : public YarpTranslator {
 }  // namespace
 
 YarpAnswer YarpProtocolVersion() {
-  // Four numbers of 16 bits, which no Bottle has.
+  // Four 16-bit numbers, which Bottles do not support.
   YarpAnswer version{BottleOf(std::int32_t{0}, std::int32_t{4}, std::int32_t{0}, std::int32_t{0}), {}};
   YarpStructWriter(YarpDialect::k4, version.bytes).Struct(1);
   for (const std::int16_t number : {0, 4, 0, 0}) AppendBytes(number, version.bytes);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Ports that YARP's own devices have: their requests, in the words of these devices, become messages to a
-// module. Pure.
+// Translates requests to ports of YARP's own devices into messages to a module. Pure.
 #pragma once
 
 #include <memory>
@@ -17,33 +16,33 @@ namespace coopdyn {
 
 class YarpMadeThings;
 
-/// What goes back for a request.
+/// The answer to a request.
 struct YarpAnswer {
   Bottle bottle = {};
-  std::string bytes = {};  // if not empty, instead of the bottle where it would be binary
+  std::string bytes = {};  // if not empty, replaces the bottle on binary carriers
 };
 
-/// Of one connection; one request at a time.
+/// Belongs to one connection; one request at a time.
 class YarpTranslator {
  public:
   virtual ~YarpTranslator() = default;
-  /// The peer's version of YARP, before the first request if it is known.
+  /// The peer's YARP version, set before the first request if known.
   virtual void set_dialect(YarpDialect /*dialect*/) {}
-  /// kMessage, or kBad with the reason.
+  /// Returns kMessage, or kBad with the reason.
   virtual Decoded Decode(const Bottle& request) = 0;
-  /// Whether the request decoded last is to change something, whatever its first message does.
+  /// Whether the last decoded request changes state, even if its first message only reads.
   virtual bool changes() const { return false; }
-  /// After `reply`, also an error, to the message before: what else the module must do before the request is
-  /// answered. Nothing: Reply() answers it.
+  /// The module's next message before the request can be answered, given the `reply` (or error) to the
+  /// previous one. Nullopt: Reply() answers the request.
   virtual std::optional<Message> Next(const Message& /*reply*/) { return std::nullopt; }
-  /// The answer to the request decoded last, from the last reply.
+  /// The answer to the last decoded request, from the last reply.
   virtual YarpAnswer Reply(const Message& reply) = 0;
 };
 
-/// The answer to getRemoteProtocolVersion, which clients of YARP 4 ask first.
+/// The answer to getRemoteProtocolVersion, the first request of YARP 4 clients.
 YarpAnswer YarpProtocolVersion();
-/// For a port of a module with these commands. Null: the port speaks the words of its module.
-/// `made`: what the world interface has made, for all its connections.
+/// The translator for a port of a module with this command table. Null: the port uses the module's own
+/// commands. `made`: the things made through the world interface, shared by all its connections.
 std::unique_ptr<YarpTranslator> TranslatorOf(std::string_view port, const CommandTable& table,
                                              std::shared_ptr<YarpMadeThings> made = nullptr);
 

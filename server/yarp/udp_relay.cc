@@ -75,7 +75,7 @@ asio::awaitable<void> YarpUdpRelay::CarryIn() {
   while (true) {
     const std::size_t count = co_await datagrams_.async_receive(asio::buffer(block), use_awaitable);
     heard_at_ = std::chrono::steady_clock::now();
-    if (direction_ == Direction::kOut) continue;  // only to hear that nobody listens
+    if (direction_ == Direction::kOut) continue;  // listens only for errors: nobody receives
     const std::string messages = joiner.Add(std::string_view(block).substr(0, count));
     co_await asio::async_write(stream_, asio::buffer(messages), use_awaitable);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Carries the messages of a connection over datagrams: what the module's session says on its end of a pair of
-// sockets goes out, and what comes in goes to it. Its thread only.
+// Carries a connection's messages over datagrams: sends the output of the module's session, which holds the
+// other end of a socket pair, and passes received messages to it. Used on one thread.
 #pragma once
 
 #include <chrono>
@@ -19,18 +19,18 @@ namespace coopdyn {
 class YarpUdpRelay final : public std::enable_shared_from_this<YarpUdpRelay> {
  public:
   enum class Direction {
-    kIn,  // what the session says is thrown away, as such a connection has no replies
+    kIn,  // discards the session's output: such a connection has no replies
     kOut,
   };
 
-  /// Null: no pair of sockets is to be had. `session` gets the session's end.
+  /// Null if no socket pair is available. `session` receives the session's end.
   static std::shared_ptr<YarpUdpRelay> Make(boost::asio::io_context& context,
                                             boost::asio::ip::udp::socket datagrams, Direction direction,
                                             UniqueFd& session);
-  /// Runs until the session closes its end, or nobody listens any more; then calls `on_end`.
+  /// Runs until the session closes its end or the receiver is gone; then calls `on_end`.
   void Start(std::function<void()> on_end);
   void Close();
-  /// Since the last datagram, or since the beginning.
+  /// Time since the last datagram, or since the start.
   std::chrono::steady_clock::duration silent_for() const {
     return std::chrono::steady_clock::now() - heard_at_;
   }

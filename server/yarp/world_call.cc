@@ -23,7 +23,7 @@ bool IsWordOf(std::string_view word, std::string_view signs) {
   });
 }
 
-/// Structs may be lists.
+/// Structs may arrive as lists.
 void FlattenParts(const Bottle& bottle, std::size_t at, std::vector<const BottleValue*>& parts) {
   for (; at < bottle.size(); ++at) {
     if (const Bottle* const inner = bottle[at].As<Bottle>()) {
@@ -34,7 +34,7 @@ void FlattenParts(const Bottle& bottle, std::size_t at, std::vector<const Bottle
   }
 }
 
-/// A section of this name is no thing's.
+/// True if a section of this name is not a thing's.
 bool IsOtherSection(std::string name) {
   std::ranges::transform(name, name.begin(), [](char c) { return ToLower(c); });
   return IsOneOf(name, {"world", "simulation", "target", "floor", "set"}) ||

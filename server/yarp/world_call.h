@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The calls of the world interface, and their requests. Pure functions; any thread.
+// The calls of the world interface, and the parsing of requests. Pure functions; any thread.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace coopdyn {
 
-// From kGravity on they depend on what stands in the world.
+// From kGravity on they need the current world.
 enum class WorldAct {
   kRefuse,
   kMake,
@@ -32,8 +32,8 @@ struct WorldCall {
   std::string_view name;
   WorldAct act;
   WorldReply reply;
-  std::string_view parts;       // what follows; in brackets: if wanted
-  std::string_view thing = {};  // what is made; or why not
+  std::string_view parts;       // arguments; optional ones in brackets
+  std::string_view thing = {};  // the kind of thing to make; for kRefuse the reason
 };
 inline constexpr const char* kNoFrame =
     "a frame without a body cannot stand here: make a thing, or insert a target through /world";
@@ -66,22 +66,22 @@ inline constexpr WorldCall kWorldCalls[] = {
 
 struct WorldRequest {
   const WorldCall* call = nullptr;
-  std::vector<double> sizes_m, pose, color;  // the colour from 0 to 255
+  std::vector<double> sizes_m, pose, color;  // colour from 0 to 255
   std::vector<std::string> words;
   std::string frame, name;
   bool gravity = false, collision = true, on = false;
-  bool typed = false;  // by a person: a program sends all parts, and yes and no as [ok] and [fail]
+  bool typed = false;  // by a person: a program sends all arguments, and truth values as [ok] and [fail]
 
-  /// Takes `value` as the `part` of the call. False: it does not fit.
+  /// Stores `value` as argument `part` of the call. Returns false if it does not fit.
   bool Take(std::string_view part, const BottleValue& value);
 };
 
 /// `makeSphere RADIUS X Y Z …`
 std::string WorldCallUsage(const WorldCall& call);
-/// Takes what follows the name of the call. False: that does not fit.
+/// Reads the arguments after the call's name. Returns false if they do not fit.
 bool ReadWorldParts(const Bottle& bottle, std::size_t from, WorldRequest& request);
-/// Makes the names of frame and model plain. Empty: it can be done, as far as that is known without the
-/// world.
+/// Normalises the names of frame and model. Returns why the request is not possible, as far as that is known
+/// without the world; empty if it is.
 std::string WhyNoRequest(WorldRequest& request);
 
 }  // namespace coopdyn

@@ -27,8 +27,8 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr double kThingsDensity_kg_m3 = 500;  // light wood
-constexpr double kMinThingsMass_kg = 1e-6;    // in a scenario
+constexpr double kThingsDensity_kg_m3 = 500;  // like light wood
+constexpr double kMinThingsMass_kg = 1e-6;    // minimum in a scenario
 
 struct WorldPlace {
   Eigen::Vector3d p_m = Eigen::Vector3d::Zero();
@@ -46,7 +46,7 @@ WorldPlace WorldPlaceOf(const std::vector<double>& pose) {
               portable::AngleAxis(pose[3], Eigen::Vector3d::UnitX())};
 }
 
-/// And back; with the pitch straight up or down the yaw is 0.
+/// The reverse; with the pitch straight up or down, the yaw is 0.
 std::array<double, 6> PoseOf(const WorldPlace& place) {
   const Eigen::Quaterniond q = place.q.normalized();
   const double sine = std::clamp(2 * (q.w() * q.y() - q.z() * q.x()), -1.0, 1.0);
@@ -63,7 +63,7 @@ std::array<double, 6> PoseOf(const WorldPlace& place) {
   return {p.x(), p.y(), p.z(), roll, portable::Asin(sine), yaw};
 }
 
-/// What stands in the world.
+/// A thing in the world.
 struct Standing {
   enum class Kind { kThing, kRobot, kOther };
   Kind kind = Kind::kOther;
@@ -89,7 +89,7 @@ std::string JsonWord(const json::value* value) {
   return value != nullptr && value->is_string() ? std::string(value->get_string()) : std::string();
 }
 
-/// From the JSON that `list` of /world answers.
+/// Parses the answer to `list` of /world, JSON.
 std::vector<Standing> ReadStanding(const std::string& text) {
   boost::system::error_code error;
   const json::value world = json::parse(text, error);
@@ -126,8 +126,8 @@ const Standing* FindStanding(const std::vector<Standing>& world, std::string_vie
   return found == world.end() ? nullptr : &*found;
 }
 
-/// `size_m` as a scenario has it: edges of a box; twice the diameter, and the length of a cylinder; the
-/// diameter of a sphere.
+/// Mass of a thing of size `size_m` as in a scenario: edges of a box; twice the diameter, and the length, of
+/// a cylinder; diameter of a sphere.
 double ThingsMass(std::string_view type, const std::vector<double>& size_m) {
   using std::numbers::pi;
   const double volume_m3 = size_m.size() == 3 && type == "box" ? size_m[0] * size_m[1] * size_m[2]
@@ -138,7 +138,7 @@ double ThingsMass(std::string_view type, const std::vector<double>& size_m) {
   return std::max(kMinThingsMass_kg, volume_m3 * kThingsDensity_kg_m3);
 }
 
-/// `key 1.0 2.0`, a line.
+/// A line `key 1.0 2.0`.
 std::string NumbersLine(std::string key, const std::vector<double>& numbers) {
   for (const double number : numbers) AppendDouble(number, key += ' ');
   return key + "\n";
@@ -147,12 +147,12 @@ std::string PlaceLines(const WorldPlace& X) {
   return NumbersLine("position", {X.p_m.x(), X.p_m.y(), X.p_m.z()}) +
          NumbersLine("quaternion", {X.q.w(), X.q.x(), X.q.y(), X.q.z()});
 }
-/// From 0 to 1 instead of to 255.
+/// Converts the range 0 to 255 to 0 to 1.
 std::vector<double> UnitColor(const std::vector<double>& color) {
   return {color[0] / 255, color[1] / 255, color[2] / 255};
 }
 
-/// The section of a scenario that makes what is asked for, at `X_W`.
+/// The scenario section that makes the requested thing at `X_W`.
 std::string WorldSection(const WorldRequest& request, const WorldPlace& X_W) {
   if (request.call->act == WorldAct::kLoad) {
     const std::string name = request.name.empty() ? "" : "name " + request.name + "\n";
@@ -232,7 +232,7 @@ class WorldTranslator final : public YarpTranslator {
   }
 
  private:
-  /// An answer without the module.
+  /// An answer without asking the module.
   static Decoded Here(Error error, std::string text) {
     return {DecodeStatus::kBad, 0, ErrorReply(command::kUnreadable, error, std::move(text))};
   }
@@ -250,7 +250,7 @@ class WorldTranslator final : public YarpTranslator {
     return answer;
   }
 
-  /// What the module is to do. Nothing: that is all, or failed_ says why not.
+  /// The next command for the module. Nullopt if there is none, or, with failed_ set, on failure.
   std::optional<Message> Order(const std::vector<Standing>& world) {
     const WorldAct act = request_.call->act;
     const std::string id = request_.words.empty() ? "" : request_.words[0];
@@ -288,7 +288,7 @@ class WorldTranslator final : public YarpTranslator {
     }
   }
 
-  /// A thing without weight stays where it is.
+  /// Things without mass do not fall.
   std::optional<Message> OrderGravity(const Standing& thing) {
     const bool is_thing = thing.kind == Standing::Kind::kThing;
     const bool weighs = is_thing ? thing.mass_kg > 0 : thing.kind == Standing::Kind::kRobot;
@@ -311,7 +311,7 @@ class WorldTranslator final : public YarpTranslator {
     return remove;
   }
 
-  /// X_WF of the frame F that the request names; nothing, with failed_, if there is none.
+  /// X_WF of the frame F that the request names; nullopt, with failed_ set, if there is none.
   std::optional<WorldPlace> Frame(const std::vector<Standing>& world) {
     const std::string& frame = request_.frame;
     if (frame.empty()) return WorldPlace();
@@ -325,9 +325,9 @@ class WorldTranslator final : public YarpTranslator {
     return {};
   }
 
-  /// What has been made, goes, or has another name.
+  /// Records created, deleted and renamed things.
   void Keep(const Message& reply) {
-    std::string names = reply.text.substr(0, reply.text.find('\n'));  // then come warnings
+    std::string names = reply.text.substr(0, reply.text.find('\n'));  // warnings follow
     const WorldAct act = request_.call->act;
     const bool makes = act == WorldAct::kMake || act == WorldAct::kLoad;
     if (makes) answer_ = BottleOf(names);
@@ -339,8 +339,8 @@ class WorldTranslator final : public YarpTranslator {
     }
   }
 
-  /// A program reads no more than the value that it waits for, as the plugin answers it then. A person gets
-  /// the reason.
+  /// A program reads only the value that it expects, as from the plugin on a failure. A person gets the
+  /// reason.
   YarpAnswer Failure(bool typed) const {
     YarpAnswer answer{BottleOf(YarpVocab{"fail"}, why_), {}};
     if (typed) return answer;
@@ -349,15 +349,15 @@ class WorldTranslator final : public YarpTranslator {
                          : reply == WorldReply::kPose  ? Bottle(6, BottleValue{std::int32_t{0}})
                          : reply == WorldReply::kNames ? BottleOf(Bottle())
                                                        : BottleOf(YarpVocab{"fail"});
-    EncodeBottle(value, YarpDialect::k3, answer.bytes);  // the same in both
+    EncodeBottle(value, YarpDialect::k3, answer.bytes);  // the same in both dialects
     return answer;
   }
 
   const std::shared_ptr<YarpMadeThings> made_;
   WorldRequest request_;
-  std::optional<YarpAnswer> fixed_;  // to the request decoded last
-  bool asked_ = false;               // what stands in the world
-  std::string failed_, why_;         // why the request cannot be; of the last that could not
+  std::optional<YarpAnswer> fixed_;  // for the last decoded request
+  bool asked_ = false;               // the world has been requested
+  std::string failed_, why_;         // reason of this failure; of the last failure
   Bottle answer_;
 };
 

@@ -16,13 +16,13 @@
 
 namespace coopdyn {
 
-/// What was made through the interface: what getList tells and deleteAll deletes. Any thread.
+/// The things made through the interface: listed by getList, deleted by deleteAll. Thread-safe.
 class YarpMadeThings {
  public:
-  /// Id and name in /world.
+  /// `id` and `name` in /world.
   void Add(std::int32_t id, std::string name) EXCLUDES(mutex_);
   void Remove(std::int32_t id) EXCLUDES(mutex_);
-  /// Another scenario may have given the id to another thing, so the name must fit, too.
+  /// True only if the name also fits, because another scenario may have reused the id.
   bool Has(std::int32_t id, std::string_view name) const EXCLUDES(mutex_);
 
  private:
@@ -30,7 +30,7 @@ class YarpMadeThings {
   std::map<std::int32_t, std::string> names_ GUARDED_BY(mutex_);
 };
 
-/// Of one connection. `made`: by all connections that share it.
+/// For one connection. `made`: shared by the connections.
 std::unique_ptr<YarpTranslator> MakeWorldTranslator(
     std::shared_ptr<YarpMadeThings> made = std::make_shared<YarpMadeThings>());
 

@@ -20,7 +20,7 @@ void AppendBytes(Number number, std::string& out) {
   out.append(bytes, sizeof number);
 }
 
-/// Walks over bytes; what goes beyond their end gives nothing.
+/// Reads values from bytes; returns nullopt beyond the end.
 class ByteScanner {
  public:
   explicit ByteScanner(std::string_view bytes) : rest_(bytes) {}
@@ -35,7 +35,7 @@ class ByteScanner {
     std::memcpy(&number, bytes->data(), sizeof number);
     return number;
   }
-  /// A negative `count` is beyond the end, too.
+  /// A negative `count` also counts as beyond the end.
   std::optional<std::string_view> TakeBytes(std::int64_t count) {
     if (count < 0 || static_cast<std::uint64_t>(count) > rest_.size()) return {};
     const std::string_view bytes = rest_.substr(0, static_cast<std::size_t>(count));

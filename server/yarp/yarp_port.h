@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A port of YARP for a module beside the module's own, such as /robot1/pose/state:o.
+// An additional YARP port of a module, such as /robot1/pose/state:o.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,8 @@
 
 namespace coopdyn {
 
-/// A module under another name, by which the encoding sees what is wanted. All calls go to the module.
+/// A module under another name, from which the encoding derives the port's function. All calls go to the
+/// module.
 class ModuleAlias final : public Endpoint {
  public:
   /// `module` outlives it.
@@ -34,11 +35,11 @@ class ModuleAlias final : public Endpoint {
   Endpoint& module_;
 };
 
-/// Opened and destroyed on one thread, before the module; its connections live on the module's.
+/// Opened and destroyed on one thread, before the module; its connections are served on the module's thread.
 class YarpPort {
  public:
-  /// Listens on any free port of `addresses` and lists `name`, which is a port of the module. Null: it is
-  /// there already, or no port is free.
+  /// Listens on any free port of `addresses` and lists `name`, a port of the module. Null if the name exists
+  /// or no port is free.
   static std::unique_ptr<YarpPort> Open(const std::string& name, Endpoint& module,
                                         const std::vector<std::string>& addresses, IoThread& io,
                                         NetServices& net, NameTable& names) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The ports of YARP that are open because somebody has asked for their names. They close when nobody uses
-// them.
+// YARP ports that are open because a program has asked for their names. Unused ports close.
 #pragma once
 
 #include <cstddef>
@@ -14,25 +13,25 @@
 
 namespace coopdyn {
 
-/// One thread (control; at start and end main).
+/// One thread: control, or main at start and end.
 class YarpPorts {
  public:
-  /// Ports without a connection that one address may have, and all together: beyond it the one that nobody
-  /// has asked for longest closes.
+  /// Most ports without connection, per address and in total; beyond that the port not asked for the longest
+  /// closes.
   static constexpr std::size_t kMaxUnused = 64, kMaxUnusedOfAll = 256;
-  /// A port closes when it has had no connection for so long, and nobody has asked for its name.
+  /// A port closes after it has had no connection and no request for its name for this long.
   static constexpr Nanoseconds kKeptFor = 30 * kNanosecondsPerSecond;
 
-  /// They listen at `addresses`. `net` and `names` outlive it.
+  /// The ports listen at `addresses`. `net` and `names` outlive it.
   YarpPorts(std::vector<std::string> addresses, NetServices& net, NameTable& names)
       : addresses_(std::move(addresses)), net_(net), names_(names) {}
 
-  /// Opens `name` if it is a port of `module`, whose connections live on `io`. Empty `asker`: it stays as
-  /// long as its module. Else: the address that asks.
+  /// Opens `name` if it is a port of `module`; its connections are served on `io`. `asker`: the address of
+  /// the program that asks; if empty, the port stays open as long as its module.
   void Open(const std::string& name, Endpoint& module, IoThread& io, const std::string& asker);
-  /// It is open as long as its module.
+  /// True if the port stays open as long as its module.
   bool IsKept(const std::string& name) const;
-  /// Closes those of `module`, with this notice: before the module ends.
+  /// Closes the ports of `module` with this notice; call it before the module ends.
   void CloseOf(const Endpoint& module, const std::string& notice);
   void CloseUnused(Nanoseconds now);
   bool empty() const { return ports_.empty(); }
@@ -41,12 +40,12 @@ class YarpPorts {
   struct Held {
     std::unique_ptr<YarpPort> port;
     const Endpoint* module;
-    std::string asker;  // empty: kept
+    std::string asker;  // empty: stays open
   };
   bool IsUnused(const Held& held) const { return !held.asker.empty() && held.port->session_count() == 0; }
-  /// When somebody asked for that name last.
+  /// When a program last asked for the name.
   Nanoseconds AskedAt(const std::string& name) const;
-  /// Closes one of those without a connection if `asker` has, or all have, as many as may be.
+  /// Closes a port without connection if the number for `asker`, or in total, is at its limit.
   void MakeRoom(const std::string& asker);
 
   const std::vector<std::string> addresses_;

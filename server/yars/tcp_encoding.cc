@@ -13,18 +13,18 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::size_t kHead = 5;  // a letter and a count
+constexpr std::size_t kHead = 5;  // the letter and a count
 constexpr std::uint32_t kMostText = std::uint32_t{1} << 16, kMostNumbers = 20'000;
 
 std::uint32_t CountAt(std::string_view bytes) {
   return static_cast<std::uint32_t>(YarsReader(bytes.substr(1)).Int().value_or(0));
 }
 
-/// A value that a client has sent.
+/// A value from a client.
 struct TcpValue {
   enum class State { kNeedMore, kWhole, kBroken };
   State state = State::kNeedMore;
-  std::size_t size = 0;  // with its letter
+  std::size_t size = 0;  // including its letter
   char letter = 0;
   std::string_view text;
   std::vector<double> numbers;
@@ -121,7 +121,7 @@ class YarsTcpEncoding final : public Encoding {
         break;
       }
       default:
-        break;  // gets no answer
+        break;  // no answer
     }
   }
 
@@ -137,7 +137,7 @@ class YarsTcpEncoding final : public Encoding {
  private:
   enum class Asks { kNothing, kConfiguration, kSensors, kStep, kWorld };
 
-  /// The client gets the words, as a text, and the end of the connection.
+  /// Sends the reason as a text and closes the connection.
   static Incoming Fatal(const std::string& why) {
     Incoming incoming{DecodeStatus::kFatal, 0, ErrorReply(command::kUnreadable, Error::kMalformed, why)};
     AppendText("ERROR " + why, incoming.answer);
@@ -176,7 +176,7 @@ class YarsTcpEncoding final : public Encoding {
                  "': CONFIGURATION, SENSORS, ACTUATORS, RESET, RANDOM SEED, MESSAGE or QUIT");
   }
 
-  /// What belongs to the command before.
+  /// Handles the value that follows a command.
   Incoming Awaited(const TcpValue& value) {
     const char letter = std::exchange(awaited_, 0);
     if (value.letter != letter)
@@ -202,7 +202,7 @@ class YarsTcpEncoding final : public Encoding {
     line("NAME " + robot());
     const auto entries = [&](const std::vector<YarsEntry>& all, const std::string& word) {
       for (std::size_t i = 0; i < all.size();) {
-        std::size_t end = i + 1;  // of those that are called alike: its dimension
+        std::size_t end = i + 1;  // entries of the same name form one, of this dimension
         while (end < all.size() && all[end].name == all[i].name) ++end;
         line("BEGIN " + word);
         line("NAME " + all[i].name);
@@ -228,16 +228,16 @@ class YarsTcpEncoding final : public Encoding {
   const Endpoint* endpoint_;
   YarsWorld& world_;
   const Connection* connection_ = nullptr;
-  char awaited_ = 0;  // the letter of the value that belongs to the command before; 0: none does
+  char awaited_ = 0;  // letter of the value that must follow the last command; 0: none
   Asks asks_ = Asks::kNothing;
-  bool told_ = false;                  // that ACTUATORS were not taken
-  std::optional<std::uint64_t> seed_;  // of the next reset
+  bool told_ = false;                  // a refusal of ACTUATORS has been logged
+  std::optional<std::uint64_t> seed_;  // for the next reset
 };
 
 }  // namespace
 
 EncodingKind YarsTcpEncodingKind(YarsWorld& world) {
-  // A text or a list that is no longer than 65535: no line of text has such bytes.
+  // Matches a text or list of size up to 65535: no line of text starts with such bytes.
   const auto match = [](std::string_view first) {
     if (first.empty()) return Match::kMaybe;
     if (std::string_view("sDI").find(first[0]) == std::string_view::npos) return Match::kNo;

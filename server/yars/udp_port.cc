@@ -28,10 +28,9 @@ using std::chrono::steady_clock;
 constexpr std::chrono::seconds kWatch{2};
 
 constexpr const char* kGone =
-    "there is no robot on this port any more: the experiment is another one now; a reset reads its file "
-    "again";
+    "there is no robot on this port any more: the experiment has changed; a reset reads its file again";
 
-/// Stands for a robot that is gone.
+/// Replaces a robot that has been removed.
 class NoRobot final : public Endpoint {
  public:
   const std::string& path() const override { return path_; }
@@ -51,7 +50,7 @@ std::string ToText(const udp::endpoint& peer) {
 
 }  // namespace
 
-/// Whoever talks to a port.
+/// The client of a port.
 struct YarsPorts::Client {
   udp::endpoint peer;
   std::string peer_text;
@@ -60,7 +59,7 @@ struct YarsPorts::Client {
   bool told_trouble = false;
 };
 
-/// What a robot that goes leaves to the next one on its port: datagrams wait in the sockets.
+/// State that a removed robot leaves to the next one on its port. Waiting datagrams stay in the sockets.
 struct YarsPorts::Left {
   std::vector<std::pair<udp, UniqueFd>> sockets;
   std::optional<Client> client;
@@ -87,7 +86,7 @@ YarsPorts::YarsPorts(YarsWorld& world, IoThread& control, NetServices& net)
 YarsPorts::~YarsPorts() = default;
 
 YarsPorts::Left YarsPorts::TakeLeft(int port) {
-  vacant_.erase(port);  // which leaves it, too
+  vacant_.erase(port);  // this also fills left_
   auto found = left_.extract(port);
   return found.empty() ? Left() : std::move(found.mapped());
 }
@@ -98,7 +97,7 @@ void YarsPorts::Vacate(const std::vector<std::string>& addresses, int port) {
   if (vacant != nullptr) vacant_[port] = std::move(vacant);
 }
 
-/// The robot's thread only, in its turn.
+/// Used only on the robot's thread, in its turn.
 class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, private Connection {
  public:
   Impl(std::string robot, Endpoint& channel, IoThread& io, NetServices& net, YarsPorts& ports)
@@ -215,7 +214,7 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
       error_code failed;
       const std::size_t count = socket.receive_from(asio::buffer(bytes), from, 0, failed);
       if (failed == asio::error::would_block) return;
-      if (failed) continue;  // of a datagram before
+      if (failed) continue;  // an error of an earlier datagram
       Take({bytes.data(), count}, from, socket);
     }
   }
@@ -225,7 +224,7 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
     const bool says_who = datagram.size() == 1;
     if (client_ && from != client_->peer) {
       if (says_who) return;
-      // A silent client may have gone: there is no other sign.
+      // A silent client may have gone; there is no other sign of that.
       constexpr std::chrono::seconds kMayGo{2};
       if (now - client_->heard < kMayGo || client_->talk.waits())
         return Send(YarsUdpTalk::Refusal(YarsDrivenText(robot_, client_->peer_text)), from, socket);
@@ -247,7 +246,7 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
     Watch();
   }
 
-  /// The client is gone.
+  /// Removes the client.
   void Leave() {
     if (!client_) return;
     channel_.OnInputEnded(*this);
@@ -265,7 +264,7 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
         if (!self->client_) return;
         const bool is_silent = steady_clock::now() - self->client_->heard > ConnectionEnd::kDatagramSilence;
         if (is_silent && !self->client_->talk.waits()) {
-          self->Say(spdlog::level::info, "silent for 10 s: it is taken for gone");
+          self->Say(spdlog::level::info, "silent for 10 s: the client counts as gone");
           return self->Leave();
         }
         self->Watch();
@@ -273,7 +272,7 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
     });
   }
 
-  /// What is done instead of an order while another client drives the robot.
+  /// Replaces the action's order while another client drives the robot.
   void KeepFromOthers(YarsUdpTalk::Action& action) {
     while (action.order) {
       const bool quits = action.order->kind == YarsOrder::Kind::kQuit;
@@ -294,7 +293,7 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
       if (action.order) Ask(*std::move(action.order));
       if (action.leaves) return Leave();
       if (!action.request) return;
-      // Replies that come at once are taken up here, so that no chain of them grows the stack.
+      // Handles immediate replies in this loop, so a chain of replies does not grow the stack.
       answer_.reset();
       asking_ = true;
       channel_.OnRequest(*this, *std::move(action.request),
@@ -322,7 +321,7 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
                });
   }
 
-  /// The world has answered; the robot, and this port, may be new since the order.
+  /// The world has answered. The robot and this port may be new since the order.
   void GoOn(const udp::endpoint& peer, const Message& reply) {
     if (!client_ || client_->peer != peer || !client_->talk.waits()) return;
     client_->heard = steady_clock::now();
@@ -339,11 +338,11 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
   }
 
   static void Send(const std::string& datagram, const udp::endpoint& to, udp::socket& socket) {
-    error_code lost;  // as datagrams are: the client asks again
+    error_code lost;  // may be lost: the client asks again
     socket.send_to(asio::buffer(datagram), to, 0, lost);
   }
 
-  const std::string robot_;  // empty: it is gone
+  const std::string robot_;  // empty: the robot has been removed
   int port_ = 0;
   Endpoint& channel_;
   NetServices& net_;
@@ -359,9 +358,9 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
   const std::string nobody_;
   std::optional<YarsPorts::Client> client_;
   ClientId id_ = 0;           // of client_
-  std::uint64_t serial_ = 0;  // of the request under way
+  std::uint64_t serial_ = 0;  // of the pending request
   bool asking_ = false;
-  std::optional<Message> answer_;  // that has come while asking
+  std::optional<Message> answer_;  // a reply that arrived during OnRequest()
 };
 
 YarsUdpPort::YarsUdpPort(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The UDP port of a robot for clients of YARS of 2008: datagrams to and from its module `channel`.
+// A robot's UDP port for clients of the YARS of 2008: datagrams to and from its module `channel`.
 #pragma once
 
 #include <map>
@@ -18,18 +18,18 @@ namespace coopdyn {
 
 class YarsUdpPort;
 
-/// The ports of a daemon, by their numbers: an answer of the world finds whichever robot is there by then.
-/// Any thread.
+/// The daemon's ports, by number: the world's answer goes to the robot that has the port by then.
+/// Thread-safe.
 class YarsPorts {
  public:
-  /// All outlive it; `control` has stopped when it is destroyed.
+  /// All arguments outlive it; `control` has stopped when it is destroyed.
   YarsPorts(YarsWorld& world, IoThread& control, NetServices& net);
   ~YarsPorts();
   YarsPorts(const YarsPorts&) = delete;
   YarsPorts& operator=(const YarsPorts&) = delete;
   YarsWorld& world() { return world_; }
-  /// The robot on `port` is gone: until another one opens it, clients may reset there, and are told so
-  /// whatever else they ask. Control thread.
+  /// The robot on `port` has been removed. Until another robot opens the port, clients may reset the world
+  /// through it; any other request is refused with that advice. Control thread.
   void Vacate(const std::vector<std::string>& addresses, int port);
 
  private:
@@ -43,18 +43,18 @@ class YarsPorts {
   IoThread& control_;
   NetServices& net_;
   const std::shared_ptr<Shared> shared_;
-  const std::unique_ptr<Endpoint> nobody_;  // in place of a robot that is gone
-  // Control thread, or a robot's while that one waits for it.
-  std::map<int, Left> left_;  // by ports without a robot, until the next one is there
+  const std::unique_ptr<Endpoint> nobody_;  // stands in for a removed robot
+  // Control thread, or a robot's thread while the control thread waits for it.
+  std::map<int, Left> left_;  // by port without robot, until the next robot opens it
   std::map<int, std::unique_ptr<YarsUdpPort>> vacant_;
 };
 
-/// One client at a time: whoever registers first, until it is silent for long or leaves. Opened on the
-/// control thread, destroyed on the thread `io` or when that has stopped.
+/// One client at a time: the first to register, until it leaves or is silent for long. Opened on the control
+/// thread, destroyed on the thread `io` or after it has stopped.
 class YarsUdpPort {
  public:
-  /// Listens on `port` of all `addresses`, and goes on with the client of the robot before it. Null with
-  /// `error`. All outlive it.
+  /// Listens on `port` of all `addresses`, and continues with the client of the port's previous robot. Null
+  /// with `error` on failure. All arguments outlive it.
   static std::unique_ptr<YarsUdpPort> Open(std::string robot, Endpoint& channel, IoThread& io,
                                            NetServices& net, YarsPorts& ports,
                                            const std::vector<std::string>& addresses, int port,

@@ -39,7 +39,7 @@ constexpr std::int32_t kRobot = 0;
 constexpr const char* kOtherRobot =
     "the robot of this port is number 0: each robot has a port of its own, where it is the only one";
 
-/// Its acknowledgement, as all but the uploads have it.
+/// The acknowledgement of request `id`; uploads have their own.
 std::int32_t AckOf(std::int32_t id) {
   return id + 1;
 }
@@ -92,7 +92,7 @@ std::optional<YarsUdpTalk::Action> YarsUdpTalk::AnswerAgain() {
 }
 
 YarsUdpTalk::Action YarsUdpTalk::Take(std::string_view datagram) {
-  if (datagram.size() == 1) return {};  // who it is
+  if (datagram.size() == 1) return {};  // a client announces itself
   if (!waits()) return Begin(datagram);
   if (datagram != current_) later_ = datagram;
   return {};
@@ -118,7 +118,7 @@ YarsUdpTalk::Action YarsUdpTalk::Begin(std::string_view datagram) {
   YarsReader whole(datagram);
   const std::optional<std::int32_t> id = whole.Int();
   if (!id) return Refuse("a datagram begins with an int32, the id of the request");
-  const bool is_reset = id == kReset || id == kInit || id == kNextTry;  // also without a robot
+  const bool is_reset = id == kReset || id == kInit || id == kNextTry;  // also possible without a robot
   if (!knows_channel_ && !is_reset) {
     waiting_ = Waiting::kChannel;
     return {.request = ReplyTo(command::kGetChannel)};
@@ -127,7 +127,7 @@ YarsUdpTalk::Action YarsUdpTalk::Begin(std::string_view datagram) {
 }
 
 YarsUdpTalk::Action YarsUdpTalk::Handle(std::int32_t id, YarsReader& fields) {
-  // The end of requests of a fixed length; of a step and an upload it is found there.
+  // Finds the end of a request with `ints` fields; steps and uploads find theirs themselves.
   const auto end = [&](std::size_t ints) {
     YarsReader rest = fields;
     for (std::size_t i = 0; i < ints; ++i) rest.Int();
@@ -176,7 +176,7 @@ YarsUdpTalk::Action YarsUdpTalk::Handle(std::int32_t id, YarsReader& fields) {
       return Order(std::move(order), AckOf(id), std::nullopt);
     }
     case kClear:
-      // The next experiment takes the place of this one at once.
+      // The next experiment replaces this one at once.
       if (!end(0)) return Refuse(unfinished);
       upload_.reset();
       return Send({Finish(Ints({kClearAck}))});
@@ -211,7 +211,7 @@ YarsUdpTalk::Action YarsUdpTalk::Handshake(YarsReader& fields) {
 
 YarsUdpTalk::Action YarsUdpTalk::Step(std::int32_t id, YarsReader& fields) {
   const std::int32_t robot = fields.Int().value_or(kEnd);
-  if (robot == kEnd && fields.left() < 8) {  // more values, please
+  if (robot == kEnd && fields.left() < 8) {  // a request for more values
     number_ = fields.Int();
     if (left_.empty()) return Refuse("nothing is left to be sent: a step is 40, robot, count, motors, -1");
     const std::size_t count = std::min(left_.size(), kUnacknowledged);
@@ -231,7 +231,7 @@ YarsUdpTalk::Action YarsUdpTalk::Step(std::int32_t id, YarsReader& fields) {
     return Refuse("the robot has " + std::to_string(expected) + " motors, not " + std::to_string(count) +
                   ": a step is 40, robot, count, motors, -1");
   }
-  // A datagram ends with −1, and perhaps a number: what is before are values.
+  // A datagram ends with −1 and perhaps a number; everything before is values.
   const std::size_t words = fields.left() / 4;
   const std::size_t here = std::min(static_cast<std::size_t>(count), words == 0 ? 0 : words - 1);
   for (std::size_t i = 0; i < here; ++i) motors_.push_back(fields.Float().value_or(NAN));
@@ -275,7 +275,7 @@ YarsUdpTalk::Action YarsUdpTalk::MoveOn() {
 }
 
 YarsUdpTalk::Action YarsUdpTalk::Answer(const Message& reply) {
-  // Another module takes its place soon, or it is told that there is none: MoveOn().
+  // Another module replaces this one soon, or the port learns that it has none: MoveOn().
   if (reply.error != 0 && reply.text.ends_with(kGoneText)) return {};
   const Waiting waited = std::exchange(waiting_, Waiting::kNot);
   if (waited == Waiting::kChannel) {
@@ -292,7 +292,7 @@ YarsUdpTalk::Action YarsUdpTalk::Answer(const Message& reply) {
     return {.request = ReplyTo(command::kGetValues)};
   }
   if (reply.error == static_cast<std::int32_t>(Error::kNotPossible) && waited == Waiting::kStep) {
-    // A reset, of another robot's client, has ended the step: what is so now is the answer.
+    // Another robot's client has ended the step by a reset: answers with the current values.
     waiting_ = Waiting::kValues;
     return {.request = ReplyTo(command::kGetValues)};
   }
@@ -324,7 +324,7 @@ YarsUdpTalk::Action YarsUdpTalk::Answer(const Message& reply) {
 YarsUdpTalk::Action YarsUdpTalk::Denied(Action action, const std::string& why) {
   if (action.order->kind != YarsOrder::Kind::kQuit)
     return Joined(std::move(action), Done(ErrorReply(0, Error::kOwned, why)));
-  action.datagrams.pop_back();  // its acknowledgement
+  action.datagrams.pop_back();  // the acknowledgement
   action.leaves = false;
   return Joined(std::move(action), Refuse(why));
 }
@@ -341,7 +341,7 @@ YarsUdpTalk::Action YarsUdpTalk::Order(YarsOrder order, std::int32_t ack,
 
 YarsUdpTalk::Action YarsUdpTalk::Done(const Message& reply) {
   waiting_ = Waiting::kNot;
-  knows_channel_ = false;  // the robot may be another one
+  knows_channel_ = false;  // the robot may have changed
   left_.clear();
   if (reply.error != 0 && !failed_) return GoOn(Refuse(reply.text));
   const bool has_failed = reply.error != 0;
@@ -354,7 +354,7 @@ YarsUdpTalk::Action YarsUdpTalk::Done(const Message& reply) {
 
 YarsUdpTalk::Action YarsUdpTalk::NewSimulation(YarsReader& fields) {
   const std::int32_t id = fields.Int().value_or(0), size = fields.Int().value_or(0);
-  // The same words begin a datagram of its bytes: an id, which of them it is.
+  // A datagram of the text begins like this one: an id, then the datagram's index.
   if (upload_ && upload_->id == id && size >= 0 && static_cast<std::size_t>(size) < upload_->has.size())
     return NewSimulationData(fields, size);
   const std::int32_t each = fields.Int().value_or(0), source = fields.Int().value_or(0);

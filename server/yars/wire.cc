@@ -15,7 +15,7 @@ YarsChannel YarsChannel::Of(const Message& reply) {
   if (reply.params.size() > 3) channel.segments = reply.params[3];
   for (std::size_t i = 0; i < names.size() && (i + 1) * kEach <= reply.data.size(); ++i) {
     const double* const at = reply.data.data() + i * kEach;
-    // As YARS tells what has no bounds; what is not mapped is exchanged as it is.
+    // YARS's number for a missing bound. Values without mapping are exchanged unchanged.
     constexpr double kUnbounded = 100'000;
     const double low = std::isfinite(at[0]) ? at[0] : -kUnbounded;
     const double high = std::isfinite(at[1]) ? at[1] : kUnbounded;

@@ -14,7 +14,7 @@
 
 namespace coopdyn {
 
-/// A motor or a value of a channel, as clients of YARS see it.
+/// A motor or a value of a channel in YARS's terms.
 struct YarsEntry {
   std::string name;
   double internal_min = 0, internal_max = 0, external_min = 0, external_max = 0;
@@ -22,12 +22,12 @@ struct YarsEntry {
   std::int32_t segment = 1;  // the body that it belongs to, from 1
 };
 
-/// What the module `channel` of a robot exchanges.
+/// The motors and values of a robot's module `channel`.
 struct YarsChannel {
   std::vector<YarsEntry> motors, values;
   std::int32_t segments = 1;
 
-  /// From the reply to get_channel.
+  /// Parses the reply to get_channel.
   static YarsChannel Of(const Message& reply);
 };
 
@@ -43,7 +43,7 @@ inline void PutDouble(double number, std::string& out) {
   for (int i = 0; i < 8; ++i) out += static_cast<char>(bits >> (8 * i));
 }
 
-/// Takes numbers off the front of `bytes`; nothing once these are too few.
+/// Reads numbers from the front of `bytes`; nullopt if too few bytes are left.
 class YarsReader {
  public:
   explicit YarsReader(std::string_view bytes) : bytes_(bytes) {}

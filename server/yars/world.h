@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What clients of YARS ask of the whole world: resets, other experiments, the end. Any thread.
+// Requests of YARS clients that concern the whole world: resets, other experiments, the end. Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +12,18 @@
 
 namespace coopdyn {
 
-/// Such a request.
+/// A request to the world.
 struct YarsOrder {
   enum class Kind {
-    kReset,  // back to the start; an experiment whose file has been edited is read anew
+    kReset,  // return to the start; re-reads an experiment whose file has been edited
     kLoadText,
     kLoadFile,
-    kLog,  // a line for whoever watches
+    kLog,  // log a line
     kQuit,
   };
   Kind kind = Kind::kReset;
-  std::optional<std::uint64_t> seed = {};  // of a reset; empty: the same one
-  std::string text = {};                   // of the experiment, its name, or the line
+  std::optional<std::uint64_t> seed = {};  // for a reset; nullopt: unchanged
+  std::string text = {};                   // the experiment's text or name, or the line
 };
 
 /// The error for a client while another client, `driver`, drives the robot.
@@ -34,9 +34,9 @@ inline std::string YarsDrivenText(const std::string& robot, const std::string& d
 class YarsWorld {
  public:
   virtual ~YarsWorld() = default;
-  /// kQuit ends the daemon; else it is nothing.
+  /// True if kQuit ends the daemon; else kQuit has no effect.
   virtual bool quits() const { return true; }
-  /// `done` gets the reply of /simulation, on any thread, once: error 12 if `asker` may not order it.
+  /// Passes the reply of /simulation to `done`, on any thread, once: error 12 if `asker` may not order it.
   virtual void Ask(YarsOrder order, const Connection& asker, std::function<void(const Message&)> done) = 0;
 };
 

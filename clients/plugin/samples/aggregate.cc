@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Robots gather: each drives to the middle of the neighbours that it sees, and walks at random while it sees
-// none. The more it sees, the less willing it is to leave. Needs a model with a neighbours module.
+// Robots gather: each drives to the middle of its visible neighbours, and walks at random while it sees none.
+// Needs a model with a neighbours module.
 #include <algorithm>
 #include <cmath>
 
@@ -33,7 +33,7 @@ class Aggregate {
   void Reset(uint64_t /*seed*/) { state = {}; }
 
   void Step(const coopdyn_readings& readings, coopdyn_command& command) {
-    double forward = 1, bearing = 0;  // wanted, of the speed, and where to
+    double forward = 1, bearing = 0;  // wanted share of the speed, and direction
     if (readings.neighbour_count == 0) {
       if (coopdyn::Random(readings.seed, robot_.id, readings.step) < readings.step_s / 2) {
         state.curve_rad_s = 2 * coopdyn::Random(readings.seed, robot_.id, readings.step, 1) - 1;
@@ -52,7 +52,7 @@ class Aggregate {
       forward = std::clamp(middle_m / (4 * robot_.radius_m), 0.0, 1.0) * std::max(0.0, coopdyn_cos(bearing));
       command.turn_rad_s = std::clamp(3 * bearing, -turn_rad_s_, turn_rad_s_);
     }
-    // Nothing may be nearer than the gap in the direction of travel.
+    // Keep the gap in the direction of travel.
     for (size_t i = 0; i < readings.distance_count; ++i) {
       const double side = robot_.distance_bearing_rad[i];
       if (readings.distance_m[i] > gap_m_ || coopdyn_cos(side) < 0.3) continue;

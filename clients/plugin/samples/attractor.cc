@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Drives to the target of a colour past obstacles. The heading is a dynamical system (Schoener, Dose, Engels;
+// Drives past obstacles to the target of a colour. The heading is a dynamical system (Schoener, Dose, Engels;
 // Bicho): the target's bearing attracts it, every distance sensor that sees something near repels it,
 //
 //   dphi/dt = l sin(psi) - sum_i l_i psi_i exp(-psi_i^2 / (2 s_i^2)),   l_i = b1 exp(-d_i / b2),
 //   s_i = atan(tan(opening_i / 2) + R / (R + d_i)),
 //
-// and the speed relaxes to what target or obstacles allow. As clients/python/attractor.py, same numbers.
+// and the speed relaxes to the value that target or obstacles allow. Same numbers as
+// clients/python/attractor.py.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,7 +16,7 @@
 namespace {
 
 constexpr double kTargetStrength_rad_s = 1.6, kObstacleStrength_1_s = 10, kObstacleDecay_m = 0.3;
-constexpr double kBias_rad_s = 0.02;  // leaves a heading that is exactly between left and right
+constexpr double kBias_rad_s = 0.02;  // turns off a heading exactly between left and right
 constexpr double kTimeToTarget_s = 1.5, kTimeToContact_s = 1.2, kRelaxation_1_s = 8;
 constexpr double kAhead_rad = 0.873, kPi = 3.14159265358979323846;
 
@@ -51,7 +52,7 @@ class Attractor {
   void Reset(uint64_t /*seed*/) { state = {}; }
 
   void Step(const coopdyn_readings& readings, coopdyn_command& command) {
-    const coopdyn_target* target = nullptr;  // the nearest of the colour
+    const coopdyn_target* target = nullptr;  // nearest target of the colour
     for (size_t i = 0; i < readings.target_count; ++i) {
       const coopdyn_target& seen = readings.targets[i];
       const double off = std::max({std::abs(seen.red - color_[0]), std::abs(seen.green - color_[1]),
@@ -60,7 +61,7 @@ class Attractor {
     }
     if (target == nullptr || target->distance_m < reached_m_) {
       state.speed_m_s = 0;
-      return;  // the command is 0: it stands
+      return;  // the command is 0: stand still
     }
     double turn = kTargetStrength_rad_s * coopdyn_sin(target->bearing_rad) + kBias_rad_s;
     double potential = 0, free_m = std::numeric_limits<double>::infinity();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Braitenberg's vehicle 3b, "explorer": every distance sensor slows the wheel on the other side, so the robot
-// turns away from what is near. No memory, no decision.
+// turns away from near things. No memory, no decision.
 #include <cmath>
 
 #include "cpp_controller.h"
@@ -10,7 +10,7 @@ namespace {
 class Braitenberg {
  public:
   struct State {
-    char nothing;  // a controller that remembers something lists it here
+    char nothing;  // a controller with memory keeps it here
   };
   State state{};
 
@@ -31,13 +31,13 @@ class Braitenberg {
   void Reset(uint64_t /*seed*/) {}
 
   void Step(const coopdyn_readings& readings, coopdyn_command& command) {
-    double left = 1, right = 1;  // of the speed
+    double left = 1, right = 1;  // share of the speed
     for (size_t i = 0; i < readings.distance_count; ++i) {
       const double bearing = robot_.distance_bearing_rad[i];
       const double ahead = coopdyn_cos(bearing);
       if (ahead <= 0 || readings.distance_m[i] >= range_m_) continue;
       const double near = gain_ * ahead * (1 - readings.distance_m[i] / range_m_);
-      // Straight ahead counts as left, else it would drive into a wall at a right angle.
+      // Straight ahead counts as left; else the robot would drive into a wall at a right angle.
       (bearing >= 0 ? right : left) -= near;
     }
     left = std::fmax(left, -1);

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
-// Random walk: straight on and in wide curves, and away from whatever comes near.
+// Random walk: straight and in wide curves, and away from near things.
 #include <cmath>
 
 #include "cpp_controller.h"
 
 namespace {
 
-constexpr double kAhead_rad = 1.75;  // what is farther to the side or behind does not matter
+constexpr double kAhead_rad = 1.75;  // ignores sensors farther to the side or behind
 
 class Diffuse {
  public:
   struct State {
     double curve_rad_s;  // of the walk
-    int32_t turning;     // 1 left, -1 right: on the spot, away from something; 0: walking
+    int32_t turning;     // 1 left, -1 right: in place, away from something; 0: walking
     int32_t reserved;
   };
   State state{};
@@ -49,7 +49,7 @@ class Diffuse {
       side = robot_.distance_bearing_rad[i];
     }
     if (nearest_m < near_m_) {
-      // Once begun a turn goes on to the same side: in a corner it would sway without end.
+      // Continue a turn to the same side; else the robot would sway endlessly in a corner.
       if (state.turning == 0) state.turning = side > 0 ? -1 : 1;
       command.turn_rad_s = state.turning * turn_rad_s_;
       return;
@@ -64,7 +64,7 @@ class Diffuse {
   }
 
  private:
-  const coopdyn_robot& robot_;  // lives as long as this
+  const coopdyn_robot& robot_;  // outlives this
   const double speed_m_s_, near_m_, turn_rad_s_, curve_rad_s_, every_s_;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Robots flock (Vicsek, Reynolds): each broadcasts its heading and steers for the mean heading of those that
-// it hears, away from those too near and towards those far. Needs a model with a neighbours module.
+// Robots flock (Vicsek, Reynolds): each broadcasts its heading and steers for the mean heading of the robots
+// it hears, away from near ones and towards far ones. Needs a model with a neighbours module.
 #include <algorithm>
 #include <cmath>
 
@@ -42,7 +42,7 @@ class Flock {
   void Reset(uint64_t /*seed*/) {}
 
   void Step(const coopdyn_readings& readings, coopdyn_command& command) {
-    // A vector to steer along; x ahead, y left. By itself the robot goes straight on.
+    // The vector to steer along; x ahead, y left. Alone, the robot drives straight on.
     double x = 1, y = 0;
     for (size_t i = 0; i < readings.heard_count; ++i) {
       const coopdyn_heard& other = readings.heard[i];
@@ -61,7 +61,7 @@ class Flock {
       if (side.x < 0) continue;
       const double near = 3 * (1 - readings.distance_m[i] / near_m_);
       x -= near * side.x;
-      y -= near * (side.y + 0.1);  // what is straight ahead is passed on the right
+      y -= near * (side.y + 0.1);  // passes things straight ahead on the right
     }
     const double wanted = coopdyn_atan2(y, x);
     command.forward_m_s = speed_m_s_ * std::max(0.0, coopdyn_cos(wanted));

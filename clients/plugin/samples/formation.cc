@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Keeps a formation on the way to the red target. Place 0 leads; each robot broadcasts its place, heading,
-// speed, turn rate and how far it is from its place. See formation_dynamics.h.
+// speed, turn rate and distance from its place. See formation_dynamics.h.
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// How robots keep a formation round obstacles, by attractor dynamics (Monteiro, Bicho): docs/teams.md has the
-// equations. The same algorithm and numbers in clients/python/formation.py and clients/matlab/formation.m.
-// Pure; SI units; angles in the robot's frame, left positive.
+// Keeps a formation around obstacles by attractor dynamics (Monteiro, Bicho); docs/teams.md has the
+// equations. Same algorithm and numbers as clients/python/formation.py and clients/matlab/formation.m. Pure;
+// SI units; angles in the robot's frame, left positive.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace coopdyn::formation {
 
 constexpr double kRobotRadius = 0.18;       // m
 constexpr double kTargetStrength = 1.2;     // rad/s
-constexpr double kPlaceStrength = 2.5;      // rad/s, by which a follower turns to its place
+constexpr double kPlaceStrength = 2.5;      // rad/s, of a follower towards its place
 constexpr double kObstacleStrength = 10.0;  // 1/s
 constexpr double kObstacleDecay = 0.2;      // m
 constexpr double kBias = 0.02;              // rad/s instead of noise
@@ -25,42 +25,42 @@ constexpr double kTimeToContact = 1.2;      // s
 constexpr double kRelaxation = 8.0;         // 1/s, of the speed
 constexpr double kAhead = 0.873;            // rad
 constexpr double kReached = 0.4;            // m from the leader to the target
-constexpr double kPull = 0.8;               // 1/s, speed per way to the place
-constexpr double kNear = 0.04;              // m: so near to its place a robot is not pulled
-constexpr double kCalm = 0.05;              // m/s: a slower wish turns the robot less
-constexpr double kAway = 0.25;     // of the wish, when it is turned away from its place by an obstacle
-constexpr double kPatience = 0.3;  // m: the leader slows down when somebody is so far from its place
-constexpr double kSlowest = 0.2;   // of its speed, at twice as far
+constexpr double kPull = 0.8;               // 1/s, speed per distance to the place
+constexpr double kNear = 0.04;              // m: nearer to its place a robot is not pulled
+constexpr double kCalm = 0.05;              // m/s: a slower wanted velocity turns the robot less
+constexpr double kAway = 0.25;     // least share of the wanted speed while an obstacle turns the robot away
+constexpr double kPatience = 0.3;  // m: the leader slows down when a robot is farther from its place
+constexpr double kSlowest = 0.2;   // share of its speed, at twice that distance
 constexpr double kPi = 3.14159265358979323846;
 
 struct Velocity {
   double forward = 0, turn = 0;
 };
-/// What the distance sensors see, right to left.
+/// Readings of the distance sensors, right to left.
 struct Ranges {
   std::size_t count = 0;
   const double* distance = nullptr;
   const double* bearing = nullptr;
   const double* opening = nullptr;
 };
-/// Where a robot's place is in the leader's frame.
+/// A robot's place in the leader's frame.
 struct Place {
   double x = 0, y = 0;
 };
-/// The leader as a follower knows it: where it is and how it is turned, in the follower's frame.
+/// The leader as a follower sees it: position and orientation in the follower's frame.
 struct Mate {
   double distance = 0, bearing = 0, turned = 0;
   double speed = 0, turn = 0;  // m/s, rad/s
 };
 
-/// Of robot `number` of an inverted V or a triangle, 0 leads: rows behind it by `along`, to the left and
-/// right by `across`.
+/// The place of robot `number` in an inverted V or a triangle; 0 leads. Each row is `along` behind the
+/// previous one and `across` farther to the left or right.
 inline Place PlaceOf(int number, double along, double across) {
   const int row = (number + 1) / 2;
   return {-along * row, number % 2 == 1 ? across * row : -across * row};
 }
 
-/// What obstacles do to heading and speed.
+/// The effect of obstacles on heading and speed.
 struct Obstacles {
   double turn = 0, potential = 0, free = std::numeric_limits<double>::infinity();
 
@@ -77,7 +77,7 @@ struct Obstacles {
     }
   }
 
-  /// The speed `wanted`, or less as far as something is near ahead.
+  /// The speed `wanted`, reduced if something is near ahead.
   double Limit(double wanted) const {
     const double near = std::atan(8 * potential) / kPi;  // -1/2: nothing near ahead, 1/2: much
     return (0.5 - near) * wanted + (0.5 + near) * std::min(wanted, free / kTimeToContact);
@@ -88,7 +88,7 @@ struct Obstacles {
 struct Robot {
   double speed = 0;
 
-  /// Drives to the target; `worst`: the farthest that a follower is from its place, m.
+  /// Drives to the target; `worst`: the greatest distance of a follower from its place, m.
   Velocity Lead(double target_distance, double target_bearing, double worst, const Ranges& seen, double dt) {
     if (target_distance < kReached) {
       speed = 0;
@@ -103,7 +103,7 @@ struct Robot {
     return {speed, std::clamp(turn, -kMaxTurn, kMaxTurn)};
   }
 
-  /// Drives to `place` as the leader carries it along.
+  /// Drives to `place`, which moves with the leader.
   Velocity Follow(const Mate& leader, const Place& place, const Ranges& seen, double dt) {
     const double c = std::cos(leader.turned), s = std::sin(leader.turned);
     const double along = leader.speed - leader.turn * place.y, across = leader.turn * place.x;
@@ -117,7 +117,7 @@ struct Robot {
     return {speed, std::clamp(turn, -kMaxTurn, kMaxTurn)};
   }
 
-  /// From the follower to its place, in its frame.
+  /// The vector from the follower to its place, in the follower's frame.
   static Place Error(const Mate& leader, const Place& place) {
     const double c = std::cos(leader.turned), s = std::sin(leader.turned);
     return {leader.distance * std::cos(leader.bearing) + c * place.x - s * place.y,

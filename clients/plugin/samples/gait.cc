@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// A central pattern generator walks robots of any number of legs. Each leg has an oscillator, and all pull
-// each other towards the phases of the gait; the seed says where they begin. The joints follow by waves whose
-// size and place are options, so that a sweep can look for a gait. The joints of a leg are called LEG_swing
-// (positive: the foot goes ahead), LEG_lift and LEG_knee (positive: it goes up); a leg needs the first of
-// them. A leg is left or right, ahead or behind others, by where its swing joint is.
+// A central pattern generator for robots with any number of legs. Each leg has an oscillator, and all
+// oscillators pull each other towards the phases of the gait; the seed sets their start. The joints follow by
+// waves whose amplitudes and offsets are options, so that a sweep can search for a gait. The joints of a leg
+// are called LEG_swing (positive: the foot moves ahead), LEG_lift and LEG_knee (positive: it moves up); a leg
+// needs only the first. The position of the swing joint tells whether a leg is left or right, ahead of or
+// behind others.
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -23,7 +24,7 @@ struct Leg {
   std::string name;
   size_t swing = kNone, lift = kNone, knee = kNone;  // its channels
   double x_m = 0, y_m = 0;
-  double phase = 0;  // in the gait, of a period
+  double phase = 0;  // in the gait, share of a period
 };
 
 double Part(double phase) {
@@ -33,8 +34,8 @@ double Part(double phase) {
 class Gait {
  public:
   struct State {
-    double phase[kMostLegs];  // of a period
-    double size;              // of all waves: 0 at the start, then 1
+    double phase[kMostLegs];  // share of a period
+    double size;              // amplitude of all waves: 0 at the start, then 1
     double heading_rad;       // wanted
     uint32_t walks;           // 1: phases and heading are set
   };
@@ -105,7 +106,7 @@ class Gait {
   }
 
  private:
-  /// What a joint does in the air.
+  /// The motion of a joint in the air.
   struct Wave {
     double size_rad, offset_rad, phase;
   };
@@ -141,7 +142,7 @@ class Gait {
     }
   }
 
-  /// The oscillators: each goes on by itself and is drawn to where the others want it.
+  /// Advances the oscillators: each by its frequency and the pull of the others.
   void Advance(double step_s) {
     state.size = std::min(1.0, state.size + step_s / kSpeedUp_s);
     double next[kMostLegs];
@@ -155,7 +156,7 @@ class Gait {
     std::copy_n(next, legs_.size(), state.phase);
   }
 
-  /// From 0 (behind) to 1 (ahead) through the air, and on to 2 on the floor.
+  /// From 0 (behind) to 1 (ahead) through the air, then to 2 on the floor.
   double Way(double phase) const { return phase < air_ ? phase / air_ : 1 + (phase - air_) / (1 - air_); }
   double Raised(const Wave& wave, double phase) const {
     return wave.offset_rad + wave.size_rad * std::max(0.0, coopdyn_sin(kPi * Way(Part(phase - wave.phase))));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// An arm moves its tool to the corners of a square in turn. Forward kinematics is the product of exponentials
-// of the joints (Lynch and Park, Modern Robotics, eq. 4.14), inverse kinematics damped least squares, one
-// small step of the tool at a time. Any serial arm: the joints that take positions, from base to tool; the
-// tool lies on the last joint's axis, where the model has that joint.
+// Moves an arm's tool to the corners of a square in turn. Forward kinematics is the product of exponentials
+// of the joints (Lynch and Park, Modern Robotics, eq. 4.14); inverse kinematics is damped least squares, one
+// small step of the tool at a time. Works for any serial arm: the joints with position modes, from base to
+// tool. The tool lies on the last joint's axis, at that joint's origin.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,7 +24,7 @@ double Dot(const Vector& a, const Vector& b) {
 Vector Sum(const Vector& a, const Vector& b, double times = 1) {
   return {a[0] + times * b[0], a[1] + times * b[1], a[2] + times * b[2]};
 }
-/// `v` turned about a unit axis (Rodrigues).
+/// `v` rotated about a unit axis (Rodrigues).
 Vector Turned(const Vector& v, const Vector& axis, double angle) {
   const double c = coopdyn_cos(angle), s = coopdyn_sin(angle), along = (1 - c) * Dot(axis, v);
   const Vector across = Cross(axis, v);
@@ -36,8 +36,8 @@ class Reach {
  public:
   static constexpr size_t kMost = 16;  // joints
   struct State {
-    double q[kMost];  // where the joints are wanted
-    double there_s;   // since the tool is at the corner
+    double q[kMost];  // wanted joint positions
+    double there_s;   // time since the tool reached the corner
     uint32_t corner, started, reached;
   };
   State state{};
@@ -105,7 +105,7 @@ class Reach {
   const coopdyn_joint& Joint(size_t i) const { return robot_.channels[joints_[i]]; }
   static Vector Of(const double (&values)[3]) { return {values[0], values[1], values[2]}; }
 
-  /// Moves the joints `from` and before: a point that they carry.
+  /// Moves a point carried by the first `count` joints.
   Vector Carried(Vector point, size_t count) const {
     for (size_t i = count; i-- > 0;) {
       const Vector anchor = Of(Joint(i).point_m), axis = Of(Joint(i).axis);
@@ -122,7 +122,7 @@ class Reach {
   }
   Vector Tool() const { return Carried(Of(Joint(joints_.size() - 1).point_m), joints_.size()); }
 
-  /// Brings the tool on by `way`, as far as the joints' speeds and stops allow.
+  /// Moves the tool by `way`, as far as the joints' speeds and stops allow.
   void Move(const Vector& way, double dt_s) {
     constexpr double kDamping_m = 0.02;
     const Vector tool = Tool();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A supervisor: the robots race to the scenario's first target. Whoever comes near enough wins the round and
-// goes back to where it started, the target goes to another place, and after the last round the run ends.
+// A supervisor: the robots race to the scenario's first target. A robot that comes near enough wins the round
+// and returns to its start; the target moves to another place. After the last round the run ends.
 #include <cmath>
 
 #include "cpp_controller.h"
@@ -11,12 +11,12 @@ class Referee {
  public:
   static constexpr uint32_t kMostHomes = 64;
   struct State {
-    uint32_t rounds, winner;  // rounds that were won; who is to go home now, 0: the round is on
+    uint32_t rounds, winner;  // rounds won; robot to send home, 0 while the round runs
     double began_s;           // when the round began
-    double x_m, y_m;          // where the target is to be
+    double x_m, y_m;          // wanted position of the target
     uint32_t home_count;
     uint32_t robots[kMostHomes];
-    coopdyn_pose homes[kMostHomes];  // where these robots started
+    coopdyn_pose homes[kMostHomes];  // start poses of these robots
   };
   State state{};
 
@@ -46,7 +46,7 @@ class Referee {
     if (target == nullptr) return coopdyn_end_run(&command, "there is no target to race to");
     if (state.winner != 0) {
       const bool moved = target->pose.p_m[0] == state.x_m && target->pose.p_m[1] == state.y_m;
-      // Where it was to go something stood: another place will do.
+      // If something blocked the place, try another one.
       if (!moved) return BeginRound(readings, *target, command);
       state.winner = 0;
     }

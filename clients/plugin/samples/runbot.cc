@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Walks a biped that a boom keeps upright, by reflexes alone, as RunBot does (Geng, Porr and Woergoetter
-// 2006): there is no rhythm but that of the feet. A foot that comes down stretches its own leg and moves it
-// back, and lifts the other leg and moves it ahead; a leg that has come far enough ahead is stretched.
-// Joints: left_hip, left_knee, right_hip, right_knee (positive: ahead; bent); contact sensors left_foot and
-// right_foot. It logs how many steps it has made.
+// Walks a biped that a boom keeps upright, only by reflexes, like RunBot (Geng, Porr and Woergoetter 2006):
+// the feet alone set the rhythm. A foot that touches down stretches its own leg and moves it back, and lifts
+// the other leg and moves it ahead; a leg that is far enough ahead is stretched. Joints: left_hip, left_knee,
+// right_hip, right_knee (positive: ahead; bent); contact sensors left_foot and right_foot. Logs the number of
+// steps.
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -21,8 +21,8 @@ struct Leg {
 class Runbot {
  public:
   struct State {
-    uint32_t stands;     // 0: the left leg carries, 1: the right one
-    uint32_t stretches;  // 1: the leg in the air comes down
+    uint32_t stands;     // 0: the left leg carries, 1: the right leg
+    uint32_t stretches;  // 1: the leg in the air is coming down
     double steps;
   };
   State state{};

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Drives to the light and learns on the way to keep clear of things. Two eyes, the left one first, steer
-// towards the lamp; what they see at the least is the light all round. Near things are avoided by reflex.
-// What the distance sensors saw before a reflex predicts it: each reflex makes their weights larger (input
-// correlation learning, Porr and Woergoetter 2006), so that the robot turns earlier each time until it needs
-// no reflex. It logs the sum of the weights and the number of reflexes.
+// towards the lamp; their lowest reading is the ambient light. Reflexes avoid near things. Distance readings
+// before a reflex predict it: each reflex increases their weights (input correlation learning, Porr and
+// Woergoetter 2006), so the robot turns earlier each time until it needs no reflex. Logs the sum of the
+// weights and the number of reflexes.
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -18,12 +18,12 @@ class Seeker {
  public:
   struct State {
     double weight[kMostSensors];
-    double trace[kMostSensors];  // of what each sensor saw
-    double reflex[2];            // of the left and of the right side, smoothed
-    double around;               // light all round
-    double dark_s;               // since when no lamp is in sight
-    double side;                 // where it turns if things are on both sides: 1 left, -1 right
-    double reflexes;             // how many there were
+    double trace[kMostSensors];  // low-pass filtered readings
+    double reflex[2];            // of the left and the right side, smoothed
+    double around;               // ambient light
+    double dark_s;               // time without a lamp in sight
+    double side;                 // turning direction past things: 1 left, -1 right
+    double reflexes;             // their number
     uint32_t is_near;            // 1: in a reflex
   };
   State state{};
@@ -65,10 +65,10 @@ class Seeker {
       state.around = std::min(readings.sensors[0].values[0], readings.sensors[0].values[1]);
       state.side = coopdyn::Random(readings.seed, robot_.id, 0) < 0.5 ? 1 : -1;
     }
-    double close[2];  // what is to be avoided on the left and on the right, from 0 on
+    double close[2];  // urgency to avoid things on the left and on the right, from 0 on
     Learn(readings, close);
     const double most = std::max(close[0], close[1]), wary = std::min(1.0, most);
-    // A side that it has chosen it keeps until all is clear.
+    // Keep a chosen side until all is clear.
     if (most < 0.1) state.side = 0;
     if (state.side == 0 && most >= 0.1) state.side = close[0] > close[1] ? -1 : 1;
     const double light_rad_s = Light(readings.sensors[0].values, readings);
@@ -81,7 +81,7 @@ class Seeker {
   }
 
  private:
-  /// Reflexes, and what the weights make of the other readings.
+  /// Updates reflexes and weights; `close`: urgency by reflexes and weighted readings.
   void Learn(const coopdyn_readings& readings, double* close) {
     constexpr double kReflex_s = 0.05, kTrace_s = 0.5;
     double near[2] = {0, 0};
@@ -110,7 +110,7 @@ class Seeker {
 
   size_t SideOf(size_t sensor) const { return robot_.distance_bearing_rad[sensor] > 0 ? 0 : 1; }
 
-  /// The turn towards the lamp; without one it looks about.
+  /// The turn rate towards the lamp; without a lamp, searches.
   double Light(const double* eyes, const coopdyn_readings& readings) {
     constexpr double kForget_s = 60, kSeen = 0.002, kLook_s = 1.5;
     const double least = std::min(eyes[0], eyes[1]), sum = eyes[0] + eyes[1];
@@ -121,7 +121,7 @@ class Seeker {
       state.dark_s = 0;
       return steer_rad_s_ * std::clamp((eyes[0] - eyes[1]) / shine, -1.0, 1.0);
     }
-    // Turns now and then, at other times it goes on.
+    // Search: turn for a third of the time, else drive on.
     state.dark_s += readings.step_s;
     const auto look = static_cast<uint64_t>(state.dark_s / kLook_s);
     const double way = coopdyn::Random(readings.seed, robot_.id, look, 1);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A player of a ball game: pushes the ball into the goal of the others. It sees the ball and its mate among
-// its neighbours, by their numbers, and knows its own pose. Of two mates the one that is nearer to a good
-// place behind the ball attacks, the other one waits in front of its own goal. The field is symmetric about
-// the middle, where x and y are 0.
+// A player of a ball game: pushes the ball into the opponents' goal. It finds the ball and its mate among its
+// neighbours by their numbers, and knows its own pose. The mate nearer to a good place behind the ball
+// attacks; the other waits in front of its own goal. The field is symmetric about its middle at x = y = 0.
 #include <algorithm>
 #include <cmath>
 
@@ -24,8 +23,8 @@ class Soccer {
  public:
   struct State {
     uint32_t attacks;
-    double x_m, y_m, stuck_s;   // where it was last, and how long it has not come away from there
-    double back_s, turn_rad_s;  // how long it still drives back, and turns meanwhile
+    double x_m, y_m, stuck_s;   // last position, and time without leaving it
+    double back_s, turn_rad_s;  // remaining time to drive back, and the turn rate meanwhile
   };
   State state{};
 
@@ -66,7 +65,7 @@ class Soccer {
     double mine_m = Cost(self, ball, ahead), mates_m = 1e9;
     if (const coopdyn_sighting* mate = Find(readings, mate_))
       mates_m = Cost(PlaceOf(*mate, readings), ball, ahead);
-    if (state.attacks != 0) mine_m -= 0.2;  // it does not give up easily
+    if (state.attacks != 0) mine_m -= 0.2;  // hysteresis: keep attacking
     state.attacks = mine_m < mates_m + (mate_ > id_ ? 1e-9 : 0) ? 1 : 0;
     const Point home{-0.6 * goal_x_m_, 0.4 * ball.y};
     if (state.attacks == 0 && (home - self).Norm() < 0.1) {
@@ -91,7 +90,7 @@ class Soccer {
            Point{coopdyn_cos(heading_rad), coopdyn_sin(heading_rad)} * seen.distance_m;
   }
 
-  /// How far it is to the place behind the ball, with a way around it.
+  /// The distance to the place behind the ball, including a detour around it.
   double Cost(const Point& from, const Point& ball, const Point& ahead) const {
     const double behind_m = (ball - from).Dot(ahead);
     return (ball - ahead * near_m_ - from).Norm() + (behind_m < 0 ? 0.4 : 0);
@@ -104,14 +103,14 @@ class Soccer {
     if (behind_m > 0.05 && std::abs(aside_m) < 0.3 * behind_m + 0.02)
       return GoTo(ball + ahead * 0.2, speed_m_s_, readings, command);
     Point place = ball - ahead * near_m_;
-    // Round the ball, not through it.
+    // Around the ball, not through it.
     if (behind_m < 0.1) place = place + left * (aside_m < 0 ? -near_m_ : near_m_);
     const double edge_m = width_m_ / 2 - 0.11;
     place.y = std::clamp(place.y, -edge_m, edge_m);
     GoTo(place, speed_m_s_, readings, command);
   }
 
-  /// If it has not come away for a while, it backs off for a moment.
+  /// If stuck for a while, backs off for a moment.
   bool FreesItself(const Point& self, const coopdyn_readings& readings, coopdyn_command& command) {
     constexpr double kPatience_s = 1.5, kBack_s = 0.6, kAway_m = 0.08;
     state.stuck_s += readings.step_s;

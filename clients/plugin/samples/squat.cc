@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The humanoid of robots/ bends its knees and rises again, with its feet flat on the floor and its trunk
-// upright. Its ankles answer when it leans, so that it stands a push.
+// Makes the humanoid of robots/ bend its knees and rise again, with flat feet and an upright trunk. The
+// ankles react to its lean, so that it withstands a push.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kLeastSink_m = 0.004;
-constexpr double kAnswer_s = 0.1;  // of the ankles
+constexpr double kAnswer_s = 0.1;  // time constant of the ankles
 
 struct Leg {
   size_t hip_pitch = 0, knee = 0, ankle_pitch = 0, hip_roll = 0, ankle_roll = 0;
@@ -23,7 +23,7 @@ struct Leg {
 class Squat {
  public:
   struct State {
-    double pitch_rad, roll_rad;  // of the ankles
+    double pitch_rad, roll_rad;  // ankle angles
   };
   State state{};
 
@@ -63,16 +63,16 @@ class Squat {
   void Reset(uint64_t /*seed*/) { state = {}; }
 
   void Step(const coopdyn_readings& readings, coopdyn_command& command) {
-    // All that is not said below is held at 0.
+    // Hold all other joints at 0.
     for (size_t i = 0; i < robot_.channel_count; ++i) {
       if ((robot_.channels[i].modes >> COOPDYN_DIRECT & 1) != 0) command.setpoints[i] = {COOPDYN_DIRECT, 0};
     }
     const double bent_s = std::max(0.0, readings.time_s - wait_s_);
-    // Once bent, the knees never straighten wholly: there a little height is a wide angle.
+    // Once bent, never straighten the knees fully: near there a small height change needs a large angle.
     const double least_m = bent_s < period_s_ / 2 ? 0 : std::min(kLeastSink_m, depth_m_);
     const double sink_m =
         least_m + (depth_m_ - least_m) * (1 - coopdyn_cos(2 * kPi * bent_s / period_s_)) / 2;
-    // Slower than the feet chatter when ankles answer at once.
+    // Filter the ankles: if they react at once, the feet chatter.
     const double share = readings.step_s / (kAnswer_s + readings.step_s);
     state.pitch_rad +=
         share * (Lean(readings.pitch_rad, readings.angular_velocity_rad_s[1]) - state.pitch_rad);
@@ -92,7 +92,7 @@ class Squat {
   }
 
  private:
-  /// The turn of the ankles against a lean.
+  /// The ankle angle against a lean.
   double Lean(double angle_rad, double rate_rad_s) const {
     constexpr double kAhead_s = 0.3, kMost_rad = 0.1;
     return std::clamp(balance_ * (angle_rad + kAhead_s * rate_rad_s), -kMost_rad, kMost_rad);

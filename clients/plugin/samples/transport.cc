@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Carries the bar of a team2 to the target of a colour: NAME_leader leads, any other robot helps. See
+// Carries the bar of a team2 to the target of a colour: NAME_leader leads, every other robot helps. See
 // transport_dynamics.h.
 #include <cmath>
 #include <stdexcept>
@@ -46,7 +46,7 @@ class Transport {
     transport::Velocity velocity;
     if (leads_) {
       const coopdyn_target* target = Target(readings);
-      if (target == nullptr) return;  // the command is 0: it stands
+      if (target == nullptr) return;  // the command is 0: stand still
       transport::Leader leader{state.speed_m_s};
       velocity = leader.Step(target->distance_m, target->bearing_rad, seen, load, readings.step_s);
       state.speed_m_s = leader.speed;
@@ -60,7 +60,7 @@ class Transport {
   }
 
  private:
-  /// The nearest of the colour.
+  /// The nearest target of the colour.
   const coopdyn_target* Target(const coopdyn_readings& readings) const {
     const coopdyn_target* target = nullptr;
     for (size_t i = 0; i < readings.target_count; ++i) {

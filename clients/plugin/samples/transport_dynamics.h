@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How a leader and its helper carry a bar together, by attractor dynamics (Bicho, Louro, Soares, Erlhagen):
-// docs/teams.md has the equations. The same algorithm and numbers in clients/python/transport.py and
+// A leader and its helper carry a bar together by attractor dynamics (Bicho, Louro, Soares, Erlhagen);
+// docs/teams.md has the equations. Same algorithm and numbers as clients/python/transport.py and
 // clients/matlab/transport.m. Pure; SI units; angles in the robot's frame, left positive.
 #pragma once
 
@@ -14,7 +14,7 @@ namespace coopdyn::transport {
 constexpr double kRobotRadius = 0.18;    // m
 constexpr double kTeamDistance = 1.2;    // m, from leader to helper
 constexpr double kTargetStrength = 0.9;  // rad/s
-constexpr double kBarStrength = 2.5;     // rad/s, by which the helper turns along the bar
+constexpr double kBarStrength = 2.5;     // rad/s, of the helper towards the bar's direction
 constexpr double kLeaderObstacle = 6.0;  // 1/s
 constexpr double kLeaderDecay = 0.45;    // m; the leader keeps room for the bar behind it
 constexpr double kHelperObstacle = 4.0;  // 1/s
@@ -29,15 +29,15 @@ constexpr double kTimeToContact = 1.6;   // s
 constexpr double kRelaxation = 2.0;      // 1/s of the leader's speed
 constexpr double kAhead = 0.873;         // rad
 constexpr double kReached = 0.4;         // m from the leader to the target
-constexpr double kFold = 1.3;            // rad: beyond, a robot turns back towards the bar
+constexpr double kFold = 1.3;            // rad: beyond it a robot turns back towards the bar
 constexpr double kFoldStrength = 4.0;    // 1/s
-constexpr double kFollow = 12.0;         // 1/s, speed per way of the load along the bar
+constexpr double kFollow = 12.0;         // 1/s, speed per displacement of the load along the bar
 constexpr double kFollowIntegral = 8.0;  // 1/s²
 constexpr double kAcross = 5.0;          // rad/s per m of the load across the bar
-constexpr double kSlack = 0.055;         // m: the leader stands when the load lags so far behind
-constexpr double kEase = 0.03;           // m: it slows down from kSlack - kEase on
-constexpr double kMateWidth = 0.35;      // rad: ranges about the mate's bearing are the mate
-constexpr double kMateNear = 0.25;       // m: unless they are nearer than it by so much
+constexpr double kSlack = 0.055;         // m: the leader stops when the load lags this far behind
+constexpr double kEase = 0.03;           // m: the leader slows down from kSlack - kEase on
+constexpr double kMateWidth = 0.35;      // rad: ranges within this angle of the mate's bearing are the mate
+constexpr double kMateNear = 0.25;       // m: unless they are this much nearer than the mate
 constexpr double kPi = 3.14159265358979323846;
 
 struct Velocity {
@@ -50,7 +50,7 @@ struct Load {
   double along() const { return x * std::cos(angle) + y * std::sin(angle); }
   double across() const { return y * std::cos(angle) - x * std::sin(angle); }
 };
-/// What the distance sensors see, right to left.
+/// Readings of the distance sensors, right to left.
 struct Ranges {
   std::size_t count = 0;
   const double* distance = nullptr;
@@ -62,7 +62,7 @@ inline double Wrap(double angle) {
   return std::remainder(angle, 2 * kPi);
 }
 
-/// What obstacles do to heading and speed; the mate at bearing `mate` is none.
+/// The effect of obstacles on heading and speed, without the mate at bearing `mate`.
 struct Obstacles {
   double turn = 0, potential = 0, free = std::numeric_limits<double>::infinity();
 
@@ -83,7 +83,7 @@ struct Obstacles {
   }
 };
 
-/// Turns back towards the bar if the heading is too far from it.
+/// A turn rate back towards the bar if the heading is too far from it.
 inline double Unfold(double angle) {
   return std::abs(angle) <= kFold ? 0 : kFoldStrength * (angle - std::copysign(kFold, angle));
 }
@@ -113,9 +113,10 @@ struct Leader {
   }
 };
 
-/// Follows the load: its heading turns along the bar, its speed brings the load back to the support's middle.
+/// Follows the load: turns its heading along the bar and drives so that the load returns to the middle of the
+/// support.
 struct Helper {
-  double speed = 0;  // its state: along the bar, what the leader seems to drive
+  double speed = 0;  // its state: the leader's estimated speed along the bar
 
   Velocity Step(const Ranges& seen, const Load& load, double dt) {
     const Obstacles obstacles(seen, kHelperObstacle, kHelperDecay, load.angle);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Walks the hexapod of robots/ by a tripod gait: three legs carry it while the other three swing. Each foot
-// moves along a straight path in the body's frame; inverse kinematics of three joints gives the leg's.
-// Robots of the same build work too: joints LEG_yaw, LEG_lift, LEG_knee with LEG as below.
+// follows a straight path in the body's frame; inverse kinematics gives the leg's three joints. Works for
+// robots of the same build: joints LEG_yaw, LEG_lift, LEG_knee with LEG as below.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -32,7 +32,7 @@ class Tripod {
  public:
   struct State {
     double heading_rad;  // wanted
-    double phase;        // of a period
+    double phase;        // share of a period
     uint32_t walks;      // 1: heading is set
   };
   State state{};
@@ -116,7 +116,7 @@ class Tripod {
     throw std::runtime_error("the robot has no driven joint " + joint);
   }
 
-  /// Puts a foot at x, y in the robot's frame, and z above the floor.
+  /// Puts a foot at x, y in the robot's frame and z above the floor.
   static void Place(const Leg& leg, double x_m, double y_m, double z_m, coopdyn_command& command) {
     const double dx = x_m - leg.hip_m[0], dy = y_m - leg.hip_m[1];
     const double yaw = std::remainder(coopdyn_atan2(dy, dx) - leg.direction_rad, 2 * kPi);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Walks the quadruped of robots/ by a trot: two legs that lie across from each other swing while the other
-// two carry it. Each foot follows a path below its hip; two-link inverse kinematics gives the joints. Robots
-// of the same build work too: joints LEG_roll, LEG_pitch, LEG_knee with LEG as below, and feet that stand
-// under the hips at the start.
+// Walks the quadruped of robots/ by a trot: two diagonally opposite legs swing while the other two carry it.
+// Each foot follows a path below its hip; two-link inverse kinematics gives the joints. Works for robots of
+// the same build: joints LEG_roll, LEG_pitch, LEG_knee with LEG as below, and feet under the hips at the
+// start.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,7 +16,7 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::array kLegs = {"front_left", "front_right", "rear_left", "rear_right"};
 constexpr double kStandFirst_s = 0.5, kSpeedUp_s = 1;
-constexpr double kSwing = 0.4;  // of a period a foot is in the air: all four carry for a moment
+constexpr double kSwing = 0.4;  // share of a period that a foot is in the air; all four carry in between
 
 /// A leg in its plane: angles of thigh and shank from the vertical, positive backwards.
 struct Leg {
@@ -30,8 +30,8 @@ class Trot {
  public:
   struct State {
     double heading_rad;     // wanted
-    double phase;           // of a period
-    double offset_m[4][2];  // of each foot from its path: where it catches the body
+    double phase;           // share of a period
+    double offset_m[4][2];  // of each foot from its path, to catch the body
     uint32_t walks;         // 1: heading is set
   };
   State state{};
@@ -88,13 +88,13 @@ class Trot {
       const bool second = i == 1 || i == 2;
       const double phase = std::fmod(state.phase + (second ? 0.5 : 0), 1.0);
       const bool swings = phase < kSwing && walked_s > 0;
-      // From one end of the step to the other in the swing, and back on the floor.
+      // Forwards in the swing, and back on the floor.
       const double s = swings ? phase / kSwing : (phase - kSwing) / (1 - kSwing);
       const double along = walked_s <= 0 ? 0 : swings ? -coopdyn_cos(kPi * s) : 1 - 2 * s;
       const double half_s = period_s_ * (1 - kSwing) / 2;
       const double raised_m = swings ? lift_m_ * coopdyn_sin(kPi * s) * coopdyn_sin(kPi * s) : 0;
       if (swings) {
-        // A foot comes down where it stops what the body does too much (Raibert).
+        // A foot touches down where it corrects the body's velocity (Raibert).
         const double aim_m[] = {0.06 * (readings.velocity_m_s[0] - forward_m_s),
                                 0.12 * readings.velocity_m_s[1]};
         for (size_t axis = 0; axis < 2; ++axis) {
@@ -116,7 +116,7 @@ class Trot {
     throw std::runtime_error("the robot has no driven joint " + joint);
   }
 
-  /// Puts a foot at x, y from where it stood, and z above.
+  /// Puts a foot at x, y from its place at the start and z above it.
   static void Place(const Leg& leg, double x_m, double y_m, double z_m, coopdyn_command& command) {
     const double down_m = leg.height_m - z_m;
     const double roll = coopdyn_atan2(y_m, down_m);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// The humanoid of robots/ walks straight ahead. The point of the floor that carries it (ZMP) stays in the
-// foot that stands, and goes over to the other one while both stand. Of a mass on a massless leg the path
-// that keeps it there for ever, given all of the ZMP's past and future, is
+// Walks the humanoid of robots/ straight ahead. The zero moment point (ZMP) stays in the standing foot and
+// moves to the other foot while both stand. For a mass on a massless leg, the bounded path for all of the
+// ZMP's past and future is
 //   c(t) = ∫ ω/2 · exp(−ω |t − s|) · zmp(s) ds,   ω = √(g / height),
-// so the whole motion is a function of time. The ankles answer when the trunk leans.
+// so the whole motion is a function of time. The ankles react to a lean of the trunk.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,9 +15,9 @@
 namespace {
 
 constexpr double kOmega_1_s = 4.7;   // centre of mass 0.44 m above the floor
-constexpr double kLegsShare = 0.22;  // of a shift of the feet that the centre of mass takes part in
-constexpr double kBothStand = 0.4;   // of a step
-constexpr double kSight_s = 1.6;     // what lies further away has no weight
+constexpr double kLegsShare = 0.22;  // share of a shift of the feet that moves the centre of mass
+constexpr double kBothStand = 0.4;   // share of a step
+constexpr double kSight_s = 1.6;     // farther away the weight is negligible
 constexpr double kSlice_s = 0.02;
 
 struct Point {
@@ -88,11 +88,11 @@ class Walk {
   void Reset(uint64_t /*seed*/) {}
 
   void Step(const coopdyn_readings& readings, coopdyn_command& command) {
-    // All that is not said below is held at 0.
+    // Hold all other joints at 0.
     for (size_t i = 0; i < robot_.channel_count; ++i) {
       if ((robot_.channels[i].modes >> COOPDYN_DIRECT & 1) != 0) command.setpoints[i] = {COOPDYN_DIRECT, 0};
     }
-    const double time_s = readings.time_s + readings.step_s;  // when the set-points hold
+    const double time_s = readings.time_s + readings.step_s;  // when the set-points take effect
     const std::array<Point, 2> feet = {Foot(0, time_s), Foot(1, time_s)};
     const Point mass = CentreOfMass(time_s);
     const auto pelvis = [](double of_mass, double left, double right) {
@@ -113,22 +113,22 @@ class Walk {
   }
 
  private:
-  static constexpr double kBend_m = 0.035;  // by which the hips sink, so that the legs reach sideways
+  static constexpr double kBend_m = 0.035;  // the hips sink by this, so that the legs reach sideways
 
-  /// Where the foot that step number `step` moves comes down: before the first step at 0.
+  /// Where the foot of step number `step` lands; 0 before the first step.
   double Landing(double step) const {
     const double ahead = step + 1 < steps_ ? step + 1 : steps_ - 1;  // the last step brings the feet together
     return length_m_ * std::max(0.0, ahead);
   }
 
-  /// Steps with an even number move the right foot.
+  /// Steps of even number move the right foot (1), others the left (0).
   static double Moves(double step) { return std::fmod(step, 2) == 0 ? 1 : 0; }
 
-  /// In the world of a robot that began at 0.
+  /// Position of the foot in the world of a robot that started at 0.
   Point Foot(size_t side, double time_s) const {
     const double since = (time_s - wait_s_) / period_s_;
     double step = std::floor(since);
-    double part = (since - step - kBothStand) / (1 - kBothStand);  // of its way through the air
+    double part = (since - step - kBothStand) / (1 - kBothStand);  // share of its way through the air
     if (step >= steps_) {
       step = steps_ - 1;
       part = 1;
@@ -146,7 +146,7 @@ class Walk {
     return foot;
   }
 
-  /// What carries the robot in that step: the foot that stands.
+  /// The standing foot in that step.
   Point Support(double step) const {
     if (step < 0) return {};
     if (step >= steps_) return {Landing(steps_ - 1), 0, 0};
@@ -171,7 +171,7 @@ class Walk {
     return {sum.x / weights, sum.y / weights, 0};
   }
 
-  /// Turns a leg's joints so that its hip stands at `hip` of the ankle, with pelvis and foot level.
+  /// Sets a leg's joints so that its hip is at `hip` from the ankle, with level pelvis and foot.
   static void Place(const Leg& leg, const Point& hip, coopdyn_setpoint* setpoints) {
     const double upright = coopdyn_hypot(hip.y, hip.z), length = coopdyn_hypot(hip.x, upright);
     const double bent = (length * length - leg.thigh_m * leg.thigh_m - leg.shank_m * leg.shank_m) /
@@ -195,7 +195,7 @@ class Walk {
     set(leg.ankle_roll, ankle_roll);
   }
 
-  /// The turn of the ankles against a lean.
+  /// The ankle angle against a lean.
   double Lean(double angle_rad, double rate_rad_s) const {
     constexpr double kAhead_s = 0.1, kMost_rad = 0.1;
     return std::clamp(balance_ * (angle_rad + kAhead_s * rate_rad_s), -kMost_rad, kMost_rad);

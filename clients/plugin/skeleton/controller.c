@@ -1,19 +1,18 @@
-/* @NAME@: drives on in curves and turns away from what is near. Change step(); controller.h says what there
- * is. Try it: see README.md beside this file. */
+/* @NAME@: drives in curves and turns away from near things. Change step(); controller.h documents the
+ * interface. README.md beside this file says how to try it. */
 #include "controller.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Options of the scenario's line, e.g. `controller @NAME@ speed=0.3`: name, help, default, least, greatest.
- */
+/* Options of the scenario's line, e.g. `controller @NAME@ speed=0.3`: name, help, default, min, max. */
 static const coopdyn_option options[] = {
     {"speed", "of driving, m/s", 0.2, 0, 5},
     {"near", "turns away from what is nearer, m", 0.4, 0, 100},
 };
 
-/* All that step() changes: it is saved after each step, so that a run can go on from it. */
+/* Everything that step() changes. It is saved after each step, so that a run can continue from it. */
 typedef struct {
   uint64_t turns; /* steps spent turning */
 } state_t;
@@ -27,11 +26,11 @@ typedef struct {
 static const coopdyn_description* describe(void) {
   static const coopdyn_description description = {
       "drives on in curves and turns away from what is near", /* help */
-      COOPDYN_DISTANCES,                                      /* readings that step() wants, with | between */
+      COOPDYN_DISTANCES,                                      /* requested readings, joined by | */
       sizeof(state_t),
       sizeof(options) / sizeof(options[0]),
       options,
-      NULL, /* sensors' modules, with COOPDYN_SENSORS: "lidar imu" */
+      NULL, /* with COOPDYN_SENSORS: sensor modules, e.g. "lidar imu" */
   };
   return &description;
 }
@@ -55,7 +54,7 @@ static void* create(const coopdyn_robot* robot, const double* values, char* erro
 
 static void reset(void* instance, uint64_t seed) {
   instance_t* me = instance;
-  (void)seed; /* start your random numbers from it */
+  (void)seed; /* seed your random numbers with it */
   me->state.turns = 0;
 }
 
@@ -69,7 +68,7 @@ static void step(void* instance, const coopdyn_readings* readings, coopdyn_comma
     side_rad = me->robot->distance_bearing_rad[i];
   }
   if (nearest_m < me->near_m) {
-    command->turn_rad_s = side_rad > 0 ? -1.5 : 1.5; /* on the spot; left is positive */
+    command->turn_rad_s = side_rad > 0 ? -1.5 : 1.5; /* in place; left is positive */
     me->state.turns += 1;
   } else {
     command->forward_m_s = me->speed_m_s;

@@ -1,20 +1,19 @@
-/* @NAME@: a supervisor, which is the world's and not a robot's. It puts the ball back when it has left the
- * field, logs how often, and ends the run. Change step(); controller.h says what there is. Try it: see
- * README.md beside this file. */
+/* @NAME@: a supervisor, which controls the world instead of a robot. It puts the ball back when it leaves the
+ * field, logs how often, and ends the run. Change step(); controller.h documents the interface. README.md
+ * beside this file says how to try it. */
 #include "controller.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Options of the scenario's line, e.g. `supervisor @NAME@ field=1.5`: name, help, default, least, greatest.
- */
+/* Options of the scenario's line, e.g. `supervisor @NAME@ field=1.5`: name, help, default, min, max. */
 static const coopdyn_option options[] = {
     {"field", "half its length, m", 1.5, 0.1, 100},
     {"outs", "after this many the run ends", 3, 1, 1e6},
 };
 
-/* All that step() changes: it is saved after each step, so that a run can go on from it. */
+/* Everything that step() changes. It is saved after each step, so that a run can continue from it. */
 typedef struct {
   coopdyn_pose start; /* of the ball */
   uint32_t outs;
@@ -28,7 +27,7 @@ typedef struct {
 static const coopdyn_description* describe(void) {
   static const coopdyn_description description = {
       "puts the ball back when it has left the field", /* help */
-      COOPDYN_WORLD,                                   /* alone: this is a supervisor */
+      COOPDYN_WORLD,                                   /* alone: makes this a supervisor */
       sizeof(state_t),
       sizeof(options) / sizeof(options[0]),
       options,
@@ -51,7 +50,7 @@ static void* create(const coopdyn_robot* none, const double* values, char* error
 
 static void reset(void* instance, uint64_t seed) {
   instance_t* me = instance;
-  (void)seed; /* start your random numbers from it */
+  (void)seed; /* seed your random numbers with it */
   me->state.outs = 0;
 }
 
@@ -66,7 +65,7 @@ static void step(void* instance, const coopdyn_readings* readings, coopdyn_comma
   if (fabs(ball->pose.p_m[0]) < me->field_m && fabs(ball->pose.p_m[1]) < me->field_m) return;
   me->state.outs += 1;
   coopdyn_log(command, "outs", me->state.outs);
-  coopdyn_put(command, ball->id, me->state.start); /* after this step; it is at rest there */
+  coopdyn_put(command, ball->id, me->state.start); /* moves after this step and is then at rest */
   if (me->state.outs >= me->most_outs) coopdyn_end_run(command, "the ball was out too often");
 }
 

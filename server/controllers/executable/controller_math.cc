@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The functions of clients/plugin/controller.h, in every program that loads controllers.
+// The math functions of clients/plugin/controller.h, linked into every program that loads controllers.
 #include "clients/plugin/controller.h"
 
 #include <cmath>
@@ -70,7 +70,7 @@ double coopdyn_pow(double x, double y) {
   return portable::Pow(x, y);
 }
 double coopdyn_hypot(double x, double y) {
-  return ::hypot(x, y);  // that of libm_symbols.cc, for numbers of any size
+  return ::hypot(x, y);  // from libm_symbols.cc, for numbers of any size
 }
 void coopdyn_sincos(double x, double* sine, double* cosine) {
   const auto [sin, cos] = portable::SinCos(x);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The page: puts its parts together and tells them the news.
+// The page: creates its parts and forwards the daemon's events to them.
 import {Connection} from './connection.js';
 import {Console} from './console.js';
 import {Controls, showVersion} from './controls.js';
@@ -46,20 +46,20 @@ const robots = new Robots(connection);
 const lines = new Console(connection);
 const scores = new Scores();
 
-/** The view that is drawn here; without WebGL, or with ?view=server, pictures of the daemon. */
+/** The view drawn by the browser; without WebGL, or with ?view=server, the daemon's pictures. */
 async function openView() {
   if (new URLSearchParams(location.search).get('view') !== 'server') {
     try {
       const {View3d, webGl} = await import('./view3d.js');
       const quality = webGl();
       if (quality !== 'none') return new View3d(connection, quality);
-    } catch { /* then the daemon draws */ }
+    } catch { /* fall back to the daemon's pictures */ }
   }
   return new View(connection);
 }
 openView().then(async (view) => {
   const world = new World(connection, view);
-  window.coopdyn = {view, connection, world, plots, editor};  // for tests, and for those who look
+  window.coopdyn = {view, connection, world, plots, editor};  // for tests, and for the curious
   window.coopdyn.film = new Film(view);
   if (!view.controls) return;
   view.addEventListener('select', ({detail}) => people.select(detail?.name ?? ''));
@@ -79,18 +79,18 @@ async function refreshModules(listed) {
   const turn = ++asked;
   try {
     const answer = await (await fetch('api/modules')).json();
-    if (turn !== asked) return;  // a later question is under way
+    if (turn !== asked) return;  // a later request is pending
     robots.setNamePort(answer.name_port);
     lines.setModules(answer.modules, listed.map((robot) => ofType(robot.modules, 'motors')).find(Boolean)?.name, answer.name_port);
     showVersion(answer.version);
     await controls.refreshScenarios();
-  } catch {  // the banner says if the daemon is gone
+  } catch {  // the banner shows that the daemon is gone
     if (turn === asked) setTimeout(() => { known = ''; }, RETRY_MS);
   }
 }
 
-/** What the list of modules depends on. The daemon adds all modules of a scene between two statuses, so it is enough to
- *  look at the robots that a status lists, the first 256. */
+/** The key of the list of modules, to detect changes. The daemon adds all modules of a scene between two statuses, so the robots
+ *  listed in a status (the first 256) suffice. */
 const moduleKey = ({scenario, robot_count: count, robots: listed}) =>
   JSON.stringify([scenario, count, listed.map((robot) => robot.modules.map(({name, port}) => [name, port]))]);
 
@@ -98,7 +98,7 @@ let known = '';
 connection.addEventListener('status', ({detail: status}) => {
   strip.update(status);
   controls.update(status);
-  if (!status) return;  // the rest stays as it was last
+  if (!status) return;  // the other parts keep their last state
   scores.update(status);
   timeline.update(status.playback);
   if (greeted) links.follow(status);
@@ -117,9 +117,9 @@ connection.addEventListener('status', ({detail: status}) => {
 });
 connection.addEventListener('silence', () => strip.update(null));
 let unlocking = false;
-let greeted = false;  // and this page has the rights that it will have
+let greeted = false;  // and this page's rights are settled
 connection.addEventListener('hello', ({detail}) => {
-  // A token that was kept is on its way when the daemon greets: nothing is asked before it is answered.
+  // A kept token is in transit when the daemon greets: do not ask for one before its answer.
   const underWay = connection.token !== '' && !detail.wrong_token;
   byId('locked').hidden = detail.trusted || underWay;
   const no = detail.token_wait ?? 'This is not the token: look again at what the daemon printed.';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The viewer's camera: it looks at a point and moves round it. No DOM. Frame: world, z up; metres and radians.
+// The viewer's camera: it orbits the point it looks at. No DOM. Frame: world, z up; metres and radians.
 
 const MAX_ELEVATION = 1.55;
 const MIN_ELEVATION = -0.2;
@@ -24,7 +24,7 @@ export class Camera {
     ];
   }
 
-  /** Takes over where the server's camera stands. */
+  /** Adopts the pose of the server's camera. */
   adopt(eye, look) {
     const d = [0, 1, 2].map((i) => eye[i] - look[i]);
     this.look = [...look];
@@ -39,10 +39,10 @@ export class Camera {
     this.elevation = clamp(this.elevation + elevation, MIN_ELEVATION, MAX_ELEVATION);
   }
 
-  /** Moves along the floor: `right` and `ahead` as seen on the screen, in parts of the picture's height. */
+  /** Moves along the floor: `right` and `ahead` as seen on the screen, in fractions of the picture's height. */
   translate(right, ahead) {
     this.free = false;
-    const scale = 0.845 * this.distance;  // the height of what is seen there: 2 tan(0.4)
+    const scale = 0.845 * this.distance;  // the height visible at that distance: 2 tan(0.4)
     const c = Math.cos(this.azimuth);
     const s = Math.sin(this.azimuth);
     this.look[0] += scale * (-s * right - c * ahead);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A text field for scenarios: CodeMirror with completion and marks. It lives in a shadow root, where it may have styles of its own.
+// A text field for scenarios: CodeMirror with completion and marks. It lives in a shadow root, which allows its own styles.
 import {acceptCompletion, autocompletion, completionKeymap} from '@codemirror/autocomplete';
 import {defaultKeymap, history, historyKeymap, isolateHistory} from '@codemirror/commands';
 import {lintGutter, lintKeymap, setDiagnostics} from '@codemirror/lint';
@@ -17,7 +17,7 @@ const colored = (regexp, className) => {
   }), {decorations: (plugin) => plugin.decorations});
 };
 
-/** The kind of the section in which position `at` lies; empty before the first. */
+/** The kind of the section at position `at`; empty before the first. */
 function sectionAt(state, at) {
   for (let line = state.doc.lineAt(at).number; line > 0; --line) {
     const found = SECTION.exec(state.doc.line(line).text);
@@ -26,7 +26,7 @@ function sectionAt(state, at) {
   return '';
 }
 
-/** Completions for the word before the cursor. `names`: of robots and worlds. */
+/** Completions for the word before the cursor. `names`: {robots, worlds}. */
 export function completionsAt(context, names) {
   const line = context.state.doc.lineAt(context.pos), before = line.text.slice(0, context.pos - line.from);
   if (/[#;]/.test(before)) return null;
@@ -63,7 +63,7 @@ const LOOK = EditorView.theme({
   '.cm-tooltip': {backgroundColor: 'var(--raised)', color: 'var(--ink)', border: '1px solid var(--line)'},
   '.cm-tooltip.cm-completionInfo': {whiteSpace: 'pre-line'},
   '.cm-tooltip-autocomplete ul li[aria-selected]': {backgroundColor: 'var(--accent)', color: 'var(--on-accent)'},
-  // In place of pictures in data: addresses, which the page's policy forbids.
+  // Replaces CodeMirror's data: images, which the page's security policy forbids.
   '.cm-lintRange': {backgroundImage: 'none !important', textDecoration: 'underline wavy var(--bad)', textDecorationSkipInk: 'none'},
   '.cm-lintRange-warning': {textDecorationColor: 'var(--warn)'},
   '.cm-lint-marker': {content: 'normal !important', borderRadius: '50%', width: '0.7em', height: '0.7em', margin: '0.35em auto'},
@@ -93,10 +93,10 @@ export class CodeView {
   get text() { return this.#view.state.doc.toString(); }
   get view() { return this.#view; }
 
-  /** Another text; undo brings back the one before. */
+  /** Replaces the text; undo restores the previous one. */
   replace(text) {
     this.#view.dispatch({changes: {from: 0, to: this.#view.state.doc.length, insert: text}, selection: {anchor: 0}, scrollIntoView: true,
-      annotations: isolateHistory.of('full')});  // undone alone, however soon after another change
+      annotations: isolateHistory.of('full')});  // a separate undo step, however soon after another change
   }
 
   /** Marks lines: [{line, severity, text}]. */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The WebSocket to the daemon: calls with replies, pushes, status and pictures. Connects again by itself.
+// The WebSocket to the daemon: calls with replies, pushes, status and pictures. Reconnects automatically.
 
 const SILENCE_MS = 2000;  // the status comes five times a second
 
@@ -12,8 +12,8 @@ export class Connection extends EventTarget {
   #silence = 0;
   #token;
 
-  /** Events: open, lost, hello (detail: {trusted, pictures, version}; wrong_token: true if the token that was sent is not
-   *  the daemon's; token_wait: after too many of them, how long none is read), status (detail: object or null),
+  /** Events: open, lost, hello (detail: {trusted, pictures, version}; wrong_token: true if the token sent is wrong;
+   *  token_wait: after too many wrong ones, how long tokens are ignored), status (detail: object or null),
    *  silence (no status for two seconds), picture (detail: {about, jpeg}), poses (detail: the message), push (detail: message). */
   constructor(token) {
     super();
@@ -28,21 +28,21 @@ export class Connection extends EventTarget {
   get isOpen() { return this.#socket?.readyState === WebSocket.OPEN; }
   get token() { return this.#token; }
 
-  /** Gives this page its rights; answered by hello. */
+  /** Sends the token that gives this page its rights; a hello event follows. */
   unlock(token) {
     this.#token = token;
     this.send({type: 'hello', token});
   }
 
-  /** Sends no token when it connects again. */
+  /** Sends no token after reconnecting. */
   forgetToken() { this.#token = ''; }
 
   send(message) {
     if (this.isOpen) this.#socket.send(JSON.stringify(message));
   }
 
-  /** Calls a module: {module, command, params, data, text} or {module, line}. Resolves to the reply, also if that is
-   *  an error; `error` is −1 if the connection was lost. */
+  /** Calls a module: {module, command, params, data, text} or {module, line}. Resolves to the reply, even an
+   *  error; `error` is −1 if the connection was lost. */
   call(request) {
     return new Promise((resolve) => {
       if (!this.isOpen) return resolve({error: -1, text: 'the daemon does not answer', params: [], data: []});
@@ -100,7 +100,7 @@ export class Connection extends EventTarget {
     this.#silence = setTimeout(() => this.dispatchEvent(new Event('silence')), SILENCE_MS);
   }
 
-  /** The first byte says what it is: 1 a picture, 2 poses. */
+  /** The first byte is the type: 1 a picture, 2 poses. */
   #onBytes(buffer) {
     const view = new DataView(buffer);
     if (view.getUint8(0) === 2) {

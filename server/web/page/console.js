@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// The console: a line for any module, with completion, its reply, and each command in the languages of our clients.
+// The console: sends command lines to any module, with completion; shows replies, and each command in the clients' languages.
 import {aboutPlace, commonStart, explain, placeIn, wordsAt} from './console_complete.js';
 import {headOf, inLanguages, programOf} from './console_copy.js';
 import {byId, make, say, setText} from './dom.js';
 
 const MAX_ENTRIES = 200;
-const LONG_TEXT = 200;  // a reply's text beyond it is folded
+const LONG_TEXT = 200;  // longer reply texts are folded
 
-/** JSON as people read it; other text as it is. */
+/** Indents JSON; returns other text unchanged. */
 function readable(text) {
   try {
     return JSON.stringify(JSON.parse(text), null, 1);
@@ -23,12 +23,12 @@ export class Console {
   #log = byId('console-log');
   #copy = make('select', {id: 'console-copy', title: 'Copy the commands of the log as a program', 'aria-label': 'Copy the commands of the log as a program'},
     ...['Copy as …', 'MATLAB', 'Python', 'C++', 'telnet'].map((name, i) => make('option', {value: i ? name : ''}, name)));
-  #commands = new Map();  // by module: what its `describe` says of them
+  #commands = new Map();  // by module: the commands in its `describe`
   #names = {ROBOT: [], MODULE: [], SCENARIO: []};
   #namePort = 0;
   #history = [];
   #place = 0;
-  #cycle = null;  // {line, words, at}: what Tab has put there
+  #cycle = null;  // {line, words, at}: the completions that Tab cycles through
 
   constructor(connection) {
     this.#connection = connection;
@@ -49,7 +49,7 @@ export class Console {
     connection.addEventListener('open', () => this.#commands.clear());  // it may be another daemon
   }
 
-  /** `first`: the name of the one that is chosen to begin with. `namePort`: of the daemon's names; 0: off. */
+  /** `first`: the module chosen initially. `namePort`: the port of the name server; 0: off. */
   setModules(modules, first, namePort = 0) {
     this.#namePort = namePort;
     const chosen = this.#module.value;
@@ -61,7 +61,7 @@ export class Console {
     this.#names.ROBOT = [...new Set(parts.map(([, robot]) => robot))];
     this.#names.MODULE = [...new Set(parts.map(([, , module]) => module))];
     this.#names.SCENARIO = [...byId('scenarios').options].map(({value}) => value);
-    for (const known of [...this.#commands.keys()]) {  // a robot of that name may have other modules now
+    for (const known of [...this.#commands.keys()]) {  // a new robot of the same name may have other modules
       if (!own.some(({name}) => name === known)) this.#commands.delete(known);
     }
   }
@@ -72,7 +72,7 @@ export class Console {
       const reply = await this.#connection.call({module, channel: 'describe', command: 'describe'});
       this.#connection.send({type: 'close', module, channel: 'describe'});
       if (reply.error !== 0) return [];
-      // The module's own commands first; those of every module have the ids below 10.
+      // The module's own commands first; the ones common to all modules have ids below 10.
       const commands = JSON.parse(reply.text).commands;
       this.#commands.set(module, commands.sort((a, b) => (a.id < 10) - (b.id < 10)));
     }
@@ -82,7 +82,7 @@ export class Console {
 
   get #known() { return this.#commands.get(this.#module.value) ?? []; }
 
-  /** What the line up to the cursor asks for. */
+  /** The place in the line, and its possible completions. */
   #look() {
     const place = placeIn(this.#line.value, this.#known);
     return {place, words: wordsAt(place, this.#known, this.#names)};
@@ -100,7 +100,7 @@ export class Console {
     setText(byId('console-hint'), text);
   }
 
-  /** Puts what can stand there: as far as it is sure, else one after the other. True if there was something. */
+  /** Completes the line as far as it is unique, then cycles through the completions. Returns whether there was one. */
   #complete(back) {
     const before = this.#line.value;
     if (this.#cycle?.line === before) {
@@ -191,10 +191,10 @@ export class Console {
     try {
       await navigator.clipboard.writeText(text);
       say(`copied as ${language}`);
-    } catch {  // only pages from this machine or with a certificate may
+    } catch {  // without HTTPS, only pages of localhost may use the clipboard
       const entry = this.#write(text, 'copied');
       getSelection().selectAllChildren(entry);
-      say('this browser lets no page copy here: press Ctrl+C');
+      say('the browser does not let this page copy: press Ctrl+C');
     }
   }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What can stand in a line of the console, by the `describe` of its module. No drawing.
+// Completions and hints for a console line, from the `describe` of its module. No drawing.
 
-/** The longest beginning that all `words` share. */
+/** The longest common prefix of `words`. */
 export function commonStart(words) {
   let start = words[0] ?? '';
   for (const word of words) {
@@ -10,15 +10,15 @@ export function commonStart(words) {
   return start;
 }
 
-/** The value at place `at` among `specs`, of which the repeated ones, a group at the end, go on and on. */
+/** The spec of value `at`. A group of repeated specs at the end of `specs` recurs without limit. */
 export function specAt(specs, at) {
   const repeated = specs.findIndex((spec) => spec.repeated);
   if (repeated < 0 || at < repeated) return specs[at];
   return specs[repeated + (at - repeated) % (specs.length - repeated)];
 }
 
-/** Where the line stands: {word} of the command; {command, at, start, token, spec} of an argument: its place, where its token
- *  begins, and what it is. */
+/** The place at the end of the line: {word} in the command; {command, at, start, token, spec} in an argument: its index, where
+ *  its token begins, the token, and its spec. */
 export function placeIn(line, commands) {
   const text = line.trimStart(), offset = line.length - text.length;
   const [word] = text.match(/^[^\s(]*/);
@@ -44,7 +44,7 @@ export function placeIn(line, commands) {
     spec: isText ? null : specAt(specs, command.text === 'first' ? Math.max(0, at - 1) : at)};
 }
 
-/** Words that can stand at a place; `names` has lists by what a text names: ROBOT, MODULE, SCENARIO, … */
+/** Completions at a place; `names` has lists by the kind of name: ROBOT, MODULE, SCENARIO, … */
 export function wordsAt(place, commands, names) {
   if (!('at' in place)) return commands.map(({name}) => name).filter((name) => name.startsWith(place.word));
   const {command, at, token, spec, isText} = place;
@@ -62,7 +62,7 @@ export function wordsAt(place, commands, names) {
   return words.filter((word) => word.startsWith(token));
 }
 
-/** "angular: rad/s, from −1 to 1"; empty: nothing is known of it. */
+/** "angular: rad/s, from −1 to 1"; empty if unknown. */
 export function aboutPlace(place) {
   if (!('at' in place)) return '';
   if (place.isText) return place.command.text_name ? `now: ${place.command.text_name}` : '';
@@ -76,7 +76,7 @@ export function aboutPlace(place) {
   return `now: ${parts.join(', ')}${spec.optional ? ' (may be left out)' : ''}`;
 }
 
-/** The reply in words: "left_speed 1.5 rad/s, …; t 2.4 s, step 240"; empty: its line says all. */
+/** The reply in words: "left_speed 1.5 rad/s, …; t 2.4 s, step 240"; empty if its line says all. */
 export function explain(command, reply) {
   const MOST = 24;
   if (!command || reply.error !== 0 || reply.data.length > MOST + 2 || reply.params.length > MOST) return '';

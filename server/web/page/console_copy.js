@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// A command of the console in the languages of our clients: text that runs. No drawing.
+// Translates a console command into runnable code in the clients' languages. No drawing.
 
 const DEFAULT_NAME_PORT = 10000;
 
-/** A text in quotes that Python and C++ read alike. */
+/** A string literal that is valid in both Python and C++. */
 function quoted(text) {
   const escaped = [...text].map((char) => {
     const known = {'"': '\\"', '\\': '\\\\', '\n': '\\n', '\r': '\\r', '\t': '\\t'}[char];
@@ -14,27 +14,27 @@ function quoted(text) {
   return `"${escaped.join('')}"`;
 }
 
-/** A text that MATLAB and Octave read alike: there '\n' is two signs. */
+/** An expression that is valid in both MATLAB and Octave, where '\n' is two characters. */
 function matlabText(text) {
   const parts = text.split(/([\n\r\t])/).filter(Boolean);
   const terms = parts.map((part) => ('\n\r\t'.includes(part) ? `char(${part.charCodeAt(0)})` : `'${part.replaceAll("'", "''")}'`));
   return terms.length === 1 && terms[0].startsWith("'") ? terms[0] : `[${terms.join(' ')}]`;
 }
 
-/** Numbers as they come: "inf", "-inf", "nan" are not finite. */
+/** Numbers in the bridge's JSON: "inf", "-inf", "nan" if not finite. */
 const number = (value, names) => (typeof value === 'number' ? String(value) : names[value] ?? String(value));
 const MATLAB = {inf: 'Inf', '-inf': '-Inf', nan: 'NaN'};
 const PYTHON = {inf: 'float("inf")', '-inf': 'float("-inf")', nan: 'float("nan")'};
 const CPP = {inf: 'INFINITY', '-inf': '-INFINITY', nan: 'NAN'};
 
-/** Without what follows the last argument that says something. */
+/** `args` without the empty ones at the end. */
 function upToLast(args, isEmpty) {
   let count = args.length;
   while (count > 0 && isEmpty[count - 1]) --count;
   return args.slice(0, count);
 }
 
-/** `sent`: {module, name, line, params, data, text}; name null: only a line. {MATLAB, Python, C++, telnet}, each a text. */
+/** `sent`: {module, name, line, params, data, text}; name null: only a line. Returns {MATLAB, Python, C++, telnet}, each a text. */
 export function inLanguages({module, name, line, params = [], data = [], text = ''}) {
   const telnet = `OPEN ${module}\n${line}`;
   if (name === null) return {telnet};
@@ -53,7 +53,7 @@ export function inLanguages({module, name, line, params = [], data = [], text = 
   };
 }
 
-/** What stands before the first such line, with this host and port of names. */
+/** The code before the first command: connects to the name server at this host and port. */
 export function headOf(language, host, namePort) {
   const server = namePort === DEFAULT_NAME_PORT ? host : `${host}:${namePort}`;
   switch (language) {
@@ -64,7 +64,7 @@ export function headOf(language, host, namePort) {
   }
 }
 
-/** A program of such lines. A telnet connection leads to one module. */
+/** A program of such commands. In telnet, each connection leads to one module. */
 export function programOf(language, host, namePort, lines) {
   const head = headOf(language, host, namePort);
   if (language === 'C++') {

@@ -14,9 +14,9 @@ const MAX_PLAY_SPEED = 64;
 export class Controls {
   #connection;
   #status = null;
-  #scenario = '';  // that the list was last set to
+  #scenario = '';  // the scenario that the list was last set to
   #noScenarios = false;
-  #uploaded = null;  // lines of the file that was sent last
+  #uploaded = null;  // lines of the last file sent
 
   constructor(connection) {
     this.#connection = connection;
@@ -93,7 +93,7 @@ export class Controls {
     this.#offerWhatAPlaybackTakes(this.#status?.playback);
   }
 
-  /** The list shows the scenario that runs when that has changed, also by somebody else; else what was chosen. */
+  /** Selects the running scenario in the list when it has changed, by anybody; else leaves the user's choice. */
   #followScenario() {
     const scenario = this.#status?.scenario ?? '';
     const select = byId('scenarios');
@@ -102,7 +102,7 @@ export class Controls {
     if ([...select.options].some((option) => option.value === scenario)) select.value = scenario;
   }
 
-  /** Sends a command without values, or as `request` says, and shows an error. */
+  /** Sends `command` without values, or `request`, and shows an error. */
   async #order(command, request = {command}) {
     const reply = await this.#connection.call({module: MODULE, ...request});
     if (reply.error !== 0) say(`${command}: ${reply.text}`, true);
@@ -110,13 +110,13 @@ export class Controls {
     return reply;
   }
 
-  /** A wrong number is not sent: it stays, in red, until it is changed or its field is left. */
+  /** Marks an invalid number in red, which is not sent, until it is edited or its field loses the focus. */
   #refuse(id, text) {
     byId(id).setAttribute('aria-invalid', 'true');
     say(text, true);
   }
 
-  /** A field that is left with a refused number shows what holds. */
+  /** Restores the current value in a field that loses the focus with a refused number. */
   #forgetRefused(id) {
     const field = byId(id);
     if (!field.hasAttribute('aria-invalid')) return;
@@ -125,7 +125,7 @@ export class Controls {
     this.update(this.#status);
   }
 
-  /** At least 1, in a playback below 0 too, and the field says so. */
+  /** Limits the field to at least 1; a playback also steps by negative counts. */
   #stepCount() {
     const field = byId('step-count');
     const wanted = Math.trunc(Number(field.value)) || 1;
@@ -136,7 +136,7 @@ export class Controls {
 
   #step(count) {
     if (this.#status?.playback) return this.#order('step', {module: '/playback', command: 'step', params: [count]});
-    // Answered when the steps have run, which may need somebody's commands: on a connection of its own.
+    // On its own connection: the reply comes after the steps, which may wait for some client's commands.
     return this.#order('step', {command: 'step', params: [count], channel: 'step'});
   }
 
@@ -144,7 +144,7 @@ export class Controls {
     const field = byId('seed');
     const seed = Number(field.value);
     if (field.validity.badInput || !Number.isInteger(seed) || seed < 0 || seed > MAX_INT32) {
-      field.focus();  // leaving it clears it
+      field.focus();  // losing the focus clears it
       return this.#refuse('seed', `seed must be a whole number up to ${MAX_INT32}`);
     }
     this.#order('reset', {command: 'reset', params: field.value.trim() === '' || field.disabled ? [] : [seed]});
@@ -182,7 +182,7 @@ export class Controls {
     field.blur();  // shows what holds
   }
 
-  /** `name`: of what is loaded. `lines`: of the file that is sent. */
+  /** `name`: of the scenario. `lines`: of the file sent, if any. */
   async load(request, name = request.text ?? '', lines = null) {
     this.#uploaded = lines;
     this.#showDiagnostics('');
@@ -201,27 +201,27 @@ export class Controls {
 
   async #upload() {
     const [file] = byId('upload').files;
-    byId('upload').value = '';  // so that the same file can be chosen again
+    byId('upload').value = '';  // allows choosing the same file again
     if (!file) return;
     if (file.size > 12 * 2 ** 20) return say('the file is too large for a scenario', true);
     await this.loadText(await textOf(file), file.name);
   }
 
-  /** Runs the scenario of this text; its mistakes are shown with their lines. */
+  /** Loads the scenario in `text`; shows its errors with their lines. */
   async loadText(text, name) {
     const lines = text.split(/\r?\n/);
-    // The last line of a text that is sent may tell the file's name.
+    // The last line of a scenario text may give the file's name.
     await this.load({command: 'load_scenario', text: `${text}\n# file: ${name.replace(/\s/g, ' ')}\n`}, name, lines);
   }
 
-  /** Mistakes as /api/check and /api/upload tell them, of a file with this text. */
+  /** Shows `diagnostics` from /api/check or /api/upload for a file with this text. */
   showErrors(diagnostics, text) {
     this.#uploaded = text.split(/\r?\n/);
     say('the file has errors; nothing was changed', true);
     this.#showDiagnostics(diagnostics.map(({file, line, severity, text: what}) => `${file}:${line}: ${severity}: ${what}`).join('\n'));
   }
 
-  /** One entry for each `file:line: error: text`, with the line of the file that was sent. */
+  /** Shows one entry for each `file:line: error: text`, with the line of the file sent. */
   #showDiagnostics(text) {
     const entries = text.split('\n').filter((line) => line.trim() !== '').map((line) => {
       const [, where, number, level, what] = /^(.*?):(\d+): (error|warning): (.*)$/.exec(line) ?? [];

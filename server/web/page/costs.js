@@ -1,41 +1,41 @@
 // SPDX-License-Identifier: MIT
-// The tab Cost: what a step takes, by its parts; who slows the run.
+// The tab Cost: the time of a step by its parts, and what slows the run.
 import {make, setText, showNumber} from './dom.js';
 import {isShown, tab} from './layout.js';
 
 const PERIOD_MS = 500;
-const LEAST_MS = 0.0005;  // what takes less is not listed
+const LEAST_MS = 0.0005;  // shorter parts are not listed
 
-/** What the daemon calls the parts of a step, in plain words: [name, what it is]. */
+/** The daemon's names for the parts of a step, in plain words: [name, explanation]. */
 const PARTS = {
   physics: ['physics', 'motion, contacts and joints'],
-  frames: ['state', 'making the state that everybody reads'],
+  frames: ['state', 'publishing the new state to its readers'],
   sensors: ['sensors', 'readings for loaded controllers'],
   control: ['control', 'loaded controllers, the wait for their process included'],
   recorder: ['recorder', 'handing the step to the recorder, the wait for it included'],
-  answers: ['answers', 'telling clients and subscribers of the step'],
+  answers: ['answers', 'notifying clients and subscribers of the step'],
   rest: ['rest', 'everything else in a step'],
-  pace: ['spare', 'nobody is waited for: the run keeps its pace'],
+  pace: ['spare', 'idle time: the run keeps its pace'],
   clients: ['clients', 'the world waits for commands'],
 };
 
-/** Threads that work beside the steps. */
+/** The daemon's threads, in plain words. */
 const THREADS = {
   render: 'pictures (render)', web: 'viewers (page)', recorder: 'writing the recording', control: '/simulation, /swarm, names',
   physics: 'stepping', log: 'log',
 };
 
-/** "2 robots of ana's client", "robot3's client". */
+/** "ana (2 robots)", "robot3's client". */
 export const clientName = ({name, client, robots}) => (robots > 1 ? `${client ?? 'a client'} (${robots} robots)` : `${name}'s client`);
 
-/** The rows of a table: {name, about, kind, ms}; `period`: last or all. Those of a step's length, longest first. */
+/** The rows of a table: {name, about, kind, ms}; `period`: last or all. Parts and clients, longest first. */
 export function rowsOf(costs, period) {
   const of = (entry) => entry[`${period}_ms`];
   const clients = costs.clients.map((client) => {
     const alone = client[`alone_${period}_ms`];
     const who = client.client ? `${client.client}: ` : '';
     return {kind: 'client', name: clientName(client), ms: of(client), alone,
-      about: `${who}the world waited ${showNumber(of(client), 2)} ms per step for it, ${showNumber(alone, 2)} ms of them for it alone`};
+      about: `${who}the world waited ${showNumber(of(client), 2)} ms per step for it, ${showNumber(alone, 2)} ms of that for it alone`};
   });
   const parts = costs.parts.filter(({part}) => part !== 'clients' || clients.length === 0).map((entry) => {
     const [name, about] = PARTS[entry.part] ?? [entry.part, ''];
@@ -44,11 +44,11 @@ export function rowsOf(costs, period) {
   return [...parts, ...clients].filter(({ms}) => typeof ms === 'number' && ms >= LEAST_MS).sort((a, b) => b.ms - a.ms);
 }
 
-/** What a step takes in all: clients are waited for side by side. */
+/** The total time of a step: the waits for clients overlap. */
 export const lengthOf = (costs, period) =>
   costs.parts.reduce((sum, entry) => sum + (entry[`${period}_ms`] ?? 0), 0);
 
-/** Who slows the run, as a sentence. */
+/** A sentence that says what slows the run. */
 export function verdict(costs, period) {
   if (costs.playback) return 'A recording is played: nothing is computed.';
   const rows = rowsOf(costs, period), length = lengthOf(costs, period);
@@ -95,7 +95,7 @@ export class Costs {
       make('table', {id: 'cost-table', class: 'costs'},
         make('thead', {}, make('tr', {}, head('name', 'part'), head('ms', 'ms per step'), make('th', {scope: 'col'}, 'share'))), this.#rows),
       this.#note, make('h2', {}, 'Beside the steps'),
-      make('p', {class: 'quiet'}, 'Threads of the daemon that the world does not wait for. They slow it only where they take its core.'),
+      make('p', {class: 'quiet'}, 'Threads of the daemon that the world does not wait for. They slow it only if they use its core.'),
       make('table', {id: 'cost-threads', class: 'costs'}, make('thead', {}, make('tr', {}, make('th', {scope: 'col'}, 'thread'),
         make('th', {scope: 'col'}, 'ms per step'), make('th', {scope: 'col'}, '% of a core'))), this.#threads));
     this.#panel.addEventListener('shown', () => this.#poll());
@@ -109,7 +109,7 @@ export class Costs {
         const answer = await fetch('api/costs');
         if (answer.ok) this.#costs = await answer.json();
         else setText(this.#verdict, (await answer.text()).trim());
-      } catch { /* the banner says that the daemon is gone */ }
+      } catch { /* the banner shows that the daemon is gone */ }
       this.#show();
     }
     clearTimeout(this.#timer);

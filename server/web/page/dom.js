@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Small helpers for the page. Text always goes in as text, never as markup.
+// Small DOM helpers. Text is always inserted as text, never as markup.
 
 /** The element with this id. */
 export const byId = (id) => document.getElementById(id);
 
-/** Makes an element: properties, then children (nodes or texts). `class` and `data-*`/`aria-*` are attributes. */
+/** Makes an element with properties and children (nodes or texts). `class` and `data-*`/`aria-*` are attributes. */
 export function make(tag, properties = {}, ...children) {
   const element = document.createElement(tag);
   for (const [key, value] of Object.entries(properties)) {
@@ -15,19 +15,19 @@ export function make(tag, properties = {}, ...children) {
   return element;
 }
 
-/** Sets the text only if it differs, so that nothing flickers and selections stay. */
+/** Sets the text only if it differs, to prevent flicker and keep selections. */
 export function setText(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
-/** Switches a button or field off, with the reason as its title; on, with `title`, if there is none. */
+/** Disables a button or field with `reason` as its title; enables it, with `title`, if `reason` is empty. */
 export function setOff(id, reason, title = '') {
   const element = byId(id);
   element.disabled = reason !== '';
   if (element.title !== (reason || title)) element.title = reason || title;
 }
 
-/** A number with `digits` decimals; ∞ and – for what is not finite. Takes the bridge's "inf" and "nan" too. */
+/** A number with `digits` decimals; ∞ or – if it is not finite. Also accepts the bridge's "inf" and "nan". */
 export function showNumber(value, digits) {
   if (value === 'inf') return '∞';
   if (value === '-inf') return '−∞';
@@ -36,14 +36,14 @@ export function showNumber(value, digits) {
   return Number(text) === 0 ? text.replace('-', '') : text.replace('-', '−');
 }
 
-/** Gives the person a file to keep. */
+/** Downloads `blob` as a file. */
 export function saveFile(name, blob) {
   const link = make('a', {href: URL.createObjectURL(blob), download: name});
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-/** Says something to the person, for a while. */
+/** Shows a message for a while. */
 let forget;
 export function say(text, isError = false) {
   const line = byId('message');

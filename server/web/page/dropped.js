@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Files that are dropped on the page: scenarios are loaded, worlds and robot models are uploaded and then used.
+// Files dropped on the page: loads scenarios; uploads worlds and robot models, then uses them.
 import {byId, say} from './dom.js';
 
 const MOST_BYTES = 12 * 2 ** 20;
 const KINDS = /\.(scenario|xml|world|sdf|urdf|txt)$/i;
 
-/** The text of a file: UTF-8, else as Windows writes it. */
+/** The text of a file: as UTF-8, else as Windows-1252. */
 export async function textOf(file) {
   const bytes = await file.arrayBuffer();
   try {
@@ -47,7 +47,7 @@ export class Dropped {
     if (wrong) return say(`${wrong.name}: drop a .scenario, .xml, .world, .sdf or .urdf file`, true);
     const large = files.find((file) => file.size > MOST_BYTES);
     if (large) return say(`${large.name} is larger than 12 MB: put it into the daemon's folder instead`, true);
-    // What others need comes first: a scenario may name a world or a robot that was dropped with it.
+    // Dependencies first: a scenario may name a world or a robot dropped with it.
     const rank = ({name}) => ['sdf', 'urdf', 'world', 'scenario', 'xml', 'txt'].indexOf(name.split('.').at(-1).toLowerCase());
     for (const file of files.sort((a, b) => rank(a) - rank(b))) await this.#takeOne(file, files.length === 1, x, y);
   }

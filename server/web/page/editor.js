@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The tab Text: the scenario's text with completion, its mistakes as one types, and what to do with it. What was typed is kept
-// until the tab of the browser is closed.
+// The tab Text: an editor for the scenario's text with completion, errors while typing, and buttons. Keeps a draft until the
+// browser tab is closed.
 import {byId, make, saveFile, say, setText} from './dom.js';
 import {isShown, showTab, tab} from './layout.js';
 
@@ -12,9 +12,9 @@ export class Editor {
   #connection;
   #controls;
   #status = null;
-  #code = null;       // code_view.js, once it is here
+  #code = null;       // code_view.js; null until loaded
   #name = 'my.scenario';
-  #running = null;    // the text that runs, as far as it is known
+  #running = null;    // the running text; null if unknown
   #runningOf = '';
   #checked = 0;
   #timer = 0;
@@ -35,7 +35,7 @@ export class Editor {
       button('editor-load', 'Load', 'Run this text (Ctrl+Enter)', () => this.load(), 'primary'),
       button('editor-save', 'Save as file', 'Keep it on this computer (Ctrl+S)', () => this.#save()),
       button('editor-running', 'What runs', 'The text that was loaded', () => this.#take('api/text', `${this.#status?.scenario ?? 'my'}.scenario`)),
-      button('editor-world', 'World of now', 'The present world as a text', () => this.#takeWorld()),
+      button('editor-world', 'Current world', 'The current world as text', () => this.#takeWorld()),
       button('editor-new', 'New', 'A small scenario to begin with; Ctrl+Z brings back what was here', () => this.#replace(EMPTY, 'my.scenario'))),
     this.#host, this.#state);
     this.#panel.addEventListener('shown', () => this.#start());
@@ -49,7 +49,7 @@ export class Editor {
     }, true);
   }
 
-  /** For tests: the text, and what is wrong with it. */
+  /** For tests: the text, and its errors. */
   get text() { return this.#code?.text ?? ''; }
   get report() { return this.#report; }
   get code() { return this.#code; }
@@ -105,7 +105,7 @@ export class Editor {
   #changed() {
     try {
       sessionStorage.setItem(DRAFT, JSON.stringify({name: this.#name, text: this.text}));
-    } catch { /* then it is not kept over a reload */ }
+    } catch { /* a reload loses the draft */ }
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => this.#check(), CHECK_MS);
   }

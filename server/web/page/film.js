@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A picture and a film of what is seen, made by the browser: PNG, and WebM in real time.
+// Pictures (PNG) and films (WebM, in real time) of the view, made by the browser.
 import {byId, make, saveFile, say, setText} from './dom.js';
 
 const RATE_HZ = 30;
@@ -14,7 +14,7 @@ export class Film {
   #recorder = null;
   #began = 0;
   #timer = 0;
-  #sheet = null;  // what the film is made of
+  #sheet = null;  // the canvas that is filmed
   #picture;
   #film;
   limit_s = 120;  // a film is held in memory until it is saved
@@ -41,7 +41,7 @@ export class Film {
     return `${plain('scenario-name') || 'coopdyn'}-${plain('time')}.${ending}`;
   }
 
-  /** Draws the view, and what lies over it, as they are on the screen. */
+  /** Draws the view and its overlays as on the screen. */
   #draw(sheet) {
     const draw = sheet.getContext('2d');
     const over = byId('sensors');
@@ -55,7 +55,7 @@ export class Film {
   }
 
   async #savePicture() {
-    if (this.#view.snapshot) await this.#view.snapshot();  // so that what is drawn is what is there now
+    if (this.#view.snapshot) await this.#view.snapshot();  // draws the newest state
     const sheet = this.#newSheet();
     this.#draw(sheet);
     const blob = await new Promise((resolve) => sheet.toBlob(resolve, 'image/png'));
@@ -77,7 +77,7 @@ export class Film {
       return say(`${NO_FILM} (${error.message})`, true);
     }
     this.#recorder.addEventListener('dataavailable', ({data}) => { if (data.size > 0) pieces.push(data); });
-    this.#recorder.addEventListener('error', ({error}) => say(`the film ends: ${error?.message ?? 'the browser cannot go on'}`, true));
+    this.#recorder.addEventListener('error', ({error}) => say(`the film has stopped: ${error?.message ?? 'the browser cannot continue'}`, true));
     this.#recorder.addEventListener('stop', () => {
       clearInterval(this.#timer);
       for (const track of stream.getTracks()) track.stop();
@@ -106,7 +106,7 @@ export class Film {
     this.#film.setAttribute('aria-pressed', String(runs));
     this.#film.classList.toggle('filming', runs);
     setText(this.#film, runs ? `● ${clock((performance.now() - this.#began) / 1000)} of ${clock(this.limit_s)}` : 'film');
-    const title = runs ? 'End the film and save it' : this.#title;
+    const title = runs ? 'Stop filming and save the film' : this.#title;
     if (this.#film.title !== title) this.#film.title = title;
   }
 }

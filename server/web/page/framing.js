@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Where the camera has to stand so that a box fills the picture.
+// Places the camera so that a box fills the picture.
 import * as THREE from 'three';
 
-const FILLED = 0.9;  // of the picture, by what is fitted into it
-const LEAST_SEEN_M = 3;  // one small thing is seen with the floor around it
+const FILLED = 0.9;  // fraction of the picture that the box fills
+const LEAST_SEEN_M = 3;  // shows some floor around a single small thing
 
-/** Puts `camera` so that it sees all of `box`: from above if `from` is 'top', else from the side. `controls` turn it about what
- *  it looks at. */
+/** Places `camera` so that it sees all of `box`: from above if `from` is 'top', else from the side. Sets the target of
+ *  `controls`. */
 export function frameBox(box, from, camera, controls) {
   const narrow = box.getSize(new THREE.Vector3());
   box.expandByVector(new THREE.Vector3(Math.max(0, LEAST_SEEN_M - narrow.x) / 2, Math.max(0, LEAST_SEEN_M - narrow.y) / 2, 0));
@@ -20,7 +20,7 @@ export function frameBox(box, from, camera, controls) {
   if (!top) fill(box, camera, controls);
 }
 
-/** Moves the camera, which looks somewhere at the box already, until the box fills the picture. */
+/** Moves the camera, which already looks at the box, until the box fills the picture. */
 function fill(box, camera, controls) {
   const {target} = controls, up = new THREE.Vector3(), right = new THREE.Vector3(), p = new THREE.Vector3();
   for (let round = 0; round < 4; ++round) {

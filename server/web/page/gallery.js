@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// The tab Arena: scenarios, worlds and robots with their pictures. A click loads a scenario or a world, a robot is dragged onto the floor.
+// The tab Arena: scenarios, worlds and robots with their pictures. A click loads a scenario or a world; robots are dragged onto the floor.
 import {make, say, setText} from './dom.js';
 import {tab} from './layout.js';
 import {DRAGGED} from './world.js';
 
 const KINDS = [['scenarios', 'scenario', 'Scenarios'], ['worlds', 'world', 'Worlds'], ['robots', 'robot', 'Robots']];
 
-const AT_ONCE = 3;  // of the six connections that a browser opens: the others are for what somebody clicks on
+const AT_ONCE = 3;  // of the browser's six connections; the rest stay free for clicks
 
-/** Loads the pictures that come into view, few at a time. */
+/** Loads the pictures that scroll into view, a few at a time. */
 class PictureLoader {
   #waiting = [];
   #loading = 0;
@@ -64,7 +64,7 @@ export class Gallery {
     this.#panel.addEventListener('shown', () => { if (!this.#asked) this.refresh(); });
   }
 
-  /** Robots can be inserted from now on. */
+  /** Enables inserting robots. */
   setWorld(world) { this.#world = world; }
 
   update(status) {
@@ -72,7 +72,7 @@ export class Gallery {
     for (const button of this.#groups.querySelectorAll('.thumb')) this.#mark(button);
   }
 
-  /** Which scenario runs, and whether another can be loaded. */
+  /** Marks the running scenario; disables loading during a playback. */
   #mark(button) {
     const runs = button.dataset.kind === 'scenario' && button.dataset.name === this.#status?.scenario;
     button.setAttribute('aria-pressed', String(runs));
@@ -84,7 +84,7 @@ export class Gallery {
     try {
       this.#listed = await (await fetch('api/gallery')).json();
     } catch {
-      this.#asked = false;  // the banner says that the daemon is gone
+      this.#asked = false;  // the banner shows that the daemon is gone
       return;
     }
     this.#show();
@@ -97,14 +97,14 @@ export class Gallery {
       return found.length === 0 ? [] : [make('h2', {}, `${title} `, make('span', {class: 'quiet'}, String(found.length))),
         make('div', {class: 'cards'}, ...found.map((entry) => this.#card(kind, entry)))];
     }));
-    if (this.#asked && this.#groups.childElementCount === 0) this.#groups.append(make('p', {class: 'quiet'}, 'nothing of that name'));
+    if (this.#asked && this.#groups.childElementCount === 0) this.#groups.append(make('p', {class: 'quiet'}, 'no match'));
   }
 
   #card(kind, {name, title, summary, thumb}) {
     const picture = make('img', {alt: '', width: 160, height: 100, draggable: false});
     picture.addEventListener('error', () => { picture.hidden = true; });
     if (thumb) this.#pictures.add(picture, thumb.replace(/^\//, ''));
-    else picture.hidden = true;  // a daemon without pictures
+    else picture.hidden = true;  // the daemon runs without pictures
     const does = kind === 'robot' ? 'drag it onto the floor, or click' : 'click to load';
     const button = make('button', {type: 'button', class: 'thumb', title: `${title || name}\n${summary}\n(${does})`},
       picture, make('strong', {}, name), make('span', {class: 'quiet'}, title || summary));
@@ -120,7 +120,7 @@ export class Gallery {
       });
       return button;
     }
-    const edit = make('button', {type: 'button', class: 'small', title: `Look at the text of ${name}`}, 'Text');
+    const edit = make('button', {type: 'button', class: 'small', title: `Show the text of ${name}`}, 'Text');
     edit.addEventListener('click', () => this.#edit(kind, name));
     return make('div', {class: 'thumb-box'}, button, edit);
   }
@@ -128,7 +128,7 @@ export class Gallery {
   #take(kind, name) {
     if (kind === 'scenario') return this.#controls.load({command: 'load_scenario', text: name});
     if (kind === 'world') return this.#controls.load({command: 'load_scenario', text: `[WORLD]\nfile ${name}.world\n`}, name);
-    if (!this.#world) return say('the view that is drawn by the daemon takes no robots: insert them by /world', true);
+    if (!this.#world) return say('robots cannot be dropped on the view drawn by the daemon: insert them with /world', true);
     return this.#world.insertNear('robot', name);
   }
 }

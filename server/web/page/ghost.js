@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// A second run, drawn pale over the one that is shown, at the same simulated time.
+// A second run, drawn pale over the shown one at the same simulated time.
 import {PoseReader} from './poses.js';
 import {Scene3d} from './scene3d.js';
 
 const OPACITY = 0.4;
 const RATE_HZ = 30;
 
-/** The moments of a file of pose messages: times, and the bodies at each. */
+/** Reads a file of pose messages: the times, and the bodies at each. */
 export function readMoments(buffer, bodies) {
   const view = new DataView(buffer), reader = new PoseReader(), times = [], poses = [];
   for (let at = 0; at + 4 <= buffer.byteLength;) {
@@ -23,7 +23,7 @@ export function readMoments(buffer, bodies) {
   return {times, poses};
 }
 
-/** Which of the increasing `times` is the newest at or before `time`; the first if there is none. */
+/** The index of the newest of the increasing `times` at or before `time`; 0 if none. */
 export function newestAt(times, time) {
   let low = 0, high = times.length;
   while (low < high) {
@@ -46,7 +46,7 @@ export class Ghost {
     view.addEventListener('drawn', () => this.#place());
   }
 
-  /** Draws the recording `name`; an error text, empty if it is there. */
+  /** Draws the recording `name`. Returns an error text, empty on success. */
   async show(name) {
     this.clear();
     this.name = name;

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: MIT
-// The words of a scenario and what they mean, for completion. A test compares them with what the daemon's reader knows.
+// The words of a scenario and their meaning, for completion. A test compares them with the daemon's reader.
 
 const COLORS = ['red', 'green', 'blue', 'yellow', 'magenta', 'cyan', 'orange', 'purple', 'brown', 'pink'];
 const YES_NO = ['yes', 'no'];
-const watchdog = ['in real time a robot stops when its client is silent for so long', 'watchdog 2s', ['off']];
+const watchdog = ['in real time a robot stops when its client is silent for this long', 'watchdog 2s', ['off']];
 const pose = {
   position: ['x y [z], m', 'position 1 0.5'],
   orientation: ['yaw, or roll pitch yaw; rad, or with a unit', 'orientation 90deg'],
   quaternion: ['w x y z', 'quaternion 1 0 0 0'],
 };
 const driven = {
-  type: ['which robot: its folder on the search path', 'type coopbot'],
-  name: ['what it is called', 'name ana'],
+  type: ['robot type: its folder on the search path', 'type coopbot'],
+  name: ['its name', 'name ana'],
   color: ['a colour word, or R G B', 'color blue', COLORS],
-  fidelity: ['how exactly it is simulated', 'fidelity rolling', ['full', 'rolling', 'planar']],
+  fidelity: ['accuracy of the simulation', 'fidelity rolling', ['full', 'rolling', 'planar']],
   controller: ['a loaded controller and its options', 'controller diffuse speed=0.2'],
-  sockets: ['ports of its own', 'sockets yes', YES_NO],
+  sockets: ['its own ports', 'sockets yes', YES_NO],
   watchdog,
 };
 const texture = {
@@ -23,20 +23,20 @@ const texture = {
   texture_size: ['width [height] of one picture, m', 'texture_size 1'],
 };
 
-/** By kind of section: words, each [help, example, choices]. */
+/** By kind of section: words, each with [help, example, choices]. */
 export const GRAMMAR = {
   WORLD: {file: ['a .world file', 'file arena.world']},
   SIMULATION: {
-    mode: ['how time goes', 'mode lockstep', ['realtime', 'lockstep', 'free']],
+    mode: ['how time advances', 'mode lockstep', ['realtime', 'lockstep', 'free']],
     step: ['length of a step', 'step 10ms'],
     substeps: ['equal parts of a step', 'substeps 2'],
-    seed: ['of all that is random', 'seed 1'],
+    seed: ['seed of everything random', 'seed 1'],
     speed: ['simulated seconds per second; 0: no limit', 'speed 2'],
-    duration: ['the run ends then, s', 'duration 60'],
+    duration: ['the run ends after this time, s', 'duration 60'],
     watchdog,
     gravity: ['downwards, m/s²; 0: none, below 0: up; or x y z', 'gravity 9.81'],
-    overlaps: ['what starts inside something is pushed out', 'overlaps yes', YES_NO],
-    ambient_light: ['what light sensors read without lamps', 'ambient_light 0.2'],
+    overlaps: ['pushes out things that start inside something', 'overlaps yes', YES_NO],
+    ambient_light: ['reading of light sensors without lamps', 'ambient_light 0.2'],
     angles: ['unit of angles without one', 'angles deg', ['rad', 'deg']],
     supervisor: ['a loaded controller of the world', 'supervisor referee rounds=5'],
     waits_for: ['programs of YARP that a step of lockstep waits for', 'waits_for yarp /my/controller'],
@@ -46,43 +46,43 @@ export const GRAMMAR = {
     color: ['a colour word, or R G B', 'color lightgray', COLORS],
     friction: ['1 is rubber on wood', 'friction 1'],
     ...texture,
-    ambient_light: ['what light sensors read without lamps', 'ambient_light 0.2'],
+    ambient_light: ['reading of light sensors without lamps', 'ambient_light 0.2'],
     angles: ['unit of angles without one', 'angles deg', ['rad', 'deg']],
   },
   TARGET: Object.fromEntries(COLORS.map((color) => [color, ['x y [z], m', `${color} 2 0`]])),
   LIGHT: {
     position: ['x y z, m', 'position 0 0 2.5'],
     color: ['a colour word, or R G B', 'color white', COLORS],
-    power: ['what a light sensor reads 1 m away', 'power 1'],
-    shadows: ['things hide it', 'shadows yes', YES_NO],
+    power: ['reading of a light sensor 1 m away', 'power 1'],
+    shadows: ['things block it', 'shadows yes', YES_NO],
   },
   ROBOT: {
     ...driven, ...pose,
     deadline: ['how long lockstep waits for its command', 'deadline 500ms'],
-    on_deadline: ['what it does then', 'on_deadline hold', ['hold', 'stop', 'drop']],
-    on_disconnect: ['what it does when its client goes', 'on_disconnect stop', ['wait', 'hold', 'stop', 'drop']],
+    on_deadline: ['action at the deadline', 'on_deadline hold', ['hold', 'stop', 'drop']],
+    on_disconnect: ['action when its client disconnects', 'on_disconnect stop', ['wait', 'hold', 'stop', 'drop']],
     sync: ['takes part in lockstep', 'sync yes', YES_NO],
     waits_for: ['modules that need a command for each step', 'waits_for motors'],
   },
   SWARM: {
     ...driven,
-    count: ['how many', 'count 20'],
+    count: ['number of robots', 'count 20'],
     spacing: ['least distance between two, m', 'spacing 0.5'],
     area: ['x y of the centre, length, width, m', 'area 0 0 4 4'],
-    seed: ['of the places', 'seed 1'],
+    seed: ['seed of the positions', 'seed 1'],
   },
   THING: {
     type: ['its shape', 'type box', ['box', 'cylinder', 'sphere']],
     size: ['length width height; diameter twice, height; or diameter, m', 'size 1 0.5 0.3'],
-    count: ['as many, at random places', 'count 5'],
+    count: ['number of copies, at random places', 'count 5'],
     spacing: ['least distance between two copies, m', 'spacing 0.5'],
-    area: ['of the copies: x y of the centre, length, width, m', 'area 0 0 4 4'],
-    seed: ['of the places of the copies', 'seed 1'],
+    area: ['area of the copies: x y of the centre, length, width, m', 'area 0 0 4 4'],
+    seed: ['seed of the positions of the copies', 'seed 1'],
     ...pose,
-    mass: ['kg; without it never moves', 'mass 2'],
+    mass: ['kg; without a mass, it never moves', 'mass 2'],
     color: ['a colour word, or R G B', 'color orange', COLORS],
     friction: ['1 is rubber on wood', 'friction 0.6'],
-    bounce: ['share of the speed that an impact leaves', 'bounce 0.8'],
+    bounce: ['fraction of the speed that remains after an impact', 'bounce 0.8'],
     rolling_friction: ['torque against rolling per load, m', 'rolling_friction 1mm'],
     velocity: ['at the start, x y z, m/s', 'velocity 1 0 0'],
     turn_rate: ['at the start, x y z, rad/s', 'turn_rate 0 0 1'],
@@ -90,7 +90,7 @@ export const GRAMMAR = {
   },
 };
 
-/** Sections to begin with: what stands in brackets, and its first lines. */
+/** Section templates: the name in brackets, and the first lines. */
 export const TEMPLATES = [
   ['WORLD', 'file arena.world'], ['SIMULATION', 'mode realtime'], ['FLOOR', 'size 10 8'], ['TARGET', 'red 2 0'],
   ['ROBOT_1', 'type coopbot\nposition 0 0'], ['SWARM_1', 'type minibot\ncount 20'], ['LIGHT_1', 'position 0 0 2.5'],

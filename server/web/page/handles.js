@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Handles in the view that move and turn what is selected: arrows along the floor, a ring about the vertical. What would overlap is
-// shown in red when the daemon refuses it.
+// Handles in the view that move and turn the selected thing: arrows along the floor, a ring about the vertical. A move that the
+// daemon refuses, because things would overlap, is shown in red.
 import * as THREE from 'three';
 import {TransformControls} from 'three/addons/controls/TransformControls.js';
 
@@ -39,7 +39,7 @@ export class Handles {
     view.addEventListener('select', ({detail}) => this.#attach(detail));
     view.addEventListener('drawn', () => this.#follow());
     const buttons = ['translate', 'rotate'].map((mode) => button(mode === 'translate' ? 'move' : 'turn',
-      mode === 'translate' ? 'Handles that move what is selected (M)' : 'A ring that turns what is selected (R)', () => this.#mode(mode)));
+      mode === 'translate' ? 'Handles that move the selected thing (M)' : 'A ring that turns the selected thing (R)', () => this.#mode(mode)));
     view.canvas.addEventListener('keydown', ({key}) => {
       if (key === 'm') this.#mode('translate');
       if (key === 'r') this.#mode('rotate');

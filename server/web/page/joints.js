@@ -3,20 +3,20 @@
 // Moving a slider makes this page the robot's driver, until `Let go`.
 import {make, say, setText, showNumber} from './dom.js';
 
-const DRIVE = 'joints';  // the channel that commands go through
+const DRIVE = 'joints';  // the channel for commands
 const MODES = ['idle', 'position', 'direct', 'velocity', 'effort'];
-const FREE_RANGE = Math.PI;  // to both sides of where a joint without limits is
+const FREE_RANGE = Math.PI;  // to both sides of the position of a joint without limits
 
 export class JointPanel {
   #connection;
   #module;
-  #rows = [];  // of each joint: name, slider, value
+  #rows = [];  // by joint: name, slider, value
   #table = make('tbody');
   #asked = false;
-  #next = null;  // the command to send when the last has been answered
+  #next = null;  // the command to send after the reply to the last
   #busy = false;
   #buttons;
-  #off = '';  // why nothing can be moved
+  #off = '';  // why joints cannot be moved; empty if they can
   element;
 
   constructor(connection, module) {
@@ -30,14 +30,14 @@ export class JointPanel {
     this.#buttons = [
       button('Hold', 'Holds all joints where they are', () => this.#send({command: 'hold'})),
       button('Idle', 'Switches the motors of all joints off', () => this.#send({command: 'set_modes', data: this.#rows.map(() => 0)})),
-      button('Let go', 'This page does not drive the joints any more', () => this.stop()),
+      button('Let go', 'Releases the robot: this page stops driving its joints', () => this.stop()),
     ];
     const group = module.slice(module.lastIndexOf('/') + 1);
     this.element = make('div', {class: 'joints'}, make('strong', {}, group), ' ', ...this.#buttons, make('table', {}, this.#table));
     this.element.dataset.group = group;
   }
 
-  /** Nothing can be moved for this reason; empty: it can. */
+  /** Disables moving joints for this reason; empty enables it. */
   setOff(reason) {
     this.#off = reason;
     for (const element of [...this.#buttons, ...this.#rows.map(({slider}) => slider)]) element.disabled = reason !== '';
@@ -68,7 +68,7 @@ export class JointPanel {
     }
   }
 
-  /** Names and limits of the joints. */
+  /** Asks for the names and limits of the joints. */
   async #learn() {
     this.#asked = true;
     const reply = await this.#connection.call({module: this.#module, channel: 'readings', command: 'get_limits'});
@@ -91,7 +91,7 @@ export class JointPanel {
         make('td', {class: 'limit'}, upper), value)));
   }
 
-  /** The newest command is sent when the one before has been answered. */
+  /** Sends the newest command after the reply to the previous one. */
   async #send(request) {
     this.#next = request;
     if (this.#busy) return;

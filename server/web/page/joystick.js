@@ -1,49 +1,49 @@
 // SPDX-License-Identifier: MIT
-// The panel Drive: a pad for mouse and finger, keys and a gamepad drive one robot. It stops when they are let go, when
-// the focus is lost and when the page is hidden; then anybody else may drive.
+// The panel Drive: a pad for mouse and finger, keys and a gamepad drive one robot. The robot stops when they are released,
+// when the focus is lost and when the page is hidden; then other clients may drive it.
 import {byId, make, setText, showNumber} from './dom.js';
 import {tab} from './layout.js';
 
 const CHANNEL = 'joystick';
 const PERIOD_MS = 50;      // at most twenty commands a second
-const ALIVE_MS = 500;      // while it is held still: the robot's watchdog hears that somebody is there
-const DEAD = 0.12;         // of a gamepad's stick
+const ALIVE_MS = 500;      // repeats a constant command for the robot's watchdog
+const DEAD = 0.12;         // dead zone of a gamepad's stick
 const MOST_TURN = 2.5;     // rad/s
-const USUAL = {linear: 0.5, angular: 1.5};  // where a robot does not tell its limits
+const USUAL = {linear: 0.5, angular: 1.5};  // if a robot does not report its limits
 
-/** Keys and what they push: [axis, direction]. Axes: ahead, left, aside, up. */
+/** Keys: [axis, direction]. Axes: ahead, left, aside, up. */
 const KEYS = {
   ArrowUp: ['ahead', 1], ArrowDown: ['ahead', -1], ArrowLeft: ['left', 1], ArrowRight: ['left', -1],
   w: ['ahead', 1], s: ['ahead', -1], a: ['left', 1], d: ['left', -1], q: ['aside', 1], e: ['aside', -1], r: ['up', 1], f: ['up', -1],
 };
 
-/** What pushes the values of a command that are called so. */
+/** The axis that drives a command's value, by the value's name. */
 const AXES = {
   linear: 'ahead', forward: 'ahead', vx: 'ahead', angular: 'left', turn: 'left', yaw: 'left', yaw_rate: 'left', wz: 'left',
   lateral: 'aside', left: 'aside', vy: 'aside', vertical: 'up', up: 'up', vz: 'up', climb: 'up',
 };
 
-/** The command that drives, and what its values follow: {name, axes}; null: there is none. Of a `describe`. */
+/** The command that drives, and the axis of each value: {name, axes}; null if none. `commands`: of a `describe`. */
 export function driveOf(commands) {
   const command = commands.find(({name}) => name === 'set_velocity');
   const axes = command?.data.map(({name}) => AXES[name] ?? null) ?? [];
   return axes.includes('ahead') ? {name: command.name, axes} : null;
 }
 
-/** How far a stick of a gamepad is out, without its dead zone. */
+/** The deflection of a gamepad's stick, without its dead zone. */
 export const pushOf = (value) => (Math.abs(value) < DEAD ? 0 : Math.sign(value) * (Math.abs(value) - DEAD) / (1 - DEAD));
 
-/** Sends the newest velocity to one module, at most twenty times a second, the next one after the reply. */
+/** Sends the newest velocity to one module, at most twenty times a second and only after the last reply. */
 class Driver {
   #connection;
   #module;
   #onReply;
-  #wanted = null;  // {data}; data null: stop and let go
+  #wanted = null;  // {data}; data null: stop and release the robot
   #busy = false;
   #sentAt = -Infinity;
   #named = false;
   #drives = false;
-  #alive = 0;  // the timer of the next sign of life
+  #alive = 0;  // the timer that repeats the command
 
   constructor(connection, module, onReply) {
     this.#connection = connection;
@@ -56,7 +56,7 @@ class Driver {
     this.#run();
   }
 
-  /** Stops at once, also from a page that is about to be hidden. */
+  /** Stops at once, even while the page is being hidden. */
   stop() {
     if (!this.#drives && !this.#wanted && !this.#busy) return;
     this.#wanted = {command: 'stop', data: null};
@@ -79,7 +79,7 @@ class Driver {
       const wait = this.#sentAt + PERIOD_MS - performance.now();
       if (data && wait > 0) {
         await new Promise((resolve) => setTimeout(resolve, wait));
-        continue;  // there may be a newer one
+        continue;  // there may be a newer command
       }
       const {command} = this.#wanted;
       this.#wanted = null;
@@ -90,7 +90,7 @@ class Driver {
   }
 
   async #drive(command, data) {
-    if (!this.#named) {  // a robot stops when a client that has a name is lost
+    if (!this.#named) {  // a robot stops when it loses a named client
       const name = `joystick-${Math.random().toString(36).slice(2, 7)}`;
       this.#named = (await this.#call({command: 'hello', text: name})).error === 0;
     }
@@ -131,13 +131,13 @@ export class Joystick {
   #keys = new Set();
   #push = {ahead: 0, left: 0, aside: 0, up: 0};
   #pointer = null;
-  #padding = 0;     // of the gamepad: the frame that is asked for
+  #padding = 0;     // the animation frame requested for the gamepad
   #box = make('details', {id: 'joystick', class: 'panel'});
   #robots = make('select', {id: 'joystick-robot', 'aria-label': 'Robot to drive'});
   #knob = make('span', {class: 'knob'});
   #pad = make('div', {id: 'joystick-pad', tabIndex: 0, role: 'application',
     'aria-label': 'Pad: drag, or arrow keys or W A S D; let go to stop'}, this.#knob);
-  #share = make('input', {id: 'joystick-speed', type: 'range', min: 5, max: 100, value: 40, 'aria-label': 'Speed in percent of the most'});
+  #share = make('input', {id: 'joystick-speed', type: 'range', min: 5, max: 100, value: 40, 'aria-label': 'Speed in percent of the maximum'});
   #speed = make('span', {class: 'number'});
   #owner = make('p', {id: 'joystick-owner', class: 'quiet'});
   #said = make('p', {id: 'joystick-said', role: 'alert'});
@@ -221,7 +221,7 @@ export class Joystick {
 
   #learning = false;
 
-  /** Which command drives the robot, and how fast it may go. */
+  /** Asks for the command that drives the robot, and its limits. */
   async #learn() {
     const name = this.#robot;
     const modules = this.#status?.robots.find((robot) => robot.name === name)?.modules ?? [];
@@ -294,7 +294,7 @@ export class Joystick {
     if (JSON.stringify(this.#push) !== before) this.#apply();
   }
 
-  /** Everything is let go. */
+  /** Releases all axes. */
   #rest() {
     this.#pointer = null;
     this.#keys.clear();
@@ -320,7 +320,7 @@ export class Joystick {
     this.#said.classList.toggle('error', isError);
   }
 
-  /** Null: it was let go. */
+  /** `reply`: null if the robot was released. */
   #onReply(reply) {
     if (reply === null) return this.#say('stopped');
     this.#say(reply.text, reply.error !== 0);

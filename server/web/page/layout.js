@@ -6,9 +6,9 @@ const LEAST_PX = 272;
 const STEP_PX = 24;
 const panels = () => [...byId('panels').children];
 const remembered = (key) => { try { return localStorage.getItem(key); } catch { return null; } };
-const remember = (key, value) => { try { localStorage.setItem(key, value); } catch { /* then until the page closes */ } };
+const remember = (key, value) => { try { localStorage.setItem(key, value); } catch { /* kept until the page closes */ } };
 
-/** The element of a tab of the sidebar, made if it is not there. It gets the events `shown` and `hidden`. */
+/** The element of a sidebar tab, made on first use. It receives the events `shown` and `hidden`. */
 export function tab(id, title) {
   const there = byId(`panel-${id}`);
   if (there) return there;
@@ -20,7 +20,7 @@ export function tab(id, title) {
   return panel;
 }
 
-/** Whether a tab is in front. */
+/** Whether a tab is the shown one. */
 export const isShown = (id) => byId(`panel-${id}`)?.hidden === false;
 
 export function showTab(id) {
@@ -39,7 +39,7 @@ export function showTab(id) {
   byId(`panel-${id}`).dispatchEvent(new Event('shown'));
 }
 
-/** Arrows go from tab to tab, as in every list of tabs. */
+/** Arrow keys move between tabs, as in any list of tabs. */
 function listenToTabs() {
   for (const button of byId('tabs').children) button.addEventListener('click', () => showTab(button.id.slice('tab-'.length)));
   byId('tabs').addEventListener('keydown', (event) => {
@@ -53,7 +53,7 @@ function listenToTabs() {
   });
 }
 
-/** The bar between view and sidebar moves by mouse and by arrow keys. */
+/** The mouse and arrow keys move the bar between view and sidebar. */
 function listenToSplitter() {
   const splitter = byId('splitter');
   const widen = (width) => {
@@ -79,7 +79,7 @@ function listenToSplitter() {
   if (kept) widen(kept);
 }
 
-/** As the system is, light, or dark. Event of `document`: theme. */
+/** The system's theme, light, or dark. `document` receives the event `theme`. */
 function listenToTheme() {
   const themes = {'': 'Auto', light: 'Light', dark: 'Dark'};
   const button = byId('theme');

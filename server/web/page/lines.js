@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Ready-made lines that connect a client to a robot, with the address under which this page was reached.
+// Ready-made lines that connect a client to a robot, with the address of this page.
 import {make} from './dom.js';
 
 const DEFAULT_NAME_PORT = 10000;
@@ -7,7 +7,7 @@ const DEFAULT_NAME_PORT = 10000;
 /** The host for a command line: an IPv6 address without its brackets. */
 const plainHost = () => location.hostname.replace(/^\[|\]$/g, '');
 
-/** The module of a type, of several the one named like it, of what the status tells of a robot. */
+/** The module of a type among a robot's `modules`; of several, preferably the one named like the type. */
 export function ofType(modules, type) {
   const all = modules.filter((module) => module.type === type);
   return all.find((module) => module.name.endsWith(`/${type}`)) ?? all[0];
@@ -36,7 +36,7 @@ async function copy(button, line) {
   try {
     await navigator.clipboard.writeText(text);
     button.textContent = 'copied';
-  } catch {  // only pages from this machine or with a certificate may
+  } catch {  // without HTTPS, only pages of localhost may use the clipboard
     getSelection().selectAllChildren(line);
     button.textContent = 'press Ctrl+C';
   }

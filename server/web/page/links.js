@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What an address asks for: /?scenario=corridor&view=top&tab=plots&run=lesson1. Each once: then it goes from the address, so that
-// the page can be opened again without loading anew.
+// Actions in the page's address: /?scenario=corridor&view=top&tab=plots&run=lesson1. Each runs once and is then removed from the
+// address, so that a reload of the page does not repeat it.
 import {say} from './dom.js';
 import {showTab} from './layout.js';
 
@@ -15,7 +15,7 @@ export class Links {
     if (this.#asked.has('tab')) showTab(this.#asked.get('tab'));
   }
 
-  /** At the first status after the daemon has said what this page may. */
+  /** Called with the first status after this page's rights are known. */
   async follow(status) {
     const take = (name) => {
       const value = this.#asked.get(name);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Who looks at this daemon's page: a name for each, to be changed by oneself, and what each has selected.
+// The people viewing this daemon's page: their names, each can change their own, and their selections.
 import {byId, make} from './dom.js';
 
 const KEPT = 'coopdyn-name';
@@ -18,7 +18,7 @@ export class People {
 
   constructor(connection) {
     this.#connection = connection;
-    try { this.#name = localStorage.getItem(KEPT) ?? ''; } catch { /* then one is a guest */ }
+    try { this.#name = localStorage.getItem(KEPT) ?? ''; } catch { /* stay a guest */ }
     byId('strip-end').prepend(this.#list);
     connection.addEventListener('hello', ({detail}) => {
       this.#own = detail.person ?? 0;
@@ -30,7 +30,7 @@ export class People {
     });
   }
 
-  /** What this page has selected. */
+  /** Reports this page's selection. */
   select(name) {
     if (name === this.#selected) return;
     this.#selected = name;
@@ -51,7 +51,7 @@ export class People {
       return chip;
     });
     const more = this.people.length - chips.length;
-    // Alone there is nobody to tell apart.
+    // A single person needs no name.
     this.#list.replaceChildren(...(this.people.length > 1 ? chips : []), ...(more > 0 ? [make('span', {class: 'quiet'}, `+${more}`)] : []));
   }
 
@@ -63,7 +63,7 @@ export class People {
       ended = true;
       if (keep) this.#name = field.value.trim();
       field.remove();
-      try { localStorage.setItem(KEPT, this.#name); } catch { /* until the page closes */ }
+      try { localStorage.setItem(KEPT, this.#name); } catch { /* kept until the page closes */ }
       this.#tell();
       this.#show();
     };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The tab Plots: values of robots, scores and logged numbers against simulated time, live and of the recording that is played;
+// The tab Plots: values of robots, scores and logged numbers against simulated time, of the live run or the played recording;
 // a strip of the real-time factor and the state hash.
 import {byId, make, saveFile, say, setText, showNumber} from './dom.js';
 import {isShown, tab} from './layout.js';
@@ -10,7 +10,7 @@ const TABLE_POINTS = 4000;
 const HEIGHT_PX = 170;
 const COLORS = ['#2f7bf0', '#e0672c', '#1c9a5b', '#b23fb5', '#c79a00', '#0fa3b1', '#d0342c', '#7a6ff0'];
 const STRIP_S = 60;
-const RUN = '/run';  // chosen in place of a robot; no robot is called so
+const RUN = '/run';  // chosen in place of a robot; no robot has this name
 
 /** Names, units and numbers of the curves, as CSV. */
 export function csvOf(robot, values, points) {
@@ -33,7 +33,7 @@ export class Plots {
   #rates = [];         // {time, rtf}
   #panel = tab('plots', 'Plots');
   #robots = make('select', {id: 'plot-robot', 'aria-label': 'Robot, or the run'});
-  #span = make('select', {id: 'plot-span', 'aria-label': 'How much is shown'}, make('option', {value: 10}, 'last 10 s'),
+  #span = make('select', {id: 'plot-span', 'aria-label': 'Time range shown'}, make('option', {value: 10}, 'last 10 s'),
     make('option', {value: 60}, 'last 60 s'), make('option', {value: 0, selected: true}, 'all'));
   #values = make('div', {id: 'plot-values', role: 'group', 'aria-label': 'Values'});
   #charts = make('div', {id: 'plot-charts'});
@@ -52,7 +52,7 @@ export class Plots {
     this.#panel.append(this.#strip, this.#hash, make('div', {class: 'row'}, this.#robots, this.#span,
       button('plot-csv', 'CSV', 'Save the chosen curves as a table', () => this.#saveCsv()),
       button('plot-png', 'PNG', 'Save the plots as a picture', () => this.#savePng()),
-      button('plot-clear', 'Clear', 'Take all curves away', () => { this.#marked.clear(); this.#showValues(); this.#build(); })),
+      button('plot-clear', 'Clear', 'Remove all curves', () => { this.#marked.clear(); this.#showValues(); this.#build(); })),
     this.#values, this.#note, this.#charts);
     this.#robots.addEventListener('change', () => { this.#robot = this.#robots.value; this.#open(); });
     this.#span.addEventListener('change', () => this.#draw());
@@ -63,7 +63,7 @@ export class Plots {
     connection.addEventListener('open', () => this.#close());
   }
 
-  /** For tests: what is drawn. */
+  /** For tests: the points drawn. */
   get points() { return this.#source?.points; }
   get values() { return this.#source?.values ?? []; }
   get charts() { return this.#plots.map(({chart}) => chart); }
@@ -88,10 +88,10 @@ export class Plots {
   get #kind() { return this.#status?.playback ? 'run' : 'live'; }
   get #marked() { return this.#chosen.get(this.#kind); }
 
-  /** What files and headings call the choice. */
+  /** The name of the choice in files and headings. */
   get #title() { return this.#robot === RUN ? 'run' : this.#robot; }
 
-  /** Follows the robot that is chosen, or the run, unless it is followed already. */
+  /** Follows the chosen robot, or the run, unless already followed. */
   async #open() {
     const ofRun = this.#robot === RUN;
     const robot = ofRun ? {name: RUN, modules: []} : this.#status?.robots.find(({name}) => name === this.#robot);
@@ -153,12 +153,12 @@ export class Plots {
     const none = this.values.every(({key}) => !this.#marked.has(key));
     const playing = this.#kind === 'run' ? ' A click on a plot goes to that time.' : '';
     if (this.#robot === RUN && this.values.length === 0) {
-      return setText(this.#note, 'The scores of a scenario, and numbers that clients log, can be plotted: there are none.');
+      return setText(this.#note, 'This run has no scores, and clients have logged no numbers: there is nothing to plot.');
     }
     setText(this.#note, none ? 'Choose values: those of one unit share a plot.' : `Drag to zoom, double click for all.${playing}`);
   }
 
-  /** The charts, one for each unit among the curves. */
+  /** Builds the charts, one for each unit among the curves. */
   async #build() {
     this.#uPlot ??= (await import('uplot')).default;
     for (const {chart} of this.#plots) chart.destroy();
@@ -183,7 +183,7 @@ export class Plots {
         hooks: {draw: [(drawn) => this.#drawNow(drawn)], ready: [(made) => this.#listen(made)]}}, this.#dataOf(at), this.#charts);
       const plot = {unit, chart, at, zoomed: false, held: false};
       chart.over.addEventListener('mousedown', () => {
-        plot.held = true;  // new points would take the selection away
+        plot.held = true;  // new points would clear the selection
         document.addEventListener('mouseup', () => { plot.held = false; }, {once: true});
       });
       chart.over.addEventListener('dblclick', () => { plot.zoomed = false; });
@@ -204,7 +204,7 @@ export class Plots {
     });
   }
 
-  /** In a playback: where the shown time is. */
+  /** Marks the shown time in a playback. */
   #drawNow(chart) {
     const now = this.#status?.playback?.time_s;
     if (now === undefined) return;

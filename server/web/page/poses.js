@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
-// Pose messages (docs/protocol.md): reads them, keeps the last two, and tells where everything is in between.
+// Pose messages (docs/protocol.md): reads them, keeps the last two, and interpolates between them.
 
 const UNIT_M = 1e-4;
 const UNIT_Q = 1 / (8192 * Math.SQRT2);
 const LATEST_MS = 400;  // a longer pause is not bridged
 
-/** What changes are written to and read from; pure. */
+/** Applies pose messages to the poses of all bodies; pure. */
 export class PoseReader {
   scene = 0;
   step = 0;
   time = 0;
-  #units = new Float64Array(0);  // by body: x y z, three components, which one is left out
+  #units = new Float64Array(0);  // by body: x, y, z, three components, the index of the omitted one
 
-  /** Takes a message; false: changes of a scene whose beginning was missed. */
+  /** Reads a message; false if it changes a scene whose first message was missed. */
   take(buffer) {
     const view = new DataView(buffer), bytes = new Uint8Array(buffer);
     const anew = view.getUint8(1) === 1;
@@ -76,7 +76,7 @@ export class PoseReader {
   }
 }
 
-/** Between the last two messages: what is shown is one period of messages late, and moves at the screen's rate. */
+/** Interpolates between the last two messages: the poses are late by one message period and move at the screen's rate. */
 export class Interpolator {
   #from = new Float32Array(0);
   #to = new Float32Array(0);
@@ -94,7 +94,7 @@ export class Interpolator {
   push(reader, now) {
     const pause = now - this.#at;
     const first = this.#period === 0;
-    // What is shown now is where the way to the new one begins.
+    // Start the motion to the new poses from the shown ones.
     if (!first) this.write(this.#from, now);
     reader.write(this.#to);
     if (first || pause > LATEST_MS) this.#from.set(this.#to);
@@ -110,7 +110,7 @@ export class Interpolator {
     const a = this.#from, b = this.#to;
     for (let at = 0; at + 7 <= poses.length; at += 7) {
       const dx = b[at] - a[at], dy = b[at + 1] - a[at + 1], dz = b[at + 2] - a[at + 2];
-      const jumps = dx * dx + dy * dy + dz * dz > 1;  // put elsewhere: it does not fly there
+      const jumps = dx * dx + dy * dy + dz * dz > 1;  // the body was moved: show no flight
       const s = jumps ? 1 : share;
       poses[at] = a[at] + s * dx;
       poses[at + 1] = a[at + 1] + s * dy;

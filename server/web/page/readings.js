@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Live readings of one robot: all its modules' first readings of one frame, in one round trip, on a connection of their
-// own, five times a second while they are shown.
+// Live readings of one robot: the first readings of all its modules from one frame, in one round trip on their own
+// connection, five times a second while shown.
 import {make, setText, showNumber} from './dom.js';
 import {JointPanel} from './joints.js';
 import {CameraTile, ScanPlot} from './sensors.js';
@@ -10,7 +10,7 @@ const MOST_VALUES = 4096;  // of one module
 const order = ['pose', 'motors', 'odometry', 'distance', 'target', 'compass', 'support', 'imu', 'wrench', 'contact'];
 const degrees = (rad) => (typeof rad === 'number' ? (rad * 180) / Math.PI : rad);
 
-/** As wide as "9.99", so that the next ones do not move: figure spaces are as wide as digits. */
+/** Pads to the width of "9.99" to keep columns still; figure spaces are as wide as digits. */
 const inColumn = (text) => text.padStart(4, '\u2007');
 
 /** Three numbers of `data` from `first` on. */
@@ -47,7 +47,7 @@ function describeReading({name, type}, data, colours) {
     case 'joints':
     case 'camera':
     case 'lidar':
-      return [];  // they have a panel
+      return [];  // shown in their own panel
     case 'odometry':
       return [[name, `${showNumber(data[0], 2)}, ${showNumber(data[1], 2)} m, ${showNumber(degrees(data[2]), 0)}°`]];
     case 'imu':
@@ -88,7 +88,7 @@ export class Readings {
   #panels = new Map();  // of groups of joints, by module
   #scans = new Map();   // of lidars, likewise
   #cameras = [];
-  #large = new Set();   // modules with too many values to be read all the time
+  #large = new Set();   // modules with too many values for constant reading
   element = make('div', {}, this.#list);
 
   /** `modules`: name and type of each. */
@@ -116,7 +116,7 @@ export class Readings {
     this.#poll();
   }
 
-  /** Why the robot cannot be driven; empty if it can. */
+  /** Sets why the robot cannot be driven; empty if it can. */
   setOff(reason) {
     for (const panel of this.#panels.values()) panel.setOff(reason);
   }
@@ -174,7 +174,7 @@ export class Readings {
       const panel = this.#panels.get(module.name) ?? this.#scans.get(module.name);
       if (lengths[i] > MOST_VALUES) {
         this.#large.add(module.name);
-        this.#attached = false;  // again without it
+        this.#attached = false;  // attach again without this module
         this.#scans.get(module.name)?.element.remove();
         return [[module.name, `${lengths[i]} values: too many to show here`]];
       }

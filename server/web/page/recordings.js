@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Recordings: the button that makes them, and the list of those that the daemon keeps, to copy from it.
+// Recordings: the button that makes them, and the list of the daemon's recordings to play and download.
 import {byId, make, say, setOff, setText, showNumber} from './dom.js';
 import {tab} from './layout.js';
 import {rememberedToken} from './token.js';
 
-/** The button that begins and ends a recording, and the mark in the strip while one is made. */
+/** The button that starts and stops a recording, and the mark in the strip during one. */
 export class Record {
   #connection;
   #recording = false;
@@ -19,7 +19,7 @@ export class Record {
     setText(byId('recording'), this.#recording ? `● rec ${status.recording}` : '');
     byId('recording').title = status.recording ?? '';
     setText(byId('record'), this.#recording ? 'Stop recording' : 'Record');
-    setOff('record', status.playback ? 'A recording is being played, there is no run to record' : '', 'Record the run to a file of the daemon');
+    setOff('record', status.playback ? 'A recording is being played: there is no run to record' : '', 'Record the run to a file of the daemon');
   }
 
   async #toggle() {
@@ -34,18 +34,18 @@ export class Record {
 const link = (name) => make('a', {href: `runs/${encodeURIComponent(name)}`, download: ''}, name.slice(name.lastIndexOf('.')));
 
 const whyNot = (recording, seconds) => (recording ? 'being recorded'
-  : seconds !== null ? 'its name cannot stand in a link' : 'cannot be read');
+  : seconds !== null ? 'its name does not fit in a link' : 'cannot be read');
 
-/** The list of the recordings: to play, to copy, and to lay over the one that is played. */
+/** The list of recordings: to play, to download, and to show as a ghost over the played one. */
 export class Runs {
   #connection;
   #timeline;
   #ghost = null;
-  #recording;  // when the list was last asked for
-  #played = '';  // name of the one that is played
+  #recording;  // of the last status
+  #played = '';  // name of the played recording
   #asked = 0;
   #names = [];
-  #tries = 0;  // left, to find the recording that has begun: its file is made a moment later
+  #tries = 0;  // remaining, to find the new recording, whose file is created a moment later
   #note = make('input', {id: 'note', type: 'text', 'aria-label': 'Note', title: 'A note marks this moment in the recording', maxLength: 200});
   #noting = make('form', {class: 'row', hidden: true}, this.#note, make('button', {}, 'Note'));
   #parting = make('p', {id: 'parting', role: 'status', hidden: true});
@@ -62,13 +62,13 @@ export class Runs {
     });
   }
 
-  /** Ghosts can be drawn from now on. */
+  /** Enables ghosts. */
   setGhost(ghost) {
     this.#ghost = ghost;
     this.#refresh();
   }
 
-  /** A recording that has begun or ended, and what is played, change the list. */
+  /** Updates the list when a recording or a playback starts or ends. */
   update(status) {
     const played = status.playback?.file.split('/').at(-1) ?? '';
     if (played !== this.#played) {
@@ -133,7 +133,7 @@ export class Runs {
     if (!parting.equal) this.#timeline.showParting(parting.time_s, `${one} and ${other} part: ${parting.what} ${parting.field}`);
   }
 
-  /** `lesson1.run 12.5 s Play Ghost .run .mat`, or why it cannot be copied. `url` is null for what cannot. */
+  /** `lesson1.run 12.5 s Play Ghost .run .mat`, or why it cannot be downloaded; `url` is then null. */
   #row({name, seconds, recording, url}) {
     const length = seconds === null ? '' : `${showNumber(seconds, 1)} s`;
     const button = (text, title, pressed, act) => {
@@ -143,7 +143,7 @@ export class Runs {
     };
     const does = url === null ? [make('span', {class: 'quiet'}, whyNot(recording, seconds))]
       : [button('Play', `Play ${name}; the live run is put aside`, name === this.#played, () => this.#play(name)), ' ',
-        ...(this.#ghost ? [button('Ghost', `Draw ${name} pale over what is shown`, name === this.#ghost.name, () => this.#lay(name)), ' '] : []),
+        ...(this.#ghost ? [button('Ghost', `Draw ${name} pale over the shown run`, name === this.#ghost.name, () => this.#lay(name)), ' '] : []),
         link(name), ' ', link(name.replace(/\.run$/, '.mat'))];
     return make('li', {}, make('span', {class: 'run-name'}, name), make('span', {class: 'number'}, length),
       make('span', {class: 'run-does'}, ...does));
@@ -154,7 +154,7 @@ export class Runs {
     let runs;
     try {
       runs = await (await fetch('runs')).json();
-    } catch { return; /* the daemon is gone: the banner says so */ }
+    } catch { return; /* the banner shows that the daemon is gone */ }
     if (asked !== this.#asked) return;
     this.#names = runs.map(({name}) => name);
     setText(byId('runs-title'), runs.length > 0 ? `Recordings (${runs.length})` : 'Recordings');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The list of robots: who drives them, their modules and addresses, live readings of those that are open.
+// The list of robots: their clients, modules and addresses, and live readings of open cards.
 import {connectionLines} from './lines.js';
 import {byId, make, say, setOff, setText} from './dom.js';
 import {Readings} from './readings.js';
@@ -18,12 +18,12 @@ class Card {
   #release;
   #body = make('div', {class: 'card-body'});
   #place = make('div', {class: 'readings-place'});
-  #read = '';  // the modules that the readings were made for
+  #read = '';  // the modules of the current readings
   #modules = [];
-  #lines = '';  // what the body was last made of
+  #lines = '';  // the key of the current body
   #type = '';
   #namePort = 0;
-  #off = '';  // why nobody can drive
+  #off = '';  // why the robot cannot be driven; empty if it can
   element;
 
   constructor(connection, name, onToggle) {
@@ -42,7 +42,7 @@ class Card {
 
   get isOpen() { return this.element.open; }
 
-  /** `off`: why nobody can drive; empty if anybody can. */
+  /** `off`: why the robot cannot be driven; empty if it can. */
   update(robot, namePort, off) {
     this.#off = off;
     const owner = robot.owner ?? '';
@@ -62,7 +62,7 @@ class Card {
     if (this.isOpen) this.fill();
   }
 
-  /** Makes the body and the readings where they are not there or have changed. */
+  /** Makes the body and the readings if they are missing or outdated. */
   fill() {
     const lines = JSON.stringify([this.#modules, this.#namePort]);
     if (this.#lines === lines) return this.#startReadings();
@@ -78,7 +78,7 @@ class Card {
     this.#startReadings();
   }
 
-  /** New ports leave the readings alone. */
+  /** Keeps the readings if only ports have changed. */
   #startReadings() {
     const modules = this.#modules.map(({name, type}) => ({name: lastWord(name), type}));
     const read = JSON.stringify([this.#type, modules]);
@@ -106,9 +106,9 @@ export class Robots {
   #connection;
   #cards = new Map();
   #namePort = 0;
-  #open = new Map();  // by robot: whether its card was left open, also when it is gone
-  #byItself = '';  // the robot whose card opened without anybody's doing
-  #touched = false;  // somebody has opened or closed a card
+  #open = new Map();  // by robot, even a removed one: whether its card was left open
+  #byItself = '';  // the robot whose card was opened automatically
+  #touched = false;  // the user has opened or closed a card
 
   constructor(connection) {
     this.#connection = connection;
@@ -133,11 +133,11 @@ export class Robots {
       this.#cards.get(robot.name).update(robot, this.#namePort, status.playback ? 'A recording is played: nothing drives it' : '');
     }
     const off = status.playback ? 'A recording has nobody to wait for' : '';
-    setOff('only-connected', off, 'Only robots that somebody drives now take part');
+    setOff('only-connected', off, 'Only robots that a client drives now take part');
     setOff('all-participants', off, 'As the scenario says');
   }
 
-  /** The first card opens by itself until somebody has opened or closed one; then cards are as they were left. */
+  /** Opens the first card automatically until the user opens or closes one; then restores each card's last state. */
   #add(name) {
     const card = new Card(this.#connection, name, (toggled) => this.#toggled(name, toggled));
     if (!this.#touched && this.#cards.size === 0) this.#byItself = name;
@@ -146,7 +146,7 @@ export class Robots {
     byId('robots').append(card.element);
   }
 
-  /** Opens a robot's card and brings it into sight. */
+  /** Opens a robot's card and scrolls it into view. */
   reveal(name) {
     const card = this.#cards.get(name);
     if (!card) return;
@@ -155,7 +155,7 @@ export class Robots {
   }
 
   #toggled(name, card) {
-    if (this.#cards.get(name) !== card) return;  // it has gone meanwhile
+    if (this.#cards.get(name) !== card) return;  // removed meanwhile
     if (!card.isOpen || name !== this.#byItself) this.#touched = true;
     this.#open.set(name, card.isOpen);
     if (!card.isOpen) return card.stopReadings();
@@ -173,7 +173,7 @@ export class Robots {
     this.#setParticipants(connected.join(' '));
   }
 
-  /** The names of all robots that clients drive; a status tells 256 robots at a time. Null after an error. */
+  /** The names of all robots that clients drive; null after an error. A status lists 256 robots at a time. */
   async #connectedRobots() {
     const connected = [];
     for (let first = 1, count = 1; first <= count; first += ROBOTS_AT_ONCE) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The run's own values over simulated time, as series.js has those of a robot: scores, and logged numbers, which hold until
-// the next one of their name. No drawing.
+// The run's own values over simulated time, like a robot's in series.js: scores, and logged numbers, which hold until the
+// next number of the same name. No drawing.
 import {unitText} from './scores.js';
 import {Points, readTable} from './series.js';
 
@@ -10,7 +10,7 @@ const PERIOD_MS = 50;
 const scoreValue = ({name, unit}) => ({key: `scores.${name}`, module: 'scores', name, unit: unitText(unit)});
 const loggedValue = (name) => ({key: `logged.${name}`, module: 'logged', name, unit: '', holds: true});
 
-/** Reads the run's table of a recording; `scores`: as its status lists them. */
+/** Reads the run's table of a recording; `scores` as listed in its status. */
 export function readRunTable(text, scores) {
   const known = new Map(scores.map((score) => [`score.${score.name}${score.unit && `_${score.unit.toLowerCase()}`}`, score]));
   return readTable(text, (column) => {
@@ -19,7 +19,7 @@ export function readRunTable(text, scores) {
   });
 }
 
-/** Follows a live run while somebody looks. Events: values, points. */
+/** Follows a live run while its plot is shown. Events: values, points. */
 export class RunSeries extends EventTarget {
   #connection;
   #stopped = false;
@@ -45,7 +45,7 @@ export class RunSeries extends EventTarget {
   }
 
   async #read() {
-    // Of the robots one alone: the rest is enough.
+    // Ask for one robot only: the other parts of the status suffice.
     const reply = await this.#connection.call({module: MODULE, channel: 'plots', command: 'get_status', params: [1, 1]});
     if (this.#stopped || reply.error !== 0) return;
     const {scores, logged, time_s: time} = JSON.parse(reply.text);
@@ -53,7 +53,7 @@ export class RunSeries extends EventTarget {
     if (this.points.add(time, [...scores, ...logged].map(({value}) => value))) this.dispatchEvent(new Event('points'));
   }
 
-  /** Names come and go; what stays keeps its points. */
+  /** Replaces the values; those that remain keep their points. */
   #use(values) {
     const keys = (list) => JSON.stringify(list.map(({key}) => key));
     if (this.values.length > 0 && keys(values) === keys(this.values)) return;

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
-// The world as three.js objects: built from /api/scene, moved by poses. Robots of one model share their shapes as
-// instances, so that thousands cost little.
+// The world as three.js objects: built from /api/scene, moved by poses. Robots of one model are instances of the same
+// shapes, so that thousands cost little.
 import * as THREE from 'three';
 import {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
 
 const ROUND = 32;  // segments of round shapes
-const ROUND_OF_MANY = [[20, 24], [100, 16], [Infinity, 8]];  // [most robots of a kind, segments of their round shapes]
+const ROUND_OF_MANY = [[20, 24], [100, 16], [Infinity, 8]];  // [maximum robots of a kind, segments of their round shapes]
 
 const CROWD = 100;  // robots
 
 const color = (rgb) => new THREE.Color().setRGB(rgb[0], rgb[1], rgb[2], THREE.SRGBColorSpace);
 const vector = (xyz) => new THREE.Vector3(xyz[0], xyz[1], xyz[2]);
 const turn = (xyzw) => new THREE.Quaternion(xyzw[0], xyzw[1], xyzw[2], xyzw[3]);
-const UP = new THREE.Matrix4().makeRotationX(Math.PI / 2);  // three's cylinders stand along y, ours along z
+const UP = new THREE.Matrix4().makeRotationX(Math.PI / 2);  // three.js's cylinders are along y, ours along z
 
 function geometryOf(shape, round) {
   const [a, b] = shape.size ?? [];
@@ -25,11 +25,11 @@ function geometryOf(shape, round) {
   }
 }
 
-/** The world of one scene. `bodies`: places by body, three numbers and a quaternion each, set by `place`. */
+/** The world of one scene. `bodies`: a position and a quaternion for each body, applied by `place`. */
 export class Scene3d {
   root = new THREE.Group();
   things = [];    // {kind, name, id, description, object?, body}
-  pickable = [];  // meshes; userData.things: by instance
+  pickable = [];  // meshes; userData.things: the things by instance
   #instances = [];  // {mesh, first, count, X_BG, ofBody}
   #moving = [];   // {object, body}
   #loader = new GLTFLoader();
@@ -37,7 +37,7 @@ export class Scene3d {
   #disposed = false;
   #plain;
 
-  /** `plain`: of large crowds the large parts only. */
+  /** `plain`: draw only the large parts of large crowds. */
   constructor(scene, {onLoaded, plain = false}) {
     this.#plain = plain;
     this.number = scene.scene;
@@ -65,7 +65,7 @@ export class Scene3d {
 
   find(name) { return this.things.find((thing) => thing.name === name); }
 
-  /** Whether something stands within `radius` of a point of the floor, by its outline seen from above. */
+  /** Whether a thing's outline, seen from above, is within `radius` of a point on the floor. */
   isTaken(x, y, radius) {
     return this.things.some((thing) => {
       if (!['thing', 'robot'].includes(thing.kind)) return false;
@@ -76,13 +76,13 @@ export class Scene3d {
     });
   }
 
-  /** Where body `body` is: [position, quaternion]. */
+  /** The pose of body `body`: [position, quaternion]. */
   poseOf(body) {
     const at = 7 * body;
     return [new THREE.Vector3(...this.bodies.subarray(at, at + 3)), new THREE.Quaternion(...this.bodies.subarray(at + 3, at + 7))];
   }
 
-  /** Pose of a thing's own frame: of a robot its frame R. */
+  /** The pose of a thing's own frame; of a robot, its frame R. */
   pose(thing) {
     if (thing.body < 0) return [vector(thing.description.position), turn(thing.description.quaternion ?? [0, 0, 0, 1])];
     const [p, q] = this.poseOf(thing.body);
@@ -225,7 +225,7 @@ export class Scene3d {
       this.#geometries.set(name, this.#loader.loadAsync(`api/mesh/${name}.glb`).then((gltf) => {
         let found = null;
         gltf.scene.traverse((object) => { found ??= object.geometry; });
-        // Faces, not smoothed ones: the corners of a mesh are shared.
+        // Flat faces: shared vertices would give smoothed ones.
         const flat = found.toNonIndexed();
         flat.computeVertexNormals();
         return flat;

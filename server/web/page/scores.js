@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// What the run is worth: its scores, and the newest of the numbers that were logged; under Run, live and in a playback.
+// The run's scores and the newest logged numbers; under Run, live and in a playback.
 import {byId, make, setText, showNumber} from './dom.js';
 
-/** "m2" of the daemon as people write it. */
+/** The daemon's "m2" as people write it. */
 export const unitText = (unit) => (unit === 'm2' ? 'm²' : unit);
 
-/** A number of whatever size and meaning: whole ones as they are, others with three decimals or, if that says little, four digits. */
+/** A number of any size: whole ones unchanged, others with three decimals or, if those say little, four digits. */
 export function anyNumber(value) {
   if (typeof value !== 'number' || !Number.isFinite(value)) return showNumber(value, 0);
   const size = Math.abs(value);
@@ -13,10 +13,10 @@ export function anyNumber(value) {
   return showNumber(value, Number.isInteger(value) ? 0 : 3);
 }
 
-/** What is measured keeps its decimals, so that nothing moves; a count has none. */
+/** Measured values have a fixed number of decimals, so that nothing moves; counts have none. */
 const scoreText = ({value, unit}) => (unit ? `${showNumber(value, 3)} ${unitText(unit)}` : anyNumber(value));
 
-/** "until >= 3 · limit 60 s"; empty if the score ends nothing. */
+/** "until >= 3 · limit 60 s"; empty if the score does not end the run. */
 const endText = ({until, limit_s: limit}) =>
   [until && `until ${until}`, limit && `limit ${limit} s`].filter(Boolean).join(' · ');
 

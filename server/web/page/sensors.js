@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Sensors that a line of numbers does not show well: the scan of a lidar from above, the picture of a camera.
+// Sensors that numbers show poorly: a lidar's scan from above, a camera's picture.
 import {make, setText, showNumber} from './dom.js';
 
 const PLOT_PX = 220;
 const VIEWS = [['picture', ''], ['depth', 'depth'], ['segments', 'segmentation']];
 
-/** The row of a lidar that lies flattest, seen from above: the lidar in the middle, its front up. */
+/** The most level row of a lidar, seen from above: the lidar in the middle, its front up. */
 export class ScanPlot {
   #connection;
   #module;
@@ -41,7 +41,7 @@ export class ScanPlot {
     const row = step > 0 ? Math.min(rows - 1, Math.max(0, Math.round(-low / step))) : 0;
     const flat = ranges.slice(row * columns, (row + 1) * columns);
     const hits = flat.filter((range) => typeof range === 'number' && range > 0);
-    // The scale goes in steps, so that it does not breathe with each scan.
+    // The scale changes in steps, so that it does not flicker with each scan.
     const furthest = hits.length > 0 ? Math.max(...hits) : maximum;
     const reach = Math.min(maximum, 2 ** Math.ceil(Math.log2(Math.max(furthest, 0.1))));
     const draw = this.#canvas.getContext('2d');
@@ -73,7 +73,7 @@ export class ScanPlot {
   }
 }
 
-/** What a camera sees, as a stream of pictures. Drawn only while it is shown. */
+/** A camera's pictures as a stream, which runs only while shown. */
 export class CameraTile {
   #image;
   #url;
@@ -82,7 +82,7 @@ export class CameraTile {
   constructor(robot, name) {
     this.#url = `/camera.mjpg?robot=${encodeURIComponent(robot)}&camera=${encodeURIComponent(name)}`;
     this.#image = make('img', {alt: `what ${name} sees`});
-    const choice = make('select', {title: 'What of it is shown'},
+    const choice = make('select', {title: 'View of the camera'},
                         ...VIEWS.map(([text, value]) => make('option', {value}, text)));
     choice.addEventListener('change', () => this.#show(choice.value));
     this.element = make('figure', {class: 'sensor'}, this.#image, make('figcaption', {}, `${name} `, choice));

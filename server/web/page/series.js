@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Values over simulated time: those of a live run as they come, those of a recording from its table. No drawing.
+// Values over simulated time: of a live run as they arrive, of a recording from its table. No drawing.
 
-const MOST_POINTS = 20000;  // of a curve; then every other one goes
+const MOST_POINTS = 20000;  // of a curve; beyond this, every other point is dropped
 const PERIOD_MS = 50;
-const MOST_VALUES = 64;     // of a module that can be plotted
+const MOST_VALUES = 64;     // of a module; larger ones are not plotted
 
 const numberOf = (value) => (typeof value === 'number' ? value : null);
 
-/** Points of one robot, or of the run: times, and a column for each value. Simulated time only grows; a step back begins anew. */
+/** Points of one robot, or of the run: times, and a column for each value. Simulated time only grows; a step back clears all points. */
 export class Points {
   times = [];
   columns = [];
@@ -31,7 +31,7 @@ export class Points {
     return true;
   }
 
-  /** What is read of the same time again counts: a number may be logged after the step was read. */
+  /** Overwrites the values of the newest time: a number may be logged after the step was read. */
   #correct(values) {
     let changed = false;
     this.columns.forEach((column, i) => {
@@ -43,7 +43,7 @@ export class Points {
   }
 }
 
-/** [{name, unit}] of the first reading of a module by its `describe`; `count` values, of which a repeated one has many. */
+/** [{name, unit}] of the `count` values of a module's first reading, by its `describe`; expands repeated values. */
 export function namesOf(commands, count) {
   const reading = commands.find(({id, name, reply_data: data}) => id >= 10 && name.startsWith('get_') && data.length > 0);
   const data = reading?.reply_data ?? [];
@@ -66,11 +66,11 @@ export function columnOf(robot, text) {
   return {name: plain, unit: ''};
 }
 
-/** What a column of a recording's table says of a robot; null: nothing. */
+/** The robot's value in a column of a recording's table; null if the column is not the robot's. */
 export const robotValue = (robot) => (column) =>
   (column.startsWith(`${robot}.`) ? {key: column, module: '', ...columnOf(robot, column)} : null);
 
-/** Reads a table of a recording: of the columns those that `valueOf` has a value for. */
+/** Reads the columns of a recording's table for which `valueOf` returns a value. */
 export function readTable(text, valueOf) {
   const [head, ...lines] = text.trim().split('\n');
   const names = head.split(',').map((name) => name.replaceAll('"', ''));
@@ -88,7 +88,7 @@ export function readTable(text, valueOf) {
   return {values: chosen.map(([value]) => value), points};
 }
 
-/** Follows all modules of a robot in a live run while somebody looks. Event: points. */
+/** Follows all modules of a robot in a live run while its plot is shown. Event: points. */
 export class LiveSeries extends EventTarget {
   #connection;
   #robot;
@@ -135,7 +135,7 @@ export class LiveSeries extends EventTarget {
     if (this.points.add(time, reply.data.slice(0, -2))) this.dispatchEvent(new Event('points'));
   }
 
-  /** Chooses the modules that are not too large, and learns what their values are called. */
+  /** Selects the modules that are not too large and asks for the names of their values. */
   async #learn() {
     const commands = new Map();
     for (const name of this.#modules) {

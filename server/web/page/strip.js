@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: MIT
-// The strip at the top, to be read from the last row: state, mode, time, real-time factor, and whom the world waits for.
+// The strip at the top, legible from the back of a classroom: state, mode, time, real-time factor, awaited robots.
 import {byId, make, say, setText, showNumber} from './dom.js';
 
 const SHOWN_ROBOTS = 4;
-const SHORT_WAIT_S = 0.5;  // a lockstep world awaits its robots before every step; shorter waits are no news
+const SHORT_WAIT_S = 0.5;  // a lockstep world awaits its robots before every step; shorter waits are not shown
 
-/** Seconds of the robot that is awaited longest; 0 if nobody is. */
+/** Seconds that the longest-awaited robot has been awaited; 0 if none. */
 const longestWait = (status) => Math.max(0, ...(status.awaiting ?? []).map((entry) => entry.seconds ?? 0));
 
-/** The state to show: a world that steps steadily is running, although each step awaits the robots for a moment. */
+/** The state to show: a world that steps steadily counts as running, although each step briefly awaits the robots. */
 export function stateText(status) {
   const advancing = status.state === 'waiting' && (status.awaiting ?? []).length > 0 && longestWait(status) < SHORT_WAIT_S;
   return advancing ? 'running' : status.state;
 }
 
-/** "waiting for robot2 (no client), 1.2 s", "waiting for robot1, robot2 and 5 more (no client), 1.2 s"; empty if nobody
+/** "waiting for robot2 (no client), 1.2 s", "waiting for robot1, robot2 and 5 more (no client), 1.2 s"; empty if no robot
  *  has been awaited for long. */
 export function waitingText(status) {
   const awaiting = status.awaiting ?? [];
@@ -28,7 +28,7 @@ export function waitingText(status) {
   return `waiting for ${names}${others}${same ? ` (${first[0].why})` : ''}, ${showNumber(seconds, 1)} s`;
 }
 
-/** How the world can go on without a robot that has no client; empty if all that it waits for have one. */
+/** How the world can continue without a robot that has no client; empty if all awaited robots have one. */
 const cureText = (status) => (status.awaiting ?? []).find(({cure}) => cure)?.cure ?? '';
 
 /** "of lesson1.run, 0.00 to 60.00 s, × −2"; empty in a live run. */
@@ -43,7 +43,7 @@ export class Strip {
   #lastEvents = '';
   #played = null;  // the file
 
-  /** Without a status the last one stays, pale, under "no answer". */
+  /** A null `status` leaves the last one, pale, under "no answer". */
   update(status) {
     const state = status ? stateText(status) : 'no answer';
     setText(byId('state'), state === 'ended' && status.ended ? `ended: ${status.ended}` : state);
@@ -64,7 +64,7 @@ export class Strip {
     this.#showEvents(status.events ?? []);
   }
 
-  /** A text that is cut where the line ends; whole when pointed at. */
+  /** Shows a text that is cut at the end of the line; its tooltip is complete. */
   #showName(id, text) {
     setText(byId(id), text);
     byId(id).title = text;
@@ -76,7 +76,7 @@ export class Strip {
     byId('go-on').hidden = cure === '';
   }
 
-  /** The end of a playback, also by somebody else, replaces what was said of it, such as "playing a recording". */
+  /** When a playback ends, by anybody, replaces messages about it such as "playing a recording". */
   #followPlayback(file) {
     if (this.#played !== null && file === null) say(`${this.#played} is not played any more: the run is live`);
     this.#played = file;

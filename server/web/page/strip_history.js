@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Beside the real-time factor: how it was in the last minute, as a small line. A click opens the plots.
+// A small line beside the real-time factor that shows its last minute. A click opens the plots.
 import {byId, make, showNumber} from './dom.js';
 import {showTab} from './layout.js';
 
@@ -7,7 +7,7 @@ const SPAN_S = 60;
 const WIDTH = 90;
 const HEIGHT = 22;
 
-/** Points of a line of `rates` ({time, rtf}) as SVG has them; the newest at the right. */
+/** The points of an SVG line of `rates` ({time, rtf}); the newest at the right. */
 export function lineOf(rates) {
   const most = Math.max(1, ...rates.map(({rtf}) => rtf)), end = rates.at(-1)?.time ?? 0;
   return rates.map(({time, rtf}) =>

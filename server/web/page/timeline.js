@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The bar below the view while a recording is played: its time to scrub, events, notes and keyframes as marks, speed, loop,
-// steps, and the way back to a live run.
+// The bar below the view during a playback: a time slider with events, notes and keyframes as marks; speed, loop and step
+// controls; and the way back to a live run.
 import {byId, make, say, setText, showNumber} from './dom.js';
 
 const SPEEDS = [-4, -2, -1, -0.5, 0.25, 0.5, 1, 2, 4, 8, 16, 32, 64];
@@ -10,7 +10,7 @@ export class Timeline {
   #connection;
   #status = null;     // of the playback
   #file = '';
-  #wanted = null;     // time that a scrub asks for
+  #wanted = null;     // the time requested by scrubbing
   #seeking = false;
   #element = make('section', {id: 'timeline', hidden: true, 'aria-label': 'Playback'});
   #track = make('input', {type: 'range', id: 'timeline-track', min: 0, max: 1, step: 'any', value: 0, 'aria-label': 'Time of the recording'});
@@ -18,8 +18,8 @@ export class Timeline {
   #time = make('span', {id: 'timeline-time', class: 'number'});
   #speed = make('select', {id: 'timeline-speed', 'aria-label': 'Speed of the playback', title: 'Below 0 it goes backwards'});
   #play = make('button', {type: 'button', id: 'timeline-play'});
-  #loop = make('button', {type: 'button', id: 'timeline-loop', title: 'Begin again at the end', 'aria-pressed': 'false'}, '⟳ loop');
-  #back = make('button', {type: 'button', id: 'timeline-close', title: 'End the playback; the live run goes on where it was put aside'}, 'Back to the live run');
+  #loop = make('button', {type: 'button', id: 'timeline-loop', title: 'Restart at the end', 'aria-pressed': 'false'}, '⟳ loop');
+  #back = make('button', {type: 'button', id: 'timeline-close', title: 'End the playback; the live run continues where it was left'}, 'Back to the live run');
 
   constructor(connection) {
     this.#connection = connection;
@@ -37,10 +37,10 @@ export class Timeline {
     this.#track.addEventListener('input', () => this.seek(Number(this.#track.value)));
     this.#element.append(
       make('div', {class: 'timeline-row'},
-        button('timeline-first', '|◂', 'To the begin', () => this.seek(this.#status.begin_s)),
+        button('timeline-first', '|◂', 'To the beginning', () => this.seek(this.#status.begin_s)),
         button('timeline-step-back', '◂', 'One recorded step back', () => order('step -1')),
         this.#play,
-        button('timeline-step', '▸', 'One recorded step on', () => order('step 1')),
+        button('timeline-step', '▸', 'One recorded step forward', () => order('step 1')),
         button('timeline-last', '▸|', 'To the end', () => this.seek(this.#status.end_s)),
         this.#loop, this.#speed, this.#time,
         button('timeline-branch', 'Go live from here', 'End the playback: the simulation goes on from what is shown', () => this.#branch()),
@@ -69,7 +69,7 @@ export class Timeline {
     if (playback.file !== this.#file) this.#load(playback.file);
   }
 
-  /** Shows this time; while an answer is awaited only the newest time is kept. */
+  /** Seeks to this time; while a request is pending, only the newest time is kept. */
   async seek(time_s) {
     this.#wanted = time_s;
     this.#track.value = time_s;
@@ -84,7 +84,7 @@ export class Timeline {
     this.#seeking = false;
   }
 
-  /** A mark where two runs part. */
+  /** Marks the time where two runs part. */
   showParting(time_s, text) { this.#addMark({time_s, level: 'parting', text}); }
 
   hideParting() {
@@ -114,12 +114,12 @@ export class Timeline {
     this.#marks.replaceChildren();
     try {
       const answer = await fetch('api/playback/timeline');
-      if (!answer.ok || this.#file !== file) return;  // it was replaced or is damaged: then it has no marks
+      if (!answer.ok || this.#file !== file) return;  // replaced or damaged: show no marks
       const {keyframes, events} = await answer.json();
       const few = (list) => list.filter((_, i) => i % Math.ceil(list.length / MAX_MARKS) === 0);
       for (const time_s of few(keyframes)) this.#addMark({time_s, level: 'keyframe', text: 'keyframe'});
       for (const event of few(events)) this.#addMark(event);
-    } catch { /* the banner says if the daemon is gone */ }
+    } catch { /* the banner shows that the daemon is gone */ }
   }
 
   #addMark({time_s, level, text}) {

@@ -3,24 +3,24 @@
 
 const KEY = 'coopdyn-token';
 
-/** From the address, else the one that opened this page before; else empty. */
+/** The token in the address, else the one kept by keepToken(), else empty. */
 export function rememberedToken() {
   const given = new URLSearchParams(location.search).get('token');
   if (given) return given.trim();
   try {
     return sessionStorage.getItem(KEY) ?? '';
-  } catch {  // the browser keeps nothing
+  } catch {  // no session storage
     return '';
   }
 }
 
-/** Keeps a token that the daemon took, or with '' none, and takes it out of the address: projectors show that. */
+/** Keeps a token that the daemon accepted ('' forgets it) and removes it from the address, which projectors show. */
 export function keepToken(token) {
   try {
     if (token) sessionStorage.setItem(KEY, token);
     else sessionStorage.removeItem(KEY);
   } catch {
-    return;  // then the address has to keep it
+    return;  // keep it in the address
   }
   const address = new URL(location.href);
   if (!address.searchParams.has('token')) return;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The live view: asks for pictures from the camera's place and draws them. Left button turns, right button moves, wheel
+// The live view from the daemon: requests pictures from the camera's pose and draws them. Left button turns, right button moves, wheel
 // zooms; one finger turns, two move and zoom.
 import {Camera} from './camera.js';
 import {byId, setText} from './dom.js';
 
 const MAX_WIDTH = 1280;
-const COARSE = 0.6;  // of the width while the camera moves
+const COARSE = 0.6;  // fraction of the width while the camera moves
 const TURN = 3.5;    // rad across the height of the picture
 
 export class View {
@@ -17,7 +17,7 @@ export class View {
   #coarse = false;
   #settle = 0;
   #asked = '';
-  #off = true;  // there is no picture yet, so nobody knows where the camera stands
+  #off = true;  // no picture yet, so the camera's pose is unknown
 
   constructor(connection) {
     this.#connection = connection;
@@ -31,7 +31,7 @@ export class View {
   }
 
   #ask() {
-    if (document.hidden) {  // nobody looks
+    if (document.hidden) {  // the page is not visible
       this.#asked = '';
       return this.#connection.send({type: 'view'});
     }
@@ -70,7 +70,7 @@ export class View {
         }
         this.#context.drawImage(bitmap, 0, 0);
         bitmap.close();
-      } catch { /* a picture that cannot be read is left out */ }
+      } catch { /* skip an unreadable picture */ }
       this.#canvas.dataset.step = about.step;
       this.#canvas.dataset.shown = Number(this.#canvas.dataset.shown ?? 0) + 1;
       if (this.#camera.free) this.#camera.adopt(about.eye, about.look);
@@ -78,7 +78,7 @@ export class View {
     this.#connection.send({type: 'shown'});
   }
 
-  /** The camera has moved: coarse pictures at once, a fine one when it rests. */
+  /** Requests coarse pictures while the camera moves, a fine one when it rests. */
   #moved() {
     this.#coarse = true;
     this.#ask();
@@ -130,7 +130,7 @@ export class View {
     this.#moved();
   }
 
-  /** How far two fingers are apart; 0 with one. */
+  /** The distance between two fingers; 0 with one. */
   #spread() {
     const [a, b] = this.#pointers.values();
     return b ? Math.hypot(a.x - b.x, a.y - b.y) : 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The live view, drawn here: the scene by /api/scene, moved by pose messages. Left button turns, right button moves, wheel
+// The live view drawn by the browser: the scene from /api/scene, moved by pose messages. Left button turns, right button moves, wheel
 // zooms to the pointer; one finger turns, two move and zoom. A click selects, a double click follows.
 import * as THREE from 'three';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
@@ -9,12 +9,12 @@ import {Interpolator, PoseReader} from './poses.js';
 import {Scene3d} from './scene3d.js';
 
 const RATE_HZ = 30;
-const FOV_DEG = THREE.MathUtils.radToDeg(0.8);  // as the daemon's pictures
-const MAX_WIDTH = 1280;  // of pictures of the daemon
+const FOV_DEG = THREE.MathUtils.radToDeg(0.8);  // as in the daemon's pictures
+const MAX_WIDTH = 1280;  // of the daemon's pictures
 const SLOW_MS = 60, LEAST_RATIO = 0.45;
-const SHADOW_ROBOTS = {software: 10, hardware: 300};  // beyond that shadows cost more than they tell
+const SHADOW_ROBOTS = {software: 10, hardware: 300};  // beyond this, shadows cost more than they show
 
-/** How this browser can draw it: 'none', 'software' or 'hardware'. */
+/** This browser's WebGL: 'none', 'software' or 'hardware'. */
 export function webGl() {
   try {
     const gl = document.createElement('canvas').getContext('webgl2');
@@ -28,7 +28,7 @@ export function webGl() {
   }
 }
 
-/** Events: select (detail: the thing, or null), scene (a new one is shown), drawing (places are set), drawn. A thing is {kind, name, id, description}. */
+/** Events: select (detail: the thing, or null), scene (a new one is shown), drawing (poses are set), drawn. A thing is {kind, name, id, description}. */
 export class View3d extends EventTarget {
   #connection;
   #frame = byId('view-frame');
@@ -42,28 +42,28 @@ export class View3d extends EventTarget {
   #scene = null;
   #reader = new PoseReader();
   #between = new Interpolator();
-  #loading = false;   // the scene
-  #stale = false;     // its number may mean another one
+  #loading = false;   // a request for the scene is pending
+  #stale = false;     // after reconnecting, the same number may mean another scene
   #drop = null;       // frees the last scene
   #dirty = true;
   #framed = '';       // the scenario that the camera was set up for
   #selected = null;
   #follows = null;
-  #followed = null;   // where it was
+  #followed = null;   // last position of #follows
   #outline = new THREE.Group();
   #shadows = true;
   #drawn = 0;
   #drawnAt = 0;
-  #interval = 33;  // ms between two pictures, on the average
-  #ratio = 1;      // points drawn for each of the screen's, along a side
+  #interval = 33;  // average ms between two pictures
+  #ratio = 1;      // drawn pixels per screen pixel, along a side
   #pause = 0;
 
-  /** `quality`: 'software' leaves out what only a graphics card does quickly. */
+  /** `quality`: 'software' omits effects that need a graphics card. */
   constructor(connection, quality) {
     super();
     this.#connection = connection;
     this.#software = quality === 'software';
-    // A canvas has one kind of context for its life.
+    // A canvas keeps its kind of context for life.
     this.#canvas = make('canvas', {id: 'view', tabIndex: 0, 'aria-label': byId('view').getAttribute('aria-label')});
     byId('view').replaceWith(this.#canvas);
     this.#renderer = new THREE.WebGLRenderer({canvas: this.#canvas, antialias: !this.#software, preserveDrawingBuffer: true});
@@ -86,7 +86,7 @@ export class View3d extends EventTarget {
     this.#sensors = make('canvas', {id: 'sensors', hidden: true, 'aria-hidden': 'true'});
     this.#canvas.after(this.#sensors);
     byId('rays').addEventListener('change', () => { this.#askSensors(); this.#dirty = true; });
-    // Another daemon counts its scenes anew.
+    // A new daemon restarts the numbers of scenes.
     connection.addEventListener('open', () => { this.#stale = true; });
     connection.addEventListener('hello', () => this.#ask());
     connection.addEventListener('poses', ({detail}) => this.#onPoses(detail));
@@ -102,7 +102,7 @@ export class View3d extends EventTarget {
     this.#ask();
   }
   #sensors;
-  #wanted = '';  // to be selected when it comes
+  #wanted = '';  // name of a thing to select once it appears
   #askedSensors = '';
   #software;
 
@@ -130,7 +130,7 @@ export class View3d extends EventTarget {
     this.#wanted = '';
     if (typeof thing === 'string') {
       const found = this.#scene?.find(thing);
-      if (!found) {  // it is on its way
+      if (!found) {  // not in the scene yet
         this.#wanted = thing;
         return;
       }
@@ -142,13 +142,13 @@ export class View3d extends EventTarget {
     this.dispatchEvent(new CustomEvent('select', {detail: thing}));
   }
 
-  /** The point of the floor under a place of the window; null beyond the horizon. */
+  /** The point on the floor under a point of the window; null beyond the horizon. */
   floorAt(clientX, clientY) {
     const caster = this.#casterAt(clientX, clientY);
     return caster.ray.intersectPlane(new THREE.Plane(new THREE.Vector3(0, 0, 1), 0), new THREE.Vector3());
   }
 
-  /** {thing, point} under a place of the window; null if there is nothing. */
+  /** {thing, point} under a point of the window; null if none. */
   pick(clientX, clientY) {
     if (!this.#scene) return null;
     const hit = this.#casterAt(clientX, clientY).intersectObjects(this.#scene.pickable, false)[0];
@@ -172,7 +172,7 @@ export class View3d extends EventTarget {
     this.#dirty = true;
   }
 
-  /** A PNG of what is seen. */
+  /** A PNG of the view. */
   snapshot() {
     this.#render();
     return new Promise((resolve) => this.#canvas.toBlob(resolve, 'image/png'));
@@ -192,7 +192,7 @@ export class View3d extends EventTarget {
     this.#dirty = true;
   }
 
-  /** Asks for the scene; who has just edited the world need not wait for the next poses. */
+  /** Requests the scene. Call it after an edit to see the change before the next poses. */
   async load() {
     if (this.#loading) return;
     this.#loading = true;
@@ -200,7 +200,7 @@ export class View3d extends EventTarget {
       const description = await (await fetch('api/scene')).json();
       if (this.#stale || description.scene !== this.#scene?.number) this.#show(description);
     } catch {
-      await new Promise((later) => { setTimeout(later, 500); });  // the banner says if the daemon is gone
+      await new Promise((later) => { setTimeout(later, 500); });  // the banner shows that the daemon is gone
     }
     this.#loading = false;
   }
@@ -209,7 +209,7 @@ export class View3d extends EventTarget {
     this.#stale = false;
     const wanted = this.#wanted, selected = this.#selected?.name, followed = this.#follows?.name;
     this.#drop?.();
-    // Its shaders serve the next scene: it goes when that has been drawn.
+    // The next scene reuses its shaders: dispose of it after drawing that one.
     const last = this.#scene;
     last?.root.removeFromParent();
     this.#drop = () => { last?.dispose(); this.#drop = null; };
@@ -229,14 +229,14 @@ export class View3d extends EventTarget {
       this.fit(wanted === 'top' ? 'top' : 'side');
     }
     this.select(this.#scene.find(wanted) ?? this.#scene.find(selected) ?? null);
-    if (this.#selected?.name !== wanted) this.#wanted = wanted;  // it is still on its way
+    if (this.#selected?.name !== wanted) this.#wanted = wanted;  // still not in the scene
     this.#follows = followed ? this.#scene.find(followed) ?? null : null;
     this.#showFollow();
     this.#dirty = true;
     this.dispatchEvent(new Event('scene'));
   }
 
-  // --- what sensors see: the daemon draws it, from the same place, over the view
+  // --- sensors' rays: the daemon draws them, from the same camera, over the view
   #askSensors() {
     const shown = byId('rays').checked && !document.hidden;
     this.#sensors.hidden = !shown;
@@ -262,7 +262,7 @@ export class View3d extends EventTarget {
         Object.assign(this.#sensors, {width: bitmap.width, height: bitmap.height});
         this.#sensors.getContext('2d').drawImage(bitmap, 0, 0);
         bitmap.close();
-      } catch { /* a picture that cannot be read is left out */ }
+      } catch { /* skip an unreadable picture */ }
     } else if (about.error) {
       setText(byId('view-note'), about.error);
       byId('view-note').hidden = this.#sensors.hidden;
@@ -305,12 +305,12 @@ export class View3d extends EventTarget {
     this.#moveCamera();
     this.dispatchEvent(new Event('drawing'));
     this.#placeOutline();
-    this.#dirty = moves;  // the last picture is of where it stands
+    this.#dirty = moves;  // draw once more at rest
     this.#render();
     this.#drop?.();
     this.#askSensors();
     this.#keepPace(now);
-    // Where drawing takes long the rest of the page gets its share.
+    // After a slow drawing, leave time for the rest of the page.
     const took = Math.max(performance.now() - now, 0);
     this.#pause = took > 40 ? performance.now() + 0.5 * took : 0;
     this.#canvas.dataset.step = this.#reader.step;
@@ -318,7 +318,7 @@ export class View3d extends EventTarget {
     this.dispatchEvent(new Event('drawn'));
   }
 
-  /** Without a graphics card a slow view is drawn with fewer points, until another scene comes. */
+  /** Without a graphics card, draws a slow view with fewer pixels until the next scene. */
   #keepPace(now) {
     const pause = now - this.#drawnAt;
     this.#drawnAt = now;
@@ -404,7 +404,7 @@ export class View3d extends EventTarget {
     });
     byId('whole').addEventListener('click', () => this.fit());
     this.addTool('top', 'Look from above (T)', () => this.fit('top'));
-    this.#followButton = this.addTool('follow', 'The camera goes along with the selected robot (F, or a double click on it)',
+    this.#followButton = this.addTool('follow', 'The camera follows the selected robot (F, or a double click on it)',
       () => this.follow(this.#follows ? null : this.#selected));
     const box = make('input', {type: 'checkbox', checked: true, id: 'show-shadows'});
     box.addEventListener('change', () => {

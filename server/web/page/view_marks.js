@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
-// What the view shows besides the world, each by its own box under Show: names, trails, joint axes, bearings of targets, contacts.
+// Optional marks in the view, each with its own box under Show: names, trails, joint axes, bearings of targets, contacts.
 import * as THREE from 'three';
 import {byId, make} from './dom.js';
 
 const TRAIL_POINTS = 600;
-const MOST_NAMED = 200;    // things, robots with trails
-const MOST_ASKED = 8;      // robots whose sensors are asked at once
+const MOST_NAMED = 200;    // things with names, robots with trails
+const MOST_ASKED = 8;      // robots whose sensors are polled at once
 const ASK_MS = 200;
 const AXIS_M = 0.15;
 const FORCE_M = 0.01;      // length of a force, per N
 
 const robotsOf = (view) => view.scene?.things.filter(({kind}) => kind === 'robot') ?? [];
 
-/** Line segments that are set anew as one list of coordinates. */
+/** Line segments, set as one list of coordinates. */
 class Segments {
   #view;
   #line;
@@ -86,7 +86,7 @@ class Trails {
       const [p] = this.#view.scene.pose(thing);
       const last = trail.points.at(-1);
       if (last && last.distanceTo(p) < 0.01) continue;
-      if (last && last.distanceTo(p) > 1) trail.points = [];  // it was put elsewhere
+      if (last && last.distanceTo(p) > 1) trail.points = [];  // the robot was moved
       trail.points.push(p.clone());
       if (trail.points.length > TRAIL_POINTS) trail.points.shift();
       const positions = trail.line.geometry.attributes.position;
@@ -133,7 +133,7 @@ class JointAxes {
   }
 }
 
-/** What sensors of a type say of some robots, asked now and then: of the selected one, else of the first. */
+/** Polls the sensors of a type: of the selected robot, else of the first ones. */
 class Asked {
   #view;
   #connection;
@@ -141,12 +141,12 @@ class Asked {
   #command;
   #timer = 0;
   #on = false;
-  #robots = [];  // of the last status: {name, modules}
-  #asked = new Set();  // modules with a connection of ours
+  #robots = [];  // in the last status: {name, modules}
+  #asked = new Set();  // modules to which this page has a connection
   #lines;
   #linesOf;
 
-  /** `linesOf(robot, data)`: coordinates of segments in the robot's frame. */
+  /** `linesOf(robot, data)` returns the coordinates of segments in the robot's frame. */
   constructor(view, connection, {type, command, color, linesOf}) {
     this.#view = view;
     this.#connection = connection;
@@ -189,7 +189,7 @@ class Asked {
   }
 }
 
-/** From the robot to each target that it sees. */
+/** Lines from the robot to each target that it sees. */
 function bearingLines(robot, data) {
   const lines = [], height = 0.8 * (robot.model?.height ?? 0.2);
   for (let i = 0; i + 1 < data.length - 2; i += 2) {
@@ -199,7 +199,7 @@ function bearingLines(robot, data) {
   return lines;
 }
 
-/** At each contact a line along its force, and a cross on it. */
+/** For each contact, a line along its force, and a cross. */
 function contactLines(robot, data) {
   const lines = [];
   for (let i = 0; i + 6 < data.length - 2 + 1; i += 7) {
@@ -226,8 +226,8 @@ export class ViewMarks {
       contacts: new Asked(view, connection, {type: 'contact', command: 'get_contacts', color: 0xd0342c, linesOf: contactLines}),
     };
     const titles = {names: ['names', 'Names of robots and things'], trails: ['trails', 'Where robots have been'],
-      axes: ['joint axes', 'The axes of all joints'], bearings: ['target bearings', 'From robots to the targets that they see: of the selected robot, or the first ones'],
-      contacts: ['contacts', 'What touches contact sensors, and how hard: of the selected robot, or the first ones']};
+      axes: ['joint axes', 'The axes of all joints'], bearings: ['target bearings', 'Lines to the targets that robots see: of the selected robot, or the first ones'],
+      contacts: ['contacts', 'Contacts at contact sensors and their forces: of the selected robot, or the first ones']};
     for (const [key, [text, title]] of Object.entries(titles)) {
       const box = make('input', {type: 'checkbox', id: `show-${key}`});
       box.addEventListener('change', () => {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The panel World: a palette to drag onto the floor, the list of what stands there, a form for what is selected, undo and redo.
-// Every change is an edit of /world, so that others see it and a recording has it.
+// The panel World: a palette to drag onto the floor, the list of things, a form for the selected one, undo and redo. Every
+// change is an edit of /world, so that other pages and recordings see it.
 import {byId, make, saveFile, say, setText, showNumber} from './dom.js';
 import {isShown, showTab, tab} from './layout.js';
 
 const MODULE = '/world';
 const SNAP_M = 0.05;
-const ROOM_M = 0.35;  // kept around a new thing that is to find its place
+const ROOM_M = 0.35;  // kept free around a new thing
 export const DRAGGED = 'application/x-coopdyn-sections';
 const SHAPES = {
   box: 'type box\nsize 0.5 0.5 0.5\nmass 2\ncolor orange',
@@ -18,12 +18,12 @@ const COLORS = ['red', 'green', 'blue', 'yellow', 'magenta', 'cyan', 'orange', '
 
 const short = (x) => String(+Number(x).toFixed(4));
 const snapped = (x) => short(Math.round(x / SNAP_M) * SNAP_M);
-/** Degrees about the vertical of a quaternion w x y z. */
+/** The yaw of a quaternion w x y z, in degrees. */
 const yawOf = ([w, x, y, z]) => Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)) * 180 / Math.PI;
 const hex = (rgb) => `#${rgb.map((part) => Math.round(255 * part).toString(16).padStart(2, '0')).join('')}`;
 const rgbOf = (text) => [1, 3, 5].map((at) => short(parseInt(text.slice(at, at + 2), 16) / 255)).join(' ');
 
-/** The sections that put `kind` to a place of the floor. */
+/** The scenario sections that put a `kind` at a point on the floor. */
 function sectionsFor(kind, x, y, choice) {
   const at = `position ${snapped(x)} ${snapped(y)}`;
   if (kind === 'robot') return `[ROBOT_*]\ntype ${choice}\n${at}`;
@@ -35,15 +35,15 @@ function sectionsFor(kind, x, y, choice) {
 export class World {
   #connection;
   #view;
-  #world = null;      // what `list` has told
-  #name = '';         // selected
+  #world = null;      // the last reply to `list`
+  #name = '';         // of the selected thing
   #asked = 0;
-  #key = '';          // what the list was last made of
+  #key = '';          // of the shown list
   #element = make('div', {id: 'world'});
   #list = make('ul', {id: 'things', 'aria-label': 'What stands in the world'});
   #form = make('form', {id: 'thing', hidden: true});
-  #undo = make('button', {type: 'button', title: 'Take the last edit back (Ctrl+Z)'}, 'Undo');
-  #redo = make('button', {type: 'button', title: 'Make it again (Ctrl+Y)'}, 'Redo');
+  #undo = make('button', {type: 'button', title: 'Undo the last edit (Ctrl+Z)'}, 'Undo');
+  #redo = make('button', {type: 'button', title: 'Redo the undone edit (Ctrl+Y)'}, 'Redo');
   #count = make('span', {class: 'quiet'});
   #robotType = make('select', {'aria-label': 'Type of robot'});
   #targetColor = make('select', {'aria-label': 'Colour of the target'}, ...COLORS.map((name) => make('option', {}, name)));
@@ -52,7 +52,7 @@ export class World {
   constructor(connection, view) {
     this.#connection = connection;
     this.#view = view;
-    const save = make('button', {type: 'button', title: 'Save the present world as a scenario file'}, 'Save as file');
+    const save = make('button', {type: 'button', title: 'Save the current world as a scenario file'}, 'Save as file');
     save.addEventListener('click', () => this.#save());
     this.#undo.addEventListener('click', () => this.#edit('undo'));
     this.#redo.addEventListener('click', () => this.#edit('redo'));
@@ -70,7 +70,7 @@ export class World {
 
   /** Shows the form of a thing. */
   select(name, fromView = false) {
-    const anew = name !== this.#name;  // else somebody may be typing
+    const anew = name !== this.#name;  // otherwise the user may be typing
     this.#name = name;
     if (name && anew && !(isShown('robots') && this.#isRobot(name)) && (!fromView || isShown('robots'))) showTab('world');
     if (!fromView) this.#view.select?.(name || null);
@@ -99,7 +99,7 @@ export class World {
     this.#robotType.replaceChildren(make('option', {}, names[0]));
     try {
       names = await (await fetch('api/robots')).json();
-    } catch { /* then there is one */ }
+    } catch { /* keep the default */ }
     this.#robotType.replaceChildren(...names.map((name) => make('option', {selected: name === 'coopbot'}, name)));
   }
 
@@ -122,7 +122,7 @@ export class World {
     return reply.error === 0;
   }
 
-  /** At the middle of the view, or the next free place around it. */
+  /** Inserts a thing at the middle of the view, or at the nearest free place. */
   async insertNear(kind, choice) {
     const box = this.#view.canvas?.getBoundingClientRect();
     const middle = box && this.#view.floorAt(box.left + box.width / 2, box.top + box.height / 2);
@@ -132,7 +132,7 @@ export class World {
       const at = [x + away * Math.cos(angle), y + away * Math.sin(angle)];
       return {at, taken: Boolean(this.#view.scene?.isTaken(...at, ROOM_M))};
     });
-    // Those that look free come first; the daemon knows better.
+    // Try places that look free first; the daemon decides.
     for (const {at} of places.sort((a, b) => a.taken - b.taken)) {
       const reply = await this.#connection.call({module: MODULE, command: 'insert', text: sectionsFor(kind, ...at, choice)});
       if (reply.error === 5 && /would stand/.test(reply.text)) continue;
@@ -145,15 +145,15 @@ export class World {
     say('There is no free place in the middle of the view: look elsewhere, or drag it to a free place', true);
   }
 
-  /** Under a place of the window; where there is no floor, in the middle of the view. */
+  /** Inserts a thing under a point of the window, or in the middle of the view if there is no floor. */
   async insertAt(kind, choice, clientX, clientY) {
     const at = this.#view.floorAt?.(clientX, clientY);
-    // Not :hover, which stands still while a file is dragged.
+    // Not :hover, which does not change during a drag.
     if (!at || document.elementFromPoint(clientX, clientY) !== this.#view.canvas) return this.insertNear(kind, choice);
     return this.#insert(kind, at.x, at.y, choice);
   }
 
-  /** Puts something to a place, as the handles in the view do. */
+  /** Moves a thing, as the handles in the view do. */
   async move(name, position, yaw_rad) {
     const z = this.#find(name)?.position[2] ?? 0;
     return this.#edit(`set_pose ${name} ${short(position[0])} ${short(position[1])} ${short(position[2] ?? z)}${yaw_rad === undefined ? '' : ` ${short(yaw_rad)}`}`);
@@ -185,7 +185,7 @@ export class World {
     }
   }
 
-  // --- what is there
+  // --- list and form
   async #refresh() {
     const turn = ++this.#asked;
     const reply = await this.#connection.call({module: MODULE, command: 'list'});
@@ -279,8 +279,8 @@ export class World {
       return made;
     };
     this.#form.replaceChildren(make('strong', {}, name), make('div', {class: 'fields'}, ...fields), make('div', {class: 'row'},
-      button('Duplicate', 'Another one beside it (Ctrl+D)', () => this.#duplicate(thing)),
-      button('Remove', 'Take it out of the world (Delete)', () => this.#edit(`remove ${name}`))));
+      button('Duplicate', 'Add a copy beside it (Ctrl+D)', () => this.#duplicate(thing)),
+      button('Remove', 'Remove it from the world (Delete)', () => this.#edit(`remove ${name}`))));
   }
 
   // --- mouse and keys

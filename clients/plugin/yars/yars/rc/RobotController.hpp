@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Sources of controllers written for YARS compile against this header, unchanged, and are then controllers
-// that coopdyn loads:
+// Controllers written for YARS compile against this header unchanged and become controllers that coopdyn
+// loads:
 //
 //   g++ -O2 -fPIC -shared -I clients/plugin/yars -I clients/plugin MyController.cpp -o MyController.so
 //
-// A source has a class of RobotController and a function `extern "C" RobotController* create()`. The calls
-// are create(), init(), reset(), { update() }, close(); a run that is reset makes a new one. update() is
-// called once for each exchange of the robot's channel. docs/controllers.md says what is not there.
+// A source has a class derived from RobotController and a function `extern "C" RobotController* create()`.
+// The order of calls is create(), init(), reset(), { update() }, close(); after a reset of the run a new
+// controller is created. update() is called once per exchange of the robot's channel. docs/controllers.md
+// lists unsupported features.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +22,7 @@
 #include "yars/rc/RobotControllerParameter.hpp"
 #include "yars/types/NameDimensionDomain.hpp"
 
-using namespace std;  // NOLINT: sources count on it
+using namespace std;  // NOLINT: sources rely on it
 
 namespace coopdyn_yars {
 struct Adapter;
@@ -39,7 +40,8 @@ class RobotController {
   virtual void reset() = 0;
   virtual void close() = 0;
 
-  /// The run ends after this step. A controller cannot reset it: that is said, and nothing else happens.
+  /// setQuit() ends the run after this step. A controller cannot reset the run: setReset() only prints a
+  /// message.
   void setQuit() { quit_ = true; }
   void setReset() { reset_ = true; }
   bool isQuit() const { return quit_; }
@@ -47,13 +49,13 @@ class RobotController {
   void unsetStatus() { quit_ = reset_ = false; }
 
   int getSeed() const { return seed; }
-  /// Of update(), Hz.
+  /// Calls of update() per second.
   int frequency() const { return frequency_; }
 
   std::vector<double> getMotorValues() const { return motors; }
   void getMotorValues(std::vector<double>* values) const { *values = motors; }
 
-  /// Lines of text of all values, or one text for each.
+  /// All values as lines of text, or as one text each.
   void getSensorConfiguration(std::string* text) const { *text = Lines(sensorConfiguration); }
   void getMotorConfiguration(std::string* text) const { *text = Lines(motorConfiguration); }
   void getSensorConfiguration(std::vector<std::string>* names) const { *names = Names(sensorConfiguration); }
@@ -63,24 +65,24 @@ class RobotController {
     std::cout.flush();
   }
 
-  /// Logs the number, or each of them as NAME_0, NAME_1, …, after every update(); at most COOPDYN_MAX_LOGS.
+  /// Logs the number, or several as NAME_0, NAME_1, …, after every update(); at most COOPDYN_MAX_LOGS.
   void addLoggable(const std::string& name, double* value) { loggables_.push_back({name, value, nullptr}); }
   void addLoggable(const std::string& name, std::vector<double>* values) {
     loggables_.push_back({name, nullptr, values});
   }
 
-  /// On-screen text, which nobody sees.
+  /// On-screen text, which is not displayed.
   void addLine(const std::string& line) { lines_.push_back(line); }
   void clearOsd() { lines_.clear(); }
 
  protected:
   std::vector<double> motors;   // external values
-  std::vector<double> sensors;  // likewise
+  std::vector<double> sensors;  // external values
   std::vector<NameDimensionDomain> motorConfiguration, sensorConfiguration;
   RobotControllerParameter parameter;
   int argc = 0;
   const char** argv = nullptr;
-  int seed = -1;  // changes nothing
+  int seed = -1;  // has no effect
 
  private:
   friend struct coopdyn_yars::Adapter;
@@ -110,12 +112,12 @@ class RobotController {
   std::vector<std::string> lines_;
 };
 
-/// What the source has.
+/// Defined by the source.
 extern "C" RobotController* create();
 
 namespace coopdyn_yars {
 
-/// A controller of YARS as one of coopdyn.
+/// Adapts a YARS controller to coopdyn.
 struct Adapter {
   const coopdyn_robot* robot;
   RobotController* controller;
@@ -149,7 +151,7 @@ struct Adapter {
   }
 
   static void Reset(void* instance, std::uint64_t run_seed) {
-    std::srand(static_cast<unsigned>(run_seed));  // many a source calls rand()
+    std::srand(static_cast<unsigned>(run_seed));  // many sources call rand()
     static_cast<Adapter*>(instance)->controller->reset();
   }
 
@@ -182,7 +184,7 @@ struct Adapter {
   }
 
  private:
-  /// Neighbours that are called alike are one.
+  /// Merges neighbours of the same name.
   static void Add(const coopdyn_mapped& one, std::vector<NameDimensionDomain>& all) {
     if (all.empty() || all.back().name != one.name) all.emplace_back(one.name);
     NameDimensionDomain& last = all.back();
@@ -192,7 +194,7 @@ struct Adapter {
     last.names.emplace_back(one.name);
   }
 
-  /// With as few digits as tell the number.
+  /// The shortest text that parses to the same number.
   static std::string TextOf(double value) {
     constexpr int kAllDigits = 17;
     std::string text;
@@ -213,7 +215,7 @@ struct Adapter {
         LogOne(controller, command, one.name + "_" + std::to_string(i), (*one.values)[i]);
     }
   }
-  /// Logs have names of letters, digits and _.
+  /// Replaces other characters in the name: names of logs have letters, digits and _.
   static void LogOne(RobotController& controller, coopdyn_command* command, std::string name, double value) {
     if (command->log_count == COOPDYN_MAX_LOGS) {
       if (!controller.told_logs_) std::cerr << "'" << name << "' is not logged: there are too many numbers\n";
@@ -231,7 +233,7 @@ struct Adapter {
 
 }  // namespace coopdyn_yars
 
-/// Weak: several files of one library may have this header.
+/// Weak, because several files of one library may include this header.
 extern "C" __attribute__((weak, visibility("default"))) const coopdyn_controller* coopdyn_controller_entry() {
   using coopdyn_yars::Adapter;
   static const coopdyn_controller functions = {COOPDYN_CONTROLLER_VERSION,

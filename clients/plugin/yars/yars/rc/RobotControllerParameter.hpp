@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// For sources written for YARS: the parameters of a controller, which are options of the scenario's line.
-// There names have small letters, digits and _, and values are numbers: "phase shift" is phase_shift, true
-// is 1.
+// For sources written for YARS: the parameters of a controller, set as options in the scenario's line. Option
+// names have lower-case letters, digits and _, and values are numbers: "phase shift" is phase_shift, true is
+// 1.
 #pragma once
 
 #include <cstddef>
@@ -70,7 +70,7 @@ class RobotControllerParameter : public std::map<std::string, std::string> {
   }
 
  private:
-  /// As an option is called.
+  /// The option name for a parameter.
   static std::string Plain(std::string name) {
     for (char& c : name) {
       if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');

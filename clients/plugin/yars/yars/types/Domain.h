@@ -14,7 +14,7 @@ struct Domain {
 
   double width() const { return max < min ? min - max : max - min; }
   double cut(double value) const { return std::min(std::max(value, std::min(min, max)), std::max(min, max)); }
-  /// From the range to 0 to 1, and back.
+  /// Maps the range to 0…1, and back.
   double map(double value) const { return (cut(value) - min) / (max - min); }
   double remap(double value) const { return cut(min + value * (max - min)); }
 };

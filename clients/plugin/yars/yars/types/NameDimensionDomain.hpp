@@ -11,8 +11,8 @@
 struct NameDimensionDomain {
   std::string name;
   int dimension = 0;
-  std::vector<Domain> internal, external;  // of each value
-  std::vector<std::string> names;          // likewise
+  std::vector<Domain> internal, external;  // one per value
+  std::vector<std::string> names;          // one per value
 
   explicit NameDimensionDomain(std::string of = "", int values = 0)
       : name(std::move(of)), dimension(values) {}
