@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kSizeBytes = 4;
 constexpr std::size_t kHeaderBytes = 20;  // error, command, T, M, N
-constexpr std::size_t kCommandEnd = 12;   // bytes of a frame up to and with the command
+constexpr std::size_t kCommandEnd = 12;   // bytes of a frame up to and including the command
 
 template <typename T>
 T ReadLittle(const char* bytes) {
@@ -36,8 +36,7 @@ void WriteLittle(T value, char*& to) {
 template <typename T>
 using BitsOf = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
 
-/// Reads as many numbers as `values` holds. Whole teams' readings pass here: at once, where memory is ordered
-/// as the wire.
+/// Fills `values`. Readings of whole teams pass here, so little-endian machines copy them in one go.
 template <typename T>
 void ReadAll(const char*& from, std::vector<T>& values) {
   if constexpr (std::endian::native == std::endian::little) {
