@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kCellsPerPoint = 2;
 constexpr double kSpareCells = 64;
-// What lies beyond is sorted into the cells at the edge, so that no sum overflows.
+// Points beyond this go to the cells at the edge, so that no sum overflows.
 constexpr double kReach_m = 1e9;
 
 }  // namespace
