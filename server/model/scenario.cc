@@ -36,8 +36,7 @@ std::string Swarms(const Scenario& scenario) {
   return count == 1 ? "swarm " + scenario.swarms[0].name : std::to_string(count) + " swarms";
 }
 
-/// How the robots are simulated and driven, as far as it is not the usual: "rolling", "50 controller
-/// diffuse".
+/// How the robots are simulated and driven, without defaults: "rolling", "50 controller diffuse".
 std::vector<std::string> Drives(const std::vector<RobotEntry>& robots) {
   std::map<std::string, std::size_t> fidelities, controllers;
   for (const RobotEntry& robot : robots) {

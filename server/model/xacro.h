@@ -22,8 +22,8 @@ inline constexpr const char* kNoXacroUploads =
     "xacro that is sent is not expanded here: send what 'xacro FILE' writes";
 
 /// The output of `xacro FILE`. Reports an error at `file` and returns nullopt if the program is missing,
-/// fails or takes more than a minute, or if the file is an upload of `path`, because it could name any file
-/// of this machine.
+/// fails, or writes nothing for a minute or too much, or if the file is an upload of `path`, because it could
+/// name any file of this machine.
 std::optional<std::string> ExpandXacro(const std::filesystem::path& file, const SearchPath& path,
                                        Diagnostics& diagnostics);
 
