@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kSilence_s =
     60;  // longer than the CPU limit: a process silent for this long is stuck or starved of CPU
-constexpr const char* kConvert = "write it anew, for example with Blender";
+constexpr const char* kConvert = "export it again, for example with Blender";
 
 }  // namespace
 
@@ -108,7 +108,7 @@ std::optional<MeshAnswer> FileReader::ReadMesh(const MeshRequest& request, const
   const auto bytes = Ask(FileTalk::kReadMesh, ToBytes(request), supply, FileTalk::kMesh, why);
   if (!bytes) return std::nullopt;
   auto answer = MeshAnswerOf(*bytes);
-  if (!answer) why = "what the library read makes no sense: the file is damaged; " + std::string(kConvert);
+  if (!answer) why = "the library returned invalid data: the file is damaged; " + std::string(kConvert);
   return answer;
 }
 

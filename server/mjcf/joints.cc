@@ -133,7 +133,7 @@ void AddJoints(int body, const Pose& X_MB, const Couplings& couplings, bool has_
     const double from = source.Start(joint);
     if (!is_ball && !is_locked && std::abs(from) > 1e-9 && !couplings.followers.contains(joint)) {
       if (has_loops)
-        source.words().Say("keyframe 'home' is not used, as joints close a loop", false);
+        source.words().Say("keyframe 'home' is not used, because joints close a loop", false);
       else
         element.SetAttribute("coopdyn:start", Number(from).c_str());
     }

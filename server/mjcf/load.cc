@@ -185,7 +185,7 @@ class Mender {
     if (error.find("balanceinertia") != std::string::npos &&
         Compiler().Attribute("balanceinertia") == nullptr) {
       Compiler().SetAttribute("balanceinertia", "true");
-      words_.Say("a body has moments of inertia that no body has: libmujoco balances them", false);
+      words_.Say("a body has impossible moments of inertia: libmujoco balances them", false);
       return true;
     }
     if (const std::string number = Between(error, "key ", ":");

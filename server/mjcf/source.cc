@@ -163,7 +163,7 @@ void Source::ReadActuators() {
           words_.Say("an actuator that pulls a spatial tendon is left out");
       }
     } else if (m.actuator_trntype[i] != mjTRN_SITE) {
-      words_.Say("an actuator of another transmission than a joint, tendon or site is left out");
+      words_.Say("an actuator whose transmission is not a joint, tendon or site is left out");
     }
   }
   // The joint's own limit, which load.cc keeps as user data.

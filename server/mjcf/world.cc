@@ -85,7 +85,7 @@ class WorldWriter {
       } else if (m_.eq_type[i] == mjEQ_CONNECT || m_.eq_type[i] == mjEQ_WELD) {
         const bool is_mocap = m_.body_mocapid[one] >= 0 || m_.body_mocapid[other] >= 0;
         if (is_mocap) {
-          source_.words().Say("what joins a body to a mocap body is left out");
+          source_.words().Say("an equality between a body and a mocap body is left out");
           continue;
         }
         const bool is_ball = m_.eq_type[i] == mjEQ_CONNECT;
@@ -103,17 +103,16 @@ class WorldWriter {
       if (std::abs(data[0]) < 1e-9)
         couplings_.locked[one] = 0;
       else
-        source_.words().Say(
-            "an equality that holds a joint elsewhere than in its first position is left out");
+        source_.words().Say("an equality that holds a joint away from its initial position is left out");
       return;
     }
     if (data[2] != 0 || data[3] != 0 || data[4] != 0)
-      source_.words().Say("of an equality of joints only the constant and the linear part count");
+      source_.words().Say("only the constant and linear parts of a joint equality are used");
     const bool is_taken = couplings_.followers.contains(one) || couplings_.followers.contains(other);
     const bool leads = std::ranges::any_of(couplings_.followers,
                                            [&](const auto& known) { return known.second.leader == one; });
     if (is_taken || leads || data[1] == 0) {
-      source_.words().Say("an equality of joints that follow each other in a row is left out");
+      source_.words().Say("an equality of joints in a chain of followers is left out");
       return;
     }
     couplings_.followers[one] = {other, data[1], data[0]};
@@ -220,7 +219,7 @@ class WorldWriter {
           "density and viscosity of <option> are not used: nothing swims, flies or is slowed by the air",
           false);
     if (m_.npair > 0)
-      words.Say("the <pair>s of <contact> are left out: geoms touch as their shapes say", false);
+      words.Say("the <pair>s of <contact> are left out: geoms collide by their shapes", false);
     for (int joint = 0; joint < m_.njnt; ++joint) {
       if (m_.jnt_type[joint] >= mjJNT_SLIDE && m_.qpos0[m_.jnt_qposadr[joint]] != 0)
         words.Say(

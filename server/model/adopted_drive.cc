@@ -134,7 +134,7 @@ class DriveAdopter {
         std::abs(left.y() + right.y()) > kSame_m)
       return refuse(
           "the axes of its steered wheels do not stand before the axle, left and right of the middle");
-    if (!(angle_rad > 0)) return refuse("its <limit>s leave out straight on");
+    if (!(angle_rad > 0)) return refuse("its <limit>s exclude straight ahead");
     // The inner wheel turns most.
     const double tangent = portable::Tan(angle_rad);
     steering.max_curvature_1_m = tangent / (steering.wheelbase_m + steering.half_track_m * tangent);
@@ -273,7 +273,7 @@ class DriveAdopter {
     double speed_rad_s = std::min(left.max_velocity, right.max_velocity);
     if (!IsLimit(speed_rad_s, kMaxMotorVelocity)) speed_rad_s = kTopSpeed_m_s / radius_m;
     if (!IsLimit(left.max_effort, kMaxMotorEffort) || !IsLimit(left.max_velocity, kMaxMotorVelocity)) {
-      diagnostics_.Mended(where_, "the wheels' joints say no <effort> or <velocity>: each motor has " +
+      diagnostics_.Mended(where_, "the wheels' joints have no <effort> or <velocity>: each motor has " +
                                       FormatNumber(std::round(torque_nm * 1e3) / 1e3) + " N m and turns at " +
                                       FormatNumber(std::round(speed_rad_s * 1e3) / 1e3) + " rad/s at most");
     }

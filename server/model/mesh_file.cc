@@ -22,7 +22,7 @@ std::optional<std::string> ReadWhole(const std::filesystem::path& file, std::str
   if (!code && size > kMaxMeshFileBytes) {
     why = "the file has " + std::to_string(size >> 20) + " MiB, at most " +
           std::to_string(kMaxMeshFileBytes >> 20) +
-          " are taken: simplify it (in Blender: Modifier, Decimate)";
+          " are allowed: simplify it (in Blender: Modifier, Decimate)";
     return std::nullopt;
   }
   if (!code) {  // otherwise it may be a pipe, which would block

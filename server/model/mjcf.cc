@@ -140,7 +140,7 @@ std::optional<std::string> TranslateMjcf(const fs::path& file, const SearchPath&
         ", which is not beside coopdyn: install libmujoco-dev and build again (./start), or write SDF "
         "where there is one: coopdyn convert FILE");
   }
-  if (meshes.empty()) return fail("there is no room for its meshes in the folder for temporary files");
+  if (meshes.empty()) return fail("its meshes cannot be stored in the folder for temporary files");
   NoEnd why = NoEnd::kNone;
   const auto end = RunProgram(program, {file.string(), meshes.string(), prefix}, kMostSdfBytes, why);
   if (why == NoEnd::kNoProgram) return fail(program.string() + " cannot be started");

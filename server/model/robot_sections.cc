@@ -135,7 +135,8 @@ void RobotSections::ReadLosses(SectionReader& reader, RobotEntry& entry) {
   Take(reader.Choice<LossPolicy>("on_disconnect", kLossPolicyWords), entry.on_disconnect);
   if (entry.watchdog_s.value_or(0) > 0 && entry.goes_on_alone()) {
     reader.WarningAt("watchdog", std::string("'watchdog' has no effect with 'on_disconnect ") +
-                                     ToString(*entry.on_disconnect) + "', by which the robot goes on alone");
+                                     ToString(*entry.on_disconnect) +
+                                     "', with which the robot continues alone");
   }
 }
 
@@ -294,7 +295,7 @@ void RobotSections::ReadSwarm(SectionReader& reader) {
   bool team = false;
   entry.sockets = false;
   entry.model = ReadType(reader, team);
-  if (team) reader.ErrorAt("type", "a swarm has one robot after the other: write 'type single'");
+  if (team) reader.ErrorAt("type", "a swarm consists of single robots: write 'type single'");
   reader.Require("count", "count 20");
   entry.name = DefaultName(reader.section().word);
   const auto count = reader.WholeNumber("count", 1, kMaxSwarm);

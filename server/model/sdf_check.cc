@@ -147,7 +147,7 @@ class Checker {
                                     "> is not supported: use <box>, <cylinder>, <sphere>, <capsule>, "
                                     "<ellipsoid>, <cone>, <plane>, <mesh> or <heightmap>");
     } else if (path == "model/static" || path == "sdf/world") {
-      diagnostics_.Error(where, "<" + name + "> does not belong into a robot: remove it");
+      diagnostics_.Error(where, "<" + name + "> does not belong in a robot: remove it");
     } else {
       diagnostics_.LeftOut(where, "<" + name + "> in <" + parent.Name() + ">");
     }

@@ -238,7 +238,7 @@ class Connector {
     if (model.X_WR.p.z() < -kLittle_m) {
       diagnostics_.Warning({file_, movable_.line}, "'" + Printable(movable_.name) + "' stands " +
                                                        Exact(std::round(-model.X_WR.p.z() * 1e6) / 1e3) +
-                                                       " mm in the ground: it is put on the ground");
+                                                       " mm in the ground: it is lifted onto the ground");
     }
     model.lift_m = -model.X_WR.p.z();
   }

@@ -62,7 +62,7 @@ std::optional<std::string> Ask(FileTalk kind, const std::string& name, std::stri
 }
 
 FileMessage Answer(const FileMessage& message) {
-  std::string why = "the request makes no sense";
+  std::string why = "the request is invalid";
   const std::span picture(reinterpret_cast<const unsigned char*>(message.bytes.data()), message.bytes.size());
   switch (message.kind) {
     case FileTalk::kReadMesh: {

@@ -32,7 +32,7 @@ std::string CheckBytes(const std::string& bytes, const std::string& name) {
   std::memcpy(&count, bytes.data() + 80, sizeof(count));
   if (count > kMaxReadTriangles) return TooMany(count);
   if (bytes.size() < kHeader + std::size_t{count} * kTriangle)
-    return "the mesh is cut off: it says " + std::to_string(count) + " triangles and holds fewer";
+    return "the mesh is truncated: it announces " + std::to_string(count) + " triangles and contains fewer";
   return {};
 }
 

@@ -24,7 +24,8 @@ bool IsJpeg(std::span<const unsigned char> bytes) {
 bool IsSize(long width, long height, std::string& why) {
   if (width >= 1 && height >= 1 && width <= kMaxImageSide && height <= kMaxImageSide) return true;
   why = "the picture has " + std::to_string(width) + " x " + std::to_string(height) + " points, at most " +
-        std::to_string(kMaxImageSide) + " x " + std::to_string(kMaxImageSide) + " are taken: make it smaller";
+        std::to_string(kMaxImageSide) + " x " + std::to_string(kMaxImageSide) +
+        " are allowed: make it smaller";
   return false;
 }
 
