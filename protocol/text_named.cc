@@ -50,7 +50,7 @@ bool LooksLikeWord(std::string_view token) {
   return !token.empty() && IsLetter(token.front()) && ReadDouble(token, value) == NumberRead::kNotNumber;
 }
 
-/// Reads named lines of one command.
+/// Reads a named line of one command.
 class NamedReader {
  public:
   NamedReader(const CommandSpec& spec, LineScanner& line) : spec_(spec), line_(line) {
@@ -139,7 +139,7 @@ class NamedReader {
 
   void ReadValues() {
     if (line_.AtEnd() || line_.Peek() != '[') return AddValues(line_);
-    // A row as MATLAB and Python write it: `[0.2 0.5]` or `[0.2, 0.5]`.
+    // A row as in MATLAB or Python: `[0.2 0.5]` or `[0.2, 0.5]`.
     line_.Take(1);
     const std::size_t end = line_.rest().find(']');
     if (end == std::string_view::npos) return Fail("the closing bracket ] is missing: " + ExampleLine(spec_));
@@ -214,7 +214,7 @@ class NamedReader {
   std::optional<Message> problem_;
 };
 
-/// The command that `word` names in a line with or without values.
+/// The command that `word` names, by name or alias; `has_values`: the line has values.
 const CommandSpec* FindCommand(std::string_view word, bool has_values, const CommandTable& table) {
   const CommandSpec* spec = table.Find(word);
   if (spec != nullptr && !(TakesNothing(*spec) && has_values)) return spec;

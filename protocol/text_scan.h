@@ -61,7 +61,7 @@ NumberRead ReadDouble(std::string_view token, double& value);
 
 /// Says why `token` is not a number and what to write instead, e.g. `'0,5' is not a number: write 0.5`.
 std::string NotANumber(std::string_view token);
-/// `token` in quotes, cut after 40 bytes at the border of a character.
+/// `token` in quotes, cut after 40 bytes at a character boundary.
 std::string Quoted(std::string_view token);
 
 /// Reads the rest of a line after `word` by `table`. Returns the request, or an error reply (error != 0):

@@ -66,7 +66,7 @@ class RepeatCounter final : public spdlog::sinks::dist_sink<std::mutex> {
     }
   }
 
-  // Of the last line; guarded by mutex_.
+  // State of the last line; guarded by mutex_.
   std::string text_;
   spdlog::level::level_enum level_ = spdlog::level::off;
   spdlog::log_clock::time_point time_, written_;

@@ -23,7 +23,7 @@ void CodeRequest(auto& codec, auto& request) {
   codec.Text(request.part);
 }
 
-/// Both sides within [1, most].
+/// Width and height, both within [1, most].
 void CodeSides(auto& codec, auto& picture, int most) {
   codec.Number(picture.width);
   codec.Number(picture.height);

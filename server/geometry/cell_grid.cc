@@ -14,7 +14,7 @@ namespace coopdyn {
 namespace {
 
 constexpr double kMostOnSide = 128;
-constexpr std::size_t kMostLooks = 10'000'000;  // some tenths of a second
+constexpr std::size_t kMostLooks = 10'000'000;  // a few tenths of a second
 
 /// True if the triangle touches the box centred at the origin: T. Akenine-Möller (2001), "Fast 3D
 /// triangle-box overlap testing". @pre the triangle's bounding box touches it.

@@ -68,7 +68,7 @@ Vector3 Simplex::OfThree() {
     is_inside = (b - a).cross(-a).dot(normal) >= 0;
   }
   if (is_inside) return normal * (normal.dot(p[0]) / size2);
-  // On an edge.
+  // The nearest point is on an edge.
   Simplex best;
   Vector3 nearest;
   double least = kNoHit;

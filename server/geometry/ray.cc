@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kSquare = 1e-18;  // sin² of an angle that counts as zero
 
-// The part of a line that lies inside a convex solid; every solid here is an intersection of such parts.
+// The part of a line inside a convex solid, computed as the intersection of slabs and quadrics.
 struct Interval {
   double from = -kNoHit, to = kNoHit;
 

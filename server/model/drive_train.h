@@ -25,7 +25,7 @@ struct DriveTrainModel {
   double efficiency = 1;              // of the gear, in both directions
   double rotor_inertia_kg_m2 = 1e-6;  // about the shaft, including the gear
   double brake_nms_rad = 0;           // damping of the shaft with a short-circuited motor
-  double backlash_rad = 0;            // the whole gap
+  double backlash_rad = 0;            // the full gap
   double stiffness_nm_rad = kInfinity;
   double damping_nms_rad = 0;
   double preload_nm = 0;                                   // the prestressed spring yields beyond this torque

@@ -280,7 +280,7 @@ class PluginTranslator {
   std::map<std::string, std::pair<const XmlNode*, int>> unused_;  // first plugin of each kind, and count
   bool says_drag_ = false;
   std::vector<YarpIni> inis_;
-  std::vector<const GazeboPlugin*> boards_;  // of inis_
+  std::vector<const GazeboPlugin*> boards_;  // parallel to inis_
 };
 
 }  // namespace

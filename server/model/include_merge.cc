@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// <include merge="true">: the parts of a model become parts of the one that includes it. And joints of an
-// included model that name links of the one around it.
+// Handles <include merge="true">, which makes the parts of a model parts of the including model, and joints
+// of an included model that name links of the enclosing model.
 #include <algorithm>
 #include <iterator>
 #include <utility>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kModelFrame = "__model__";
 
-/// What names the included model's frame names `frame` instead.
+/// Replaces references in `node` to the included model's frame by `frame`.
 void NameFrame(XmlNode& node, const std::string& frame) {
   for (const char* key : {"relative_to", "expressed_in", "attached_to"}) {
     if (node.Attribute(key) == kModelFrame) node.Set(key, frame);

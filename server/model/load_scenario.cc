@@ -44,7 +44,7 @@ std::shared_ptr<const Scenario> AsWritten(const Scenario& scenario,
   return placed;
 }
 
-/// A .world as a scenario without robots.
+/// Reads a .world as a scenario without robots.
 std::shared_ptr<const Scenario> WorldAsScenario(const std::string& text, const std::string& file,
                                                 const RobotLibrary& library,
                                                 std::optional<std::uint64_t> seed, Diagnostics& diagnostics) {

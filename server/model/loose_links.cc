@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Models of a world whose links no joint holds together: each body becomes a model of its own.
+// Splits models of a world whose links joints do not connect: each body becomes a separate model.
 #include <algorithm>
 #include <functional>
 #include <map>

@@ -75,7 +75,7 @@ bool Collides(const RobotModel& robot) {
   return std::ranges::any_of(robot.links, [](const LinkModel& link) { return !link.collisions.empty(); });
 }
 
-/// Lifts a model of another program onto the floor.
+/// Lifts a model onto the floor.
 void Lift(ModelReading& reading, double low_m) {
   RobotModel& robot = reading.robot;
   for (LinkModel& link : robot.links) link.X_RL.p.z() -= low_m;

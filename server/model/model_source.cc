@@ -165,7 +165,7 @@ class Includer {
     std::size_t elements = 0;
   };
 
-  /// Each file is read once.
+  /// Reads and caches a file.
   const Included& Read(const std::string& file, const XmlNode& include) {
     const auto [known, is_new] = files_.try_emplace(file);
     Included& included = known->second;

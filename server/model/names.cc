@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Names that older SDF and other programs allow and libsdformat does not.
+// Fixes and checks names that older SDF and other programs allow but libsdformat does not.
 #include <algorithm>
 #include <iterator>
 #include <map>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// placement_frame: the frame of a model that its <pose> places, instead of the model's own
+// Resolves placement_frame: the frame of a model that its <pose> places, instead of the model's own
 // (http://sdformat.org, Pose frame semantics).
 #include <cmath>
 #include <numbers>

@@ -30,7 +30,7 @@ std::string Counted(std::size_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
-/// "swarm ant", or "3 swarms".
+/// "swarm ant" or "3 swarms".
 std::string Swarms(const Scenario& scenario) {
   const std::size_t count = scenario.swarms.size();
   return count == 1 ? "swarm " + scenario.swarms[0].name : std::to_string(count) + " swarms";

@@ -209,7 +209,7 @@ class ScenarioReader {
     reader.Finish();
   }
 
-  /// gravity 9.81, or as a vector of the world: gravity 0 0 -9.81
+  /// Reads `gravity 9.81`, or as a vector in the world: `gravity 0 0 -9.81`.
   static void ReadGravity(SectionReader& reader, SimulationOptions& options) {
     constexpr double kMaxGravity = 1000;
     const auto numbers =
@@ -227,7 +227,7 @@ class ScenarioReader {
                                     " m/s²: write " + FormatNumber(-down) + " if they should fall down");
   }
 
-  /// waits_for yarp /my/controller …
+  /// Reads `waits_for yarp /my/controller …`.
   static void ReadWaitsFor(SectionReader& reader, SimulationOptions& options) {
     const std::optional<std::string> text = reader.Text("waits_for");
     if (!text) return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The masses and inertias of links, and what stands for those that a model of another program does not say.
+// Reads masses and inertias of links, with defaults for missing ones in models made for other programs.
 #include <tinyxml2.h>
 
 #include <algorithm>

@@ -165,7 +165,7 @@ void ReadInto(SonarModel& sensor, const SensorSource& source) {
   constexpr double kUsualOpening_deg = 30;
   constexpr double kWidestCone_rad = 170 * kRadPerDeg;
   common.opening_rad = kUsualOpening_deg * kRadPerDeg;
-  common.opening_up_rad = -1;  // as across
+  common.opening_up_rad = -1;  // default: equal to opening_rad
   ReadBeamAttributes(source.attributes, common);
   source.ForEachChild({"coopdyn:beam"}, [&](XmlAttributes& child, std::string_view) {
     SonarModel::Beam beam = common;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Fixed joints: the links that they hold together are one link of the robot.
+// Merges links that fixed joints hold together into one link of the robot.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <optional>
@@ -12,7 +12,7 @@ namespace coopdyn {
 
 namespace {
 
-/// Gives `to` the mass and the shapes of `from`.
+/// Adds the mass and the shapes of `from` to `to`.
 void Merge(const LinkModel& from, LinkModel& to) {
   const Pose X_TF = to.X_RL.Inverse() * from.X_RL;
   const auto add = [&X_TF](const std::vector<LinkShape>& shapes, std::vector<LinkShape>& all) {

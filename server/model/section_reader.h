@@ -93,7 +93,7 @@ class SectionReader {
   }
   /// A colour word or R G B in 0…1, or 0…255 if any is above 1.
   std::optional<Color> ColorValue(const std::string& key);
-  /// roll pitch yaw, or yaw alone.
+  /// roll pitch yaw, or only yaw.
   std::optional<Quaternion> Orientation(const std::string& key);
 
   /// Reports `text` at the line of `key`, or of the section if the key is missing.

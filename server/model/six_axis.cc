@@ -243,7 +243,7 @@ class ChainWriter {
   void ExpandRevolute2(XmlNode& node) {
     const XmlNode* const link = FindLink(node.TextOf("child"));
     const XmlNode *const first = node.Child("axis"), *const second = node.Child("axis2");
-    if (link == nullptr || first == nullptr || second == nullptr) return;  // said when joints are read
+    if (link == nullptr || first == nullptr || second == nullptr) return;  // reported when joints are read
     const XmlNode given = std::exchange(node, NodeAt(node, "coopdyn:expanded"));
     const std::string name = given.Attribute("name");
     XmlNode pose = NodeAt(given, "pose", "0 0 0 0 0 0");

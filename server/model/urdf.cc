@@ -317,7 +317,7 @@ class UrdfConverter {
              "joint '" + name + "' of type floating is left out: a robot that is not fixed floats anyway");
       return std::nullopt;
     }
-    if (type == "spherical") type = "ball";  // Bullet's word
+    if (type == "spherical") type = "ball";  // Bullet's name
     if (type == "planar") return Planar(joint);
     XmlNode out = At("joint", joint);
     out.Set("name", ids_.at(&joint));

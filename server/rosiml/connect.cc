@@ -46,7 +46,7 @@ class Connector {
  private:
   bool IsStill(int body) const { return movable_.bodies[Index(body)].mass_kg <= 0; }
 
-  /// The bodies that joints and muscles join to `first`, in the file's order.
+  /// The bodies connected to `first` by joints and muscles, in file order.
   std::vector<int> Together(int first) {
     std::vector<int> found = {first};
     std::vector<bool> seen(movable_.bodies.size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The actuators of the grammar 0.8 of the public YARS.
+// Reads actuators in the grammar 0.8 of the public YARS.
 #include <algorithm>
 #include <cmath>
 #include <optional>
