@@ -38,9 +38,9 @@ struct SearchPath {
   /// The one of `folders` for files that came over a socket; empty if none.
   std::filesystem::path uploads{};
 
-  /// The first existing file for a scenario or world given by path or bare name; nullopt if none. It ends in
-  /// .scenario, .world, .sdf or .xml, which the name may omit; only a path with a folder may have another
-  /// extension.
+  /// The first existing file for a scenario given by path or bare name; nullopt if none. It ends in
+  /// .scenario, .world, .sdf, .xml, .urdf or .xacro, which the name may omit; only a path with a folder may
+  /// have another extension. FindWorld() finds only .world files.
   std::optional<std::filesystem::path> FindScenario(const std::string& name) const;
   std::optional<std::filesystem::path> FindWorld(const std::string& name,
                                                  const std::filesystem::path& beside) const;

@@ -66,7 +66,8 @@ class InertiaReader {
   void Read(const sdf::Link& link, const tinyxml2::XMLElement* xml, LinkModel& out) const;
 
  private:
-  /// Computes the inertia from the densities of the collisions, kg/m³.
+  /// Computes the inertia from the densities of the collisions, kg/m³; for a mesh about the centre of its
+  /// box.
   void Weigh(const tinyxml2::XMLElement& xml, LinkModel& out) const;
   /// `is_solid`: use the moments of the first shape as a solid.
   void ReadInertial(const sdf::Link& link, bool is_solid, LinkModel& out) const;
