@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Character classes that know no locale. Pure; any thread.
+// Locale-independent character classes. Pure; any thread.
 #pragma once
 
 namespace coopdyn {
@@ -24,8 +24,8 @@ constexpr char ToLower(char c) {
   return IsUpper(c) ? static_cast<char>(c - 'A' + 'a') : c;
 }
 
-/// The letter that stands for `c` after a backslash, in the text form and in JSON: n for a line feed; '\0' if
-/// `c` has none.
+/// The letter that stands for `c` after a backslash in the text form and in JSON, e.g. n for a line feed;
+/// '\0' if `c` has no escape.
 constexpr char EscapeLetter(char c) {
   switch (c) {
     case '"':

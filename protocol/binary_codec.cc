@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kSizeBytes = 4;
 constexpr std::size_t kHeaderBytes = 20;  // error, command, T, M, N
-constexpr std::size_t kCommandEnd = 12;   // bytes of a frame up to and with the command
+constexpr std::size_t kCommandEnd = 12;   // bytes of a frame up to and including the command
 
 template <typename T>
 T ReadLittle(const char* bytes) {
@@ -36,8 +36,7 @@ void WriteLittle(T value, char*& to) {
 template <typename T>
 using BitsOf = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
 
-/// Reads as many numbers as `values` holds. Whole teams' readings pass here: at once, where memory is ordered
-/// as the wire.
+/// Fills `values`. Readings of whole teams pass here, so little-endian machines copy them in one go.
 template <typename T>
 void ReadAll(const char*& from, std::vector<T>& values) {
   if constexpr (std::endian::native == std::endian::little) {
@@ -143,8 +142,8 @@ FirstBytes SniffEncoding(std::string_view bytes) {
   if (kFamily.starts_with(bytes) || bytes == kFamily) return FirstBytes::kUndecided;
   if (bytes.starts_with(kFamily)) return FirstBytes::kWrongMagic;
 
-  // Our words are lower-case, so only METHOD SP can begin an HTTP request; then the whole first line decides,
-  // because the name server's `OPEN /robot1/motors` looks like one.
+  // The protocol's words are lower-case, so METHOD SP suggests an HTTP request. The whole first line decides,
+  // because the name server's `OPEN /robot1/motors` looks like one, too.
   const auto letters =
       static_cast<std::size_t>(std::find_if_not(bytes.begin(), bytes.end(), IsUpper) - bytes.begin());
   if (letters == 0 || letters > kMaxMethodBytes) return FirstBytes::kText;
@@ -152,7 +151,7 @@ FirstBytes SniffEncoding(std::string_view bytes) {
   if (bytes[letters] != ' ') return FirstBytes::kText;
   const std::string_view seen = bytes.substr(0, kMaxSniffBytes);
   const std::string_view line = seen.substr(0, seen.find('\n'));
-  // YARP's mjpeg ends the line before HTTP/.
+  // YARP's mjpeg sends a request line without HTTP/.
   if (line.starts_with("GET /") || line.find("HTTP/") != std::string_view::npos) return FirstBytes::kHttp;
   if (line.size() < seen.size()) return FirstBytes::kText;
   return bytes.size() < kMaxSniffBytes ? FirstBytes::kUndecided : FirstBytes::kHttp;

@@ -22,7 +22,7 @@ std::string Written(double value) {
   return number;
 }
 
-/// What is wrong with number `value` by its spec; empty if nothing.
+/// Why `spec` rejects `value`; empty if it accepts the value.
 std::string Objection(const ValueSpec& spec, double value) {
   if (!std::isfinite(value)) {
     return spec.any_number ? "" : "takes finite numbers, " + spec.name + " is " + Written(value);

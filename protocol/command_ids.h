@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Numbers of all commands. docs/protocol.md is the table with their params and data.
+// Numbers of all commands. docs/protocol.md lists their params and data.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@ namespace coopdyn::command {
 
 using Id = std::int32_t;
 
-// Unasked messages; a pushed reading is the negative of its get-command.
+// Unsolicited messages. A pushed reading has its get-command's number, negated.
 inline constexpr Id kClosing = -1;
 inline constexpr Id kUnreadable = -2;
 

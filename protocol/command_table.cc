@@ -78,7 +78,7 @@ std::int32_t CommandTable::first_reading() const {
 }
 
 std::string CommandTable::Nearest(std::string_view name) const {
-  constexpr std::size_t kLongest = 64;  // nobody misspells a command into more
+  constexpr std::size_t kLongest = 64;  // longer words are no misspelt commands
   if (name.empty() || name.size() > kLongest) return "";
   std::string nearest;
   std::size_t least = std::max<std::size_t>(1, name.size() / 3) + 1;

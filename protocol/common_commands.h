@@ -13,19 +13,20 @@
 
 namespace coopdyn {
 
-/// How many commands every table begins with.
+/// Number of common commands at the front of every table.
 inline constexpr std::size_t kCommonCommandCount = 10;
 
-/// True if the command can be subscribed to: a get-command that needs neither text nor values, unless its
-/// `no_push` says why not.
+/// True if clients can subscribe to the command: a get-command that needs neither text nor values and has no
+/// `no_push`.
 bool IsSubscribable(const CommandSpec& spec);
 
-/// The specs of the common commands for a module with the commands `own`, whose subscribable ones become the
-/// words that `subscribe` and `unsubscribe` take. The first of them is the module's first reading.
+/// The specs of the common commands for a module with the commands `own`. The subscribable ones become the
+/// words that `subscribe` and `unsubscribe` accept; the first of them is the module's first reading.
 std::vector<CommandSpec> CommonCommands(std::span<const CommandSpec> own);
 
-/// What the replies to actuator commands, `ready` and `get_time` carry before the final time_s and step: the
-/// mode, then the length of each reading chosen by `attach`; and those readings.
+/// The params and data that replies to actuator commands, `ready` and `get_time` carry before the final
+/// time_s and step. Params: the mode, then the length of each reading chosen by `attach`. Data: those
+/// readings.
 std::vector<ValueSpec> StepReplyParams();
 std::vector<ValueSpec> StepReplyData();
 /// The optional param `steps` (at least 1) of actuator commands and `ready`.

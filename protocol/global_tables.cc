@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The tables of the modules that concern the whole simulation.
+// The command tables of the global modules: /simulation, /world, /swarm, /recorder and /playback.
 #include <utility>
 
 #include "protocol/command_ids.h"

@@ -13,7 +13,7 @@ namespace coopdyn {
 
 namespace {
 
-/// The joints that a command is about: ids of the module, counted from 1; none: all.
+/// The joints that a command applies to: the module's ids, from 1; none means all.
 ValueSpec JointParam() {
   ValueSpec joint = Repeated("joint");
   joint.min = 1;
@@ -26,14 +26,14 @@ ValueSpec ModeValue() {
   return mode;
 }
 
-/// Values that are infinite for "none".
+/// Repeated values; inf means "none".
 ValueSpec AnyNumber(std::string name, std::string unit) {
   ValueSpec value = Repeated(std::move(name), std::move(unit));
   value.any_number = true;
   return value;
 }
 
-/// Takes effect with a step; answered as every actuator command.
+/// A command that takes effect with a step; its reply is that of every actuator command.
 CommandSpec Command(std::int32_t id, std::string name, std::string help, std::vector<ValueSpec> data,
                     std::string example) {
   return {.id = id,
@@ -47,7 +47,7 @@ CommandSpec Command(std::int32_t id, std::string name, std::string help, std::ve
           .example = std::move(example)};
 }
 
-/// Changes how joints are driven; takes effect between two steps.
+/// A command that changes how joints are driven; takes effect between two steps.
 CommandSpec Tuning(std::int32_t id, std::string name, std::string help, std::vector<ValueSpec> data,
                    std::string example) {
   return {.id = id,

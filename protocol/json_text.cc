@@ -20,7 +20,7 @@ void AppendEscape(unsigned char c, std::string& out) {
   out += kHex[c & 15];
 }
 
-/// Bytes of the well-formed character that `text` starts with; 0 if it starts with none.
+/// Length of the well-formed character at the start of `text`; 0 if the start is malformed.
 std::size_t CharacterBytes(std::string_view text) {
   for (std::size_t n = 1; n <= std::min<std::size_t>(4, text.size()); ++n) {
     if (IsCleanUtf8(text.substr(0, n))) return n;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The text of a JSON value (RFC 8259): everything that coopdyn writes as JSON goes through here. Pure; any
-// thread.
+// The text of a JSON value (RFC 8259), for all JSON that coopdyn writes. Pure; any thread.
 #pragma once
 
 #include <string>
@@ -9,8 +8,8 @@
 
 namespace coopdyn {
 
-/// Numbers stand as in the text encoding, 0.5 and not Boost's 5E-1; null if they are not finite. In texts,
-/// bytes that are not UTF-8 become U+FFFD, and '<', '>' and '&' are escaped, so that they may stand in a
+/// Numbers are written as in the text encoding (0.5, not Boost's 5E-1); null if not finite. In strings, bytes
+/// that are not UTF-8 become U+FFFD, and '<', '>' and '&' are escaped, so that the JSON can be embedded in a
 /// page.
 std::string JsonText(const boost::json::value& value);
 

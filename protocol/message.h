@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The one message of coopdyn, used in both directions. Pure data; any thread.
+// The message of coopdyn's protocol, used in both directions. Pure data; any thread.
 #pragma once
 
 #include <cstdint>
@@ -37,13 +37,13 @@ struct Message {
   bool operator==(const Message&) const = default;
 };
 
-/// A reply to `command` without error; the caller adds params and data.
+/// A successful reply to `command`; the caller adds params and data.
 Message ReplyTo(std::int32_t command, std::string text = {});
 
 /// Builds the error reply to `command`: no params, no data.
 Message ErrorReply(std::int32_t command, Error error, std::string text);
 
-/// What an error code means, e.g. "wrong params"; "unknown error" for others. The table of docs/protocol.md.
+/// The meaning of an error code in docs/protocol.md, e.g. "wrong params"; "unknown error" if it has none.
 std::string_view ErrorMeaning(std::int32_t error);
 
 }  // namespace coopdyn

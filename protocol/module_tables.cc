@@ -11,7 +11,7 @@
 namespace coopdyn {
 namespace {
 
-/// An actuator command: optional `steps`, answered with the mode and the attached readings.
+/// An actuator command: optional `steps`; the reply carries the mode and the attached readings.
 CommandSpec Actuator(std::int32_t id, std::string name, std::string help, std::vector<ValueSpec> data,
                      std::string example) {
   return {.id = id,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The command tables of the modules: the one place that says what each command takes and answers. The
-// server's modules, `describe`, the text form, the clients' tests and docs/protocol.md all follow them. Pure;
-// any thread.
+// The modules' command tables: the only declaration of each command's arguments and reply. The server's
+// modules, `describe`, the text form, the clients' tests and docs/protocol.md all follow them. Pure; any
+// thread.
 #pragma once
 
 #include <string_view>
@@ -40,7 +40,7 @@ CommandTable PlaybackTable();    // /playback
 
 /// All of the above, in that order.
 const std::vector<CommandTable>& AllModuleTables();
-/// That of the modules called `name`; null: there is none.
+/// The table of modules named `name`; null if unknown.
 const CommandTable* FindModuleTable(std::string_view name);
 
 }  // namespace coopdyn

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The commands of the muscles of a robot.
+// The commands of a robot's muscles.
 #include "protocol/command_ids.h"
 #include "protocol/common_commands.h"
 #include "protocol/module_tables.h"

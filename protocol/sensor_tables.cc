@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The tables of sensors that robots from files have.
+// The command tables of the sensors of robots from files.
 #include <utility>
 
 #include "protocol/command_ids.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the command tables are made of. Pure.
+// Building blocks of the command tables. Pure.
 #pragma once
 
 #include <string>
@@ -22,7 +22,7 @@ inline ValueSpec Repeated(std::string name, std::string unit = "") {
   return {.name = std::move(name), .unit = std::move(unit), .repeated = true};
 }
 
-/// A command that takes nothing and answers with `data`.
+/// A command without arguments whose reply carries `data`.
 inline CommandSpec Reading(std::int32_t id, std::string name, std::string help, std::vector<ValueSpec> data) {
   std::string example = name;
   return {.id = id,
@@ -32,7 +32,7 @@ inline CommandSpec Reading(std::int32_t id, std::string name, std::string help, 
           .example = std::move(example)};
 }
 
-/// A command that takes nothing and answers with time and step only.
+/// A command without arguments whose reply carries only time and step.
 inline CommandSpec Order(std::int32_t id, std::string name, std::string help) {
   return Reading(id, std::move(name), std::move(help), {});
 }

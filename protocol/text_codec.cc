@@ -10,14 +10,15 @@
 namespace coopdyn {
 namespace {
 
-/// Reads an int of the full form called `name`; says what is wrong, or nothing.
+/// Reads the full form's integer `name`. Returns the error message; empty if valid.
 std::string ReadInt(LineScanner& line, std::string_view name, std::int32_t& value) {
   if (line.AtEnd()) return std::string(name) + " is missing";
   std::string why = ReadParam(line.Token(), value);
   return why.empty() ? why : std::string(name) + ": " + why;
 }
 
-/// Reads M or N. The list must fit into what is left of the line, so that a count cannot make us allocate.
+/// Reads M or N. The list must fit into the rest of the line, so that a count cannot force a large
+/// allocation.
 std::string ReadCount(LineScanner& line, std::string_view name, std::size_t& count) {
   std::int32_t value = 0;
   std::string why = ReadInt(line, name, value);
@@ -63,7 +64,7 @@ void ReadFull(LineScanner& line, Decoded& decoded) {
       Unreadable(why + "; write error \"text\" command M params N data, as in 0 \"\" 11 0 2 0.2 0.5");
 }
 
-/// Whether `word` closes the connection: /simulation has a `quit` of its own.
+/// True if `word` closes the connection: /simulation has its own `quit` command.
 bool Leaves(std::string_view word, const CommandTable& table) {
   const std::string_view farewell = Farewell(word);
   return !farewell.empty() && table.Find(farewell) == nullptr;

@@ -68,7 +68,7 @@ std::string PrintDouble(double value) {
 }  // namespace
 
 void EncodeVerbose(const Message& reply, const CommandTable& table, std::string& out) {
-  if (reply.command == command::kClosing) return;  // it names nothing, and its text says all
+  if (reply.command == command::kClosing) return;  // has no values to name
   const std::int64_t id = reply.command;
   const bool known = id > INT32_MIN;
   const CommandSpec* spec = known ? table.Find(static_cast<std::int32_t>(id < 0 ? -id : id)) : nullptr;

@@ -15,7 +15,7 @@
 namespace coopdyn {
 namespace {
 
-/// The other module that has the command `word`, as pose has get_pose; empty if none.
+/// The module that has the command `word`, e.g. pose for get_pose; empty if none.
 std::string ModuleOf(std::string_view word) {
   for (const CommandTable& table : AllModuleTables()) {
     if (table.Find(word) != nullptr) return table.module();
@@ -36,7 +36,7 @@ Message UnknownWord(std::string_view word, const CommandTable& table) {
   return ErrorReply(command::kUnreadable, Error::kUnknownCommand, std::move(text));
 }
 
-/// The number that `token` stands for as a word of `value`.
+/// The number of the enum word `token` of `value`; nullopt if it is not one.
 std::optional<std::int32_t> EnumNumber(const ValueSpec* value, std::string_view token) {
   if (value == nullptr) return {};
   const auto found = std::find_if(value->enums.begin(), value->enums.end(),
@@ -50,7 +50,7 @@ bool LooksLikeWord(std::string_view token) {
   return !token.empty() && IsLetter(token.front()) && ReadDouble(token, value) == NumberRead::kNotNumber;
 }
 
-/// Reads named lines of one command.
+/// Reads a named line of one command.
 class NamedReader {
  public:
   NamedReader(const CommandSpec& spec, LineScanner& line) : spec_(spec), line_(line) {
@@ -95,7 +95,7 @@ class NamedReader {
     if (!line_.AtEnd()) Fail("nothing may follow the closing quote: " + ExampleLine(spec_));
   }
 
-  /// `(1 2)`: the params, if they stand in brackets.
+  /// Reads params in brackets, e.g. `(1 2)`, if any.
   void ReadBrackets() {
     if (line_.AtEnd() || line_.Peek() != '(') return;
     line_.Take(1);
@@ -132,14 +132,14 @@ class NamedReader {
     return LooksLikeWord(token) && !EnumNumber(first, token);
   }
 
-  /// The params that stand without brackets in this line.
+  /// The params without brackets in this line.
   std::span<const ValueSpec> Bare() const {
     return bracketed_ ? std::span<const ValueSpec>() : BareParams(spec_);
   }
 
   void ReadValues() {
     if (line_.AtEnd() || line_.Peek() != '[') return AddValues(line_);
-    // A row as MATLAB and Python write it: `[0.2 0.5]` or `[0.2, 0.5]`.
+    // A row as in MATLAB or Python: `[0.2 0.5]` or `[0.2, 0.5]`.
     line_.Take(1);
     const std::size_t end = line_.rest().find(']');
     if (end == std::string_view::npos) return Fail("the closing bracket ] is missing: " + ExampleLine(spec_));
@@ -156,7 +156,7 @@ class NamedReader {
     std::size_t params = 0;
     while (!problem_ && !line.AtEnd()) {
       const std::string_view token = line.Token();
-      // What is too much for a command without data counts as params, so that the count is what gets blamed.
+      // Surplus values of a command without data count as params, so that the error names the count.
       if (ValueAt(bare, params) != nullptr || (spec_.data.empty() && !bracketed_)) {
         AddParam(bare, params++, token);
       } else {
@@ -214,7 +214,7 @@ class NamedReader {
   std::optional<Message> problem_;
 };
 
-/// The command that `word` names in a line with or without values.
+/// The command that `word` names, by name or alias; `has_values`: the line has values.
 const CommandSpec* FindCommand(std::string_view word, bool has_values, const CommandTable& table) {
   const CommandSpec* spec = table.Find(word);
   if (spec != nullptr && !(TakesNothing(*spec) && has_values)) return spec;

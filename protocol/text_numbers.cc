@@ -47,7 +47,7 @@ bool SplitDecimal(std::string_view text, Decimal& parts) {
   return !digits.empty() && CountDigits(digits) == digits.size();
 }
 
-/// True if a number that no double can hold is too large rather than too small.
+/// True if a number outside the range of double is too large, false if too small.
 bool IsHuge(const Decimal& parts) {
   std::string_view exponent = parts.exponent;
   if (!exponent.empty() && exponent.front() == '+') exponent.remove_prefix(1);

@@ -13,10 +13,10 @@ constexpr char kBackspace = '\x08';
 constexpr char kDelete = '\x7F';
 constexpr unsigned char kIac = 0xFF;   // interpret as command (RFC 854)
 constexpr unsigned char kSe = 0xF0;    // end of a sub-negotiation
-constexpr unsigned char kSb = 0xFA;    // begin of a sub-negotiation
+constexpr unsigned char kSb = 0xFA;    // start of a sub-negotiation
 constexpr unsigned char kWill = 0xFB;  // WILL, WONT, DO, DONT: one option byte follows
 
-/// Bytes of the telnet command at the front of `bytes`; 0 if it is none or unfinished. @pre it starts with
+/// Length of the telnet command at the front of `bytes`; 0 if invalid or incomplete. @pre `bytes` starts with
 /// IAC
 std::size_t TelnetCommandBytes(std::string_view bytes) {
   if (bytes.size() < 2) return 0;
@@ -41,7 +41,7 @@ void RemoveLastCharacter(std::string& line) {
 std::string TidyLine(std::string_view line) {
   std::string tidy;
   tidy.reserve(line.size());
-  // After one sub-negotiation without end no other can have one; looking again each time would be quadratic.
+  // If one sub-negotiation has no end, no later one has either; searching again each time would be quadratic.
   bool unfinished = false;
   for (std::size_t i = 0; i < line.size();) {
     const char c = line[i];

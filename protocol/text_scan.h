@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The pieces that lines of the text form are made of. Pure; any thread.
+// Scanning lines of the text form. Pure; any thread.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,9 @@
 
 namespace coopdyn {
 
-/// What a person's terminal meant by the bytes of one line (without its end): telnet negotiation removed,
-/// backspace (0x08 and 0x7f) applied to whole UTF-8 characters. Unfinished negotiation stays, and is then no
-/// UTF-8.
+/// The text of one line (without its end) as typed at a terminal: removes telnet negotiation and applies
+/// backspace (0x08 and 0x7f) to whole UTF-8 characters. Unfinished negotiation stays, which makes the line
+/// invalid UTF-8.
 std::string TidyLine(std::string_view line);
 
 /// Walks over one line, token by token.
@@ -27,11 +27,11 @@ class LineScanner {
   char Peek() const { return rest_.empty() ? '\0' : rest_.front(); }
   /// Everything not yet read.
   std::string_view rest() const { return rest_; }
-  /// Skips blanks, then takes everything up to the next blank; empty at the end.
+  /// Skips blanks, then consumes everything up to the next blank; empty at the end.
   std::string_view Token();
-  /// Takes `count` characters.
+  /// Consumes `count` characters.
   std::string_view Take(std::size_t count);
-  /// Takes a quoted text at the front into `text`. Returns what is wrong with it; empty if nothing. @pre
+  /// Consumes a quoted text at the front into `text`. Returns the error message; empty if well-formed. @pre
   /// Peek() == '"'
   std::string QuotedText(std::string& text);
 
@@ -39,16 +39,16 @@ class LineScanner {
   std::string_view rest_;
 };
 
-/// `exit`, `quit` or `bye`, if `word` is that in any case; else empty.
+/// `exit`, `quit` or `bye` if `word` is one of them, case-insensitively; else empty.
 std::string_view Farewell(std::string_view word);
 
 /// Appends `text` in quotes with the escapes of the text form.
 void AppendQuotedText(std::string_view text, std::string& out);
 
-/// What a token is when read as a number.
+/// The result of reading a token as a number.
 enum class NumberRead {
   kOk,
-  kNotNumber,   // not by the grammar
+  kNotNumber,   // does not match the grammar
   kOutOfRange,  // a whole number outside int32, or finite digits beyond the largest double
   kHasPoint,    // a number, but not a whole one (ReadInt32 only)
 };
@@ -61,24 +61,24 @@ NumberRead ReadDouble(std::string_view token, double& value);
 
 /// Says why `token` is not a number and what to write instead, e.g. `'0,5' is not a number: write 0.5`.
 std::string NotANumber(std::string_view token);
-/// `token` in quotes, cut after 40 bytes at the border of a character.
+/// `token` in quotes, cut after 40 bytes at a character boundary.
 std::string Quoted(std::string_view token);
 
-/// Reads the rest of a line after `word` by `table`. Returns the request, or an error reply (error != 0): 1
-/// and 7 with command -2, what CheckRequest says with the command's own number.
+/// Reads the rest of a line after `word` by `table`. Returns the request, or an error reply (error != 0):
+/// errors 1 and 7 with command -2, errors of CheckRequest with the command's number.
 Message ReadNamed(std::string_view word, LineScanner& line, const CommandTable& table);
 
 /// The reply to a line that cannot be read: error 7, command -2.
 Message Unreadable(std::string text);
 
-/// Takes one TEXT at the front (quoted, or up to the next blank) into `text`; says what is wrong with it, or
-/// nothing.
+/// Consumes one TEXT at the front (quoted, or up to the next blank) into `text`. Returns the error message;
+/// empty if well-formed.
 std::string ReadText(LineScanner& line, std::string& text);
 
-/// Reads a param; says what is wrong with it and what to write instead, or nothing.
+/// Reads a param. Returns what is wrong and what to write instead; empty if valid.
 std::string ReadParam(std::string_view token, std::int32_t& value);
 
-/// Reads a data value likewise.
+/// The same for a data value.
 std::string ReadData(std::string_view token, double& value);
 
 }  // namespace coopdyn

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The commands of the thrusters of a robot.
+// The commands of a robot's thrusters.
 #include "protocol/command_ids.h"
 #include "protocol/common_commands.h"
 #include "protocol/module_tables.h"

@@ -15,7 +15,7 @@ std::size_t RequiredCount(std::span<const ValueSpec> values) {
                                   values.begin());
 }
 
-/// A number for an example, as it is written in a line.
+/// The text of an example value in a line.
 std::string ExampleValue(const ValueSpec& value, bool is_param) {
   if (!value.enums.empty()) return value.enums.front().first;
   const double number = std::isfinite(value.min) ? std::max(value.min, 1.0) : 1.0;

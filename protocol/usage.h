@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How a command is written: what it takes, an example line, and the checks of counts. Pure; any thread.
+// How a command is written: its arguments, an example line, and count checks. Pure; any thread.
 #pragma once
 
 #include <cstddef>
@@ -11,30 +11,29 @@
 
 namespace coopdyn {
 
-/// How many values come before those that repeat.
+/// Number of values before the repeating group.
 std::size_t FixedCount(std::span<const ValueSpec> values);
-/// The spec of value number `index` (from 0), repeating groups unrolled; null beyond the last.
+/// The spec of value `index` (from 0) with repeating groups unrolled; null beyond the last.
 const ValueSpec* ValueAt(std::span<const ValueSpec> values, std::size_t index);
-/// True if `count` values satisfy `values`.
+/// True if `values` allow `count` values.
 bool CountFits(std::span<const ValueSpec> values, std::size_t count);
 /// True if the command takes neither text nor values.
 bool TakesNothing(const CommandSpec& spec);
-/// The params that a named line gives without brackets: all, or, if data follow, only those that are always
-/// there.
+/// The params that a named line gives without brackets: all, or only the required ones if data follow.
 std::span<const ValueSpec> BareParams(const CommandSpec& spec);
 
 /// A named line with the names of the values, e.g. `set_velocity [(steps)] linear angular`.
 std::string Usage(const CommandSpec& spec);
-/// A named line that works, e.g. `set_velocity 0.2 0.5`.
+/// A valid named line, e.g. `set_velocity 0.2 0.5`.
 std::string ExampleLine(const CommandSpec& spec);
 /// `linear (m/s) and angular (rad/s)`; `nothing` if empty.
 std::string ListOf(std::span<const ValueSpec> values);
 /// `realtime (0), lockstep (1) or free (2)`.
 std::string ListOfEnums(const ValueSpec& value);
-/// ` (…)`: what to do instead of giving others than these; empty if that is not said.
+/// ` (…)` with the advice for values that are not enum words; empty if the spec has none.
 std::string Instead(const ValueSpec& value);
-/// One cell of the tables of docs/protocol.md, e.g. `[steps], left rad/s`; `–` if empty. What repeats ends
-/// with …, in brackets if it is a group. `words`: with the numbers that enum words stand for.
+/// One cell of the tables in docs/protocol.md, e.g. `[steps], left rad/s`; `–` if empty. A repeating value
+/// ends with …, a repeating group also has brackets. `words`: include the numbers of enum words.
 std::string ValuesCell(std::span<const ValueSpec> values, bool words = false);
 
 }  // namespace coopdyn

@@ -9,7 +9,7 @@ namespace coopdyn {
 std::size_t CharacterCount(std::string_view text) {
   return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
-  }));  // the first byte of each
+  }));  // counts the first byte of each character
 }
 
 bool IsCleanUtf8(std::string_view text) {
@@ -21,8 +21,8 @@ bool IsCleanUtf8(std::string_view text) {
       ++i;
       continue;
     }
-    // RFC 3629: the second byte's range depends on the lead, so that no code has two forms and no surrogates
-    // occur.
+    // RFC 3629: the second byte's range depends on the lead byte; this excludes overlong forms and
+    // surrogates.
     std::size_t length = 0;
     std::uint8_t low = 0x80;
     std::uint8_t high = 0xBF;

@@ -154,9 +154,8 @@ int RunHost(HostOptions options) {
   std::string host = options.advertise;
   if (host.empty()) host = options.hosts.empty() ? "127.0.0.1" : options.hosts.front();
   if (host == "0.0.0.0" || host == "::") host = LanAddress().empty() ? "127.0.0.1" : LanAddress();
-  const std::string url = fmt::format("http://{}:{}/", Bracketed(host), options.port + 1);
 
-  ClassOptions what{.folder = options.folder, .lessons = options.lessons, .url = url};
+  ClassOptions what{.folder = options.folder, .lessons = options.lessons};
   what.plan.program = fs::read_symlink("/proc/self/exe", code);
   what.plan.limits.memory_bytes = options.memory_mib << 20;
   what.plan.limits.disk_bytes = options.disk_mib << 20;
@@ -175,13 +174,14 @@ int RunHost(HostOptions options) {
   if (::gethostname(own_name.data(), own_name.size() - 1) == 0) names.emplace_back(own_name.data());
   ClassPages pages(io.context(), room, guard, token, names, wrong, clock, net);
   for (const std::string& error :
-       {door.Listen(addresses, options.port), pages.Listen(addresses, options.port + 1)}) {
+       {door.Listen(addresses, options.port), pages.Listen(addresses, options.port == 0 ? 0 : options.port + 1)}) {
     if (error.empty()) continue;
     PrintError("coopdyn: {}\n", WithAdvice(error, "--port"));
     io.Stop();
     return kExitErrors;
   }
-  io.Call([&room] { room.Open(); });
+  const std::string url = fmt::format("http://{}:{}/", Bracketed(host), pages.port());
+  io.Call([&room, &url] { room.Open(url); });
   PrintError(
       "wall:     {}wall/   (token {})\nstudents: {}\nsheet:    {}wall/class/sheet   (PINs are in {})\n", url,
       token, url, url, RollFile(options.folder).string());
@@ -294,8 +294,8 @@ void AddHost(CLI::App& app, Chosen& chosen) {
   sub->add_option("--class", host.class_file, "A list of students: CSV with the columns name, pin, group");
   sub->add_option("--folder", host.folder, "What the class keeps: list, token, a folder for each seat")
       ->capture_default_str();
-  sub->add_option("--port", host.port, "Programs on P, pages on P+1")
-      ->check(WholeIn(1, 65000))
+  sub->add_option("--port", host.port, "Programs on P, pages on P+1; 0: any free ports")
+      ->check(WholeIn(0, 65000))
       ->capture_default_str();
   sub->add_option("--host", host.hosts,
                   "Address to listen at (default: this machine only); 0.0.0.0: everybody");

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Little-endian numbers to and from bytes, for what recordings hold. Any machine; pure.
-// A value whose bytes are described once for both ways has a function template `void CodeThing(auto& codec,
-// auto& thing)`, which names each field in order: a ByteWriter writes them where a ByteReader reads and
-// checks them.
+// Serializes values as little-endian bytes, for recordings. Portable; pure.
+// A type describes its bytes once for both directions, in a function template `void CodeThing(auto& codec,
+// auto& thing)` that names each field in order: a ByteWriter writes the fields, a ByteReader reads and checks
+// them.
 #pragma once
 
 #include <bit>
@@ -27,7 +27,7 @@ class ByteWriter {
 
   bool ok() const { return true; }
   void Require(bool /*holds*/) {}
-  /// The lowest `count` bytes of `number`.
+  /// Writes the lowest `count` bytes of `number`.
   void Low(std::uint64_t number, std::size_t count) {
     const std::size_t at = bytes_.size();
     bytes_.resize(at + count);
@@ -74,7 +74,7 @@ class ByteWriter {
   std::vector<std::byte>& bytes_;
 };
 
-/// Reads bytes that may be anything: past the end it gives zeros, and ok() is false from then on.
+/// Reads untrusted bytes. A read past the end returns zeros and makes ok() false for good.
 class ByteReader {
  public:
   static constexpr bool kReads = true;
@@ -83,14 +83,14 @@ class ByteReader {
 
   bool ok() const { return ok_; }
   std::size_t left() const { return bytes_.size(); }
-  /// Everything was read, and it was there.
+  /// True if all bytes have been read without an error.
   bool finished() const { return ok_ && bytes_.empty(); }
   void Require(bool holds) {
     if (holds) return;
     ok_ = false;
     bytes_ = {};
   }
-  /// A number of `count` ≤ 8 bytes.
+  /// Reads a number of `count` ≤ 8 bytes.
   std::uint64_t Low(std::size_t count) {
     std::uint64_t number = 0;
     const std::span<const std::byte> bytes = Take(count);
@@ -109,7 +109,7 @@ class ByteReader {
       number = static_cast<Value>(Low(sizeof(Value)));
     }
   }
-  /// A number or several.
+  /// Reads one number or several; requires finite values.
   template <typename Numbers>
   void Finite(Numbers& numbers) {
     if constexpr (std::floating_point<Numbers>) {
@@ -123,7 +123,7 @@ class ByteReader {
     Finite(number);
     Require(number >= least);
   }
-  /// A length that a thing can have.
+  /// Reads a length; requires a finite, positive value.
   void Size(double& size) {
     Finite(size);
     Require(size > 0);
@@ -133,7 +133,7 @@ class ByteReader {
     Require(byte <= 1);
     value = byte != 0;
   }
-  /// A word of an enum whose last one is `last`.
+  /// Reads a value of an enum whose last enumerator is `last`.
   template <typename Enum>
   void Word(Enum& word, Enum last) {
     const std::uint64_t byte = Low(1);
@@ -148,8 +148,8 @@ class ByteReader {
     const std::span<const std::byte> read = Take(Low(4));
     bytes.assign(read.begin(), read.end());
   }
-  /// A u32 count and things of at least `bytes_each` ≥ 1, so that no more memory is taken than there are
-  /// bytes.
+  /// Reads a u32 count and that number of items of at least `bytes_each` ≥ 1 bytes. Rejects a count that the
+  /// remaining bytes cannot hold, so that a wrong count cannot force a large allocation.
   template <typename Items, typename Code>
   void List(Items& items, std::size_t bytes_each, Code code) {
     const std::size_t count = Low(4);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Wall-clock time as an argument: the steady clock of the machine, or one that tests own.
+// Wall-clock time as a dependency: the machine's steady clock, or a clock that a test controls.
 #pragma once
 
 #include <atomic>
@@ -8,12 +8,12 @@
 
 namespace coopdyn {
 
-/// Nanoseconds; simulated or wall time according to the name that holds them.
+/// Nanoseconds of simulated or wall time; the variable's name says which.
 using Nanoseconds = std::int64_t;
 inline constexpr Nanoseconds kNanosecondsPerSecond = 1'000'000'000;
 
-/// `ns` as seconds: the one conversion used for every time_s. A division is rounded once, so that 6.68 s is
-/// the double nearest to 6.68 and prints so.
+/// `ns` in seconds: the conversion behind every time_s. A division rounds only once, so 6.68 s is the double
+/// nearest to 6.68 and prints as 6.68.
 inline double ToSeconds(Nanoseconds ns) {
   return static_cast<double>(ns) / 1e9;
 }
@@ -34,7 +34,7 @@ class SteadyClock final : public Clock {
   }
 };
 
-/// A clock that stands still until told. Any thread.
+/// A clock that stands still until Advance(). Any thread.
 class ManualClock final : public Clock {
  public:
   Nanoseconds Now() const override { return now_.load(); }

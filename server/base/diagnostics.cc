@@ -80,7 +80,7 @@ void Diagnostics::Keep(Diagnostic diagnostic) {
   const bool counts_as_error = diagnostic.level == Diagnostic::Level::kError;
   all_.insert(place, std::move(diagnostic));
   if (counts_as_error ? ++kept_errors_ <= kMaxKept : all_.size() - kept_errors_ <= kMostWarnings) return;
-  // The last error goes, or the last of what matters least.
+  // Drop the last error, or the last of the least important warnings.
   const auto by_level = [](const Diagnostic& a, const Diagnostic& b) { return a.level < b.level; };
   const auto last = counts_as_error ? std::min_element(all_.rbegin(), all_.rend(), by_level)
                                     : std::max_element(all_.rbegin(), all_.rend(), by_level);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Typed ids: a robot id cannot be passed where a target id is meant.
+// Typed ids: a robot id cannot be passed as a target id.
 #pragma once
 
 #include <compare>
@@ -7,7 +7,7 @@
 
 namespace coopdyn {
 
-/// An id by value; 0 = none. Ids start at 1 in file order and are not reused until the next reset or load.
+/// An id; 0 = none. Ids start at 1 in file order and are not reused until the next reset or load.
 template <typename Tag>
 struct Id {
   std::uint32_t value = 0;
@@ -20,7 +20,7 @@ using BodyId = Id<struct BodyTag>;
 using ObjectId = Id<struct ObjectTag>;
 using TargetId = Id<struct TargetTag>;
 
-/// A client's connection; unique in the life of the daemon. 0 = nobody.
+/// A client's connection; unique during the daemon's life. 0 = no client.
 using ClientId = std::uint64_t;
 
 }  // namespace coopdyn

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
-// The end of what a client sends: it has shut down its sending side, closed its connection, or died. Whoever
-// wants what the client owns may look for it, before the connection's own thread has read it.
+// The end of a client's input: the client has shut down its sending side, closed its connection, or died.
+// A client that wants something that another one owns can check for the owner's end of input before the
+// owner's connection thread has read it.
 #pragma once
 
 #include <atomic>
 
 namespace coopdyn {
 
-/// Of one connection. Any thread.
+/// The end of input of one connection. Any thread.
 class InputEnd {
  public:
   InputEnd() = default;
@@ -15,10 +16,10 @@ class InputEnd {
   InputEnd(const InputEnd&) = delete;
   InputEnd& operator=(const InputEnd&) = delete;
 
-  /// Somebody has seen it. Without lock.
+  /// True once the end has been noted. Lock-free.
   bool is_known() const { return known_.load(std::memory_order_acquire); }
   void Note() { known_.store(true, std::memory_order_release); }
-  /// Looks for it; once it has come it is known. Takes a lock: never to be called with one held.
+  /// Checks for the end and notes it. Takes a lock: never call it with a lock held.
   bool Look() {
     if (!is_known() && HasCome()) Note();
     return is_known();

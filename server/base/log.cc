@@ -22,15 +22,15 @@ constexpr std::size_t kQueueLines = 8192;
 constexpr std::size_t kMaxPeers = 4096;
 constexpr std::chrono::minutes kCountEvery{1};
 
-/// Passes lines on, made printable; equal ones in a row once, and how many more there were when another line
-/// comes, after a minute, and at the end.
+/// Passes on lines, made printable, and a run of equal lines once. Writes the number of repeats when a
+/// different line follows, after a minute, and at the end.
 class RepeatCounter final : public spdlog::sinks::dist_sink<std::mutex> {
  public:
   explicit RepeatCounter(std::vector<spdlog::sink_ptr> sinks) : dist_sink(std::move(sinks)) {}
   ~RepeatCounter() override {
     try {
       WriteCount();
-    } catch (const std::exception&) {  // a full disk: there is nobody left to tell
+    } catch (const std::exception&) {  // e.g. a full disk; no way to report it
     }
   }
   RepeatCounter(const RepeatCounter&) = delete;
@@ -66,20 +66,20 @@ class RepeatCounter final : public spdlog::sinks::dist_sink<std::mutex> {
     }
   }
 
-  // Of the last line; guarded by mutex_.
+  // State of the last line; guarded by mutex_.
   std::string text_;
   spdlog::level::level_enum level_ = spdlog::level::off;
   spdlog::log_clock::time_point time_, written_;
   int repeated_ = 0;
 };
 
-/// Writes to stderr, whose last line may show a bar: log lines go above it.
+/// Writes to stderr. The last line may show a bar; log lines go above it.
 class StderrSink final : public spdlog::sinks::base_sink<std::mutex> {
  public:
   void ShowBar(const std::string& text) {
     const std::lock_guard lock(mutex_);
     const std::string before = bar_.empty() ? "" : kWipe;
-    // Without the turn to the next line at the margin, so that one wipe is enough.
+    // Auto-wrap off, so that wiping one line is enough.
     bar_ = text.empty() ? "" : "\033[?7l" + text + "\033[?7h";
     Write(before + bar_);
   }
@@ -94,7 +94,7 @@ class StderrSink final : public spdlog::sinks::base_sink<std::mutex> {
     Write(bar_.empty() ? whole : kWipe + whole + bar_);
   }
   void flush_() override { std::fflush(stderr); }
-  /// In one go: others write to stderr too.
+  /// One fwrite() per text: other code writes to stderr too.
   static void Write(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stderr); }
 
   std::string bar_;  // guarded by mutex_; empty: none
@@ -120,7 +120,7 @@ LogBackend::LogBackend(const std::string& level, const std::string& file) : impl
                                                    spdlog::async_overflow_policy::overrun_oldest);
   logger_->set_pattern("%Y-%m-%d %H:%M:%S.%e%z %l: %v");
   logger_->set_level(spdlog::level::from_str(level));
-  // A full disk is said once, not with every line.
+  // Report e.g. a full disk once, not with every line.
   logger_->set_error_handler([said = false](const std::string& text) mutable {
     if (!std::exchange(said, true))
       std::fprintf(stderr, "coopdyn: the log is not complete: %s\n", text.c_str());
@@ -130,7 +130,7 @@ LogBackend::LogBackend(const std::string& level, const std::string& file) : impl
 LogBackend::~LogBackend() {
   const std::size_t dropped = impl_->pool->overrun_counter();
   if (dropped > 0) logger_->warn("{} log lines were dropped", dropped);
-  impl_.reset();  // first, so that its thread has let go of the logger
+  impl_.reset();  // first: joins its thread, which releases the logger
   logger_.reset();
 }
 

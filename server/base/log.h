@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Logging that never blocks: a bounded queue to one writer thread, the oldest lines dropped and counted. A
-// line begins with date, time and zone; equal ones in a row are written once, then how many there were. Any
+// Logging that never blocks: a bounded queue to one writer thread; a full queue drops and counts its oldest
+// lines. A line begins with date, time and zone; a run of equal lines is written once, then its length. Any
 // thread.
 #pragma once
 
@@ -19,7 +19,7 @@ namespace coopdyn {
 using Logger = std::shared_ptr<spdlog::logger>;
 
 /// A logger to stderr with its own queue and thread. `level`: trace, debug, info, warning, error, off.
-/// `file`: lines are added to it too; empty: none. Throws spdlog::spdlog_ex if it cannot be opened.
+/// `file`: also append lines to this file; empty: none. Throws spdlog::spdlog_ex if it cannot be opened.
 /// The caller keeps `LogBackend` alive longer than every copy of the logger; its destructor flushes.
 class LogBackend {
  public:
@@ -36,19 +36,20 @@ class LogBackend {
   Logger logger_;
 };
 
-/// Shows `text` below what the logger of a `LogBackend` writes to stderr, a terminal, in the place of the
-/// text before; empty: nothing any more. What is wider than the terminal is cut. No other logger shows it.
+/// Shows `text` below the lines that a `LogBackend`'s logger writes to stderr, which must be a terminal.
+/// Replaces the previous text; empty: shows none. Text wider than the terminal is cut. Other loggers ignore
+/// it.
 void ShowBelowLog(const Logger& logger, const std::string& text);
 
 /// A logger that writes nowhere, for tests.
 Logger NullLogger();
 
-/// Lets through at most `kLinesPerSecond` lines a second per peer and counts the rest. Any thread.
+/// Allows at most `kLinesPerSecond` lines a second per peer and counts the rest. Any thread.
 class PeerLogLimiter {
  public:
   static constexpr int kLinesPerSecond = 10;
-  /// Returns true if a line about `peer` may be written at `now`; `suppressed` gets how many were not, since
-  /// the last.
+  /// True if a line about `peer` may be written at `now`. Sets `suppressed` to the number of suppressed lines
+  /// since the last allowed one.
   bool Allow(const std::string& peer, Nanoseconds now, std::int64_t& suppressed);
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// std::mutex and a scoped lock with clang's thread-safety annotations, so that `GUARDED_BY` is proved at
-// compile time. Locks are leaves: no code holds two.
+// std::mutex and a scoped lock with clang's thread-safety annotations, so that the compiler checks
+// `GUARDED_BY`. Locks are leaves: no code holds two.
 #pragma once
 
 #include <condition_variable>
@@ -44,7 +44,7 @@ class SCOPED_CAPABILITY MutexLock {
   Mutex& mutex_;
 };
 
-/// A condition to wait for under a Mutex; waits are written as `while (!condition) cv.Wait(mutex_);`.
+/// A condition variable for Mutex. Write waits as `while (!condition) cv.Wait(mutex_);`.
 class ConditionVariable {
  public:
   void Wait(Mutex& mutex) REQUIRES(mutex) { condition_.wait(mutex); }

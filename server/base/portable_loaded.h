@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// More functions like those of portable_math.h, for controllers and libraries alone: nothing of ours calls
-// them. Pure; any thread.
+// More functions like those of portable_math.h, only for loaded controllers and libraries: coopdyn's own code
+// calls none of them. Pure; any thread.
 #pragma once
 
 namespace coopdyn::portable {

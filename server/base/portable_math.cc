@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "server/base/portable_math.h"
 
-#include <sleef.h>  // 4,000 lines of vector types: here alone
+#include <sleef.h>  // 4,000 lines of vector types: include it nowhere else
 
 #include "server/base/portable_loaded.h"
 
 namespace coopdyn::portable {
 
-// A compiler may make one call of sincos() of two of sin() and cos(): all three have the same bits.
+// A compiler may merge calls of sin() and cos() into one of sincos(), so all three must give the same bits.
 double Sin(double x) {
   return SinCos(x).sin;
 }

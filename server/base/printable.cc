@@ -12,7 +12,8 @@ struct CodeRange {
   char32_t first, last;
 };
 
-/// What a terminal obeys, or what a reader does not see: controls, zero widths, turns of direction, tags.
+/// Characters that a terminal obeys or a reader cannot see: controls, zero-width characters, direction
+/// changes, tags.
 constexpr std::array kHidden = {
     CodeRange{0x00, 0x1F},     CodeRange{0x7F, 0x9F},       CodeRange{0xAD, 0xAD},
     CodeRange{0x61C, 0x61C},   CodeRange{0x180E, 0x180E},   CodeRange{0x200B, 0x200F},
@@ -35,7 +36,7 @@ bool IsHidden(std::string_view character) {
                      [code](const CodeRange& range) { return code >= range.first && code <= range.last; });
 }
 
-/// Appends the next character of `text`, or ? in its place.
+/// Moves the next character of `text` to `shown`, as ? if it is unsafe.
 void TakeCharacter(std::string_view& text, bool lines, std::string& shown) {
   const std::size_t length = Utf8CharacterLength(text);
   const std::string_view character = text.substr(0, std::max<std::size_t>(length, 1));
@@ -77,7 +78,7 @@ std::size_t Utf8CharacterLength(std::string_view text) {
   for (std::size_t i = 1; i < length; ++i) {
     if ((byte(i) & 0xC0) != 0x80) return 0;
   }
-  // Overlong forms, surrogates and beyond U+10FFFF.
+  // Overlong forms, surrogates and code points beyond U+10FFFF.
   if ((first == 0xE0 && byte(1) < 0xA0) || (first == 0xED && byte(1) > 0x9F) ||
       (first == 0xF0 && byte(1) < 0x90) || (first == 0xF4 && byte(1) > 0x8F)) {
     return 0;

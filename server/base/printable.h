@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Text of others, fit for a terminal. Pure; any thread.
+// Makes untrusted text safe for a terminal. Pure; any thread.
 #pragma once
 
 #include <cstddef>
@@ -8,16 +8,17 @@
 
 namespace coopdyn {
 
-/// Longer texts are cut.
+/// Default limit; longer texts are cut.
 inline constexpr std::size_t kMaxPrintableBytes = 1000;
 
-/// `text` in one line: ? for each control character (ends of lines too), for what hides text or turns its
-/// direction, and for each byte that is not UTF-8. What is longer than `max_bytes` ends in `… (N bytes)`.
+/// `text` in one line, with ? for each control character (including line ends), for each character that hides
+/// text or changes its direction, and for each byte that is not UTF-8. Text longer than `max_bytes` is cut
+/// and ends in `… (N bytes)`.
 std::string Printable(std::string_view text, std::size_t max_bytes = kMaxPrintableBytes);
-/// The same with its line ends, and uncut unless `max_bytes` says otherwise.
+/// The same, but keeps line ends and cuts only at `max_bytes`, if given.
 std::string PrintableLines(std::string_view text, std::size_t max_bytes = std::string_view::npos);
 
-/// Length of the well-formed UTF-8 character at the start of `text`; 0 if there is none.
+/// Length of the well-formed UTF-8 character at the start of `text`; 0 if the start is malformed.
 std::size_t Utf8CharacterLength(std::string_view text);
 
 }  // namespace coopdyn

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Numbers that look random and are the same on every machine: by mixing what they are to depend on. Pure; any
-// thread.
+// Pseudo-random numbers that are the same on every machine: hashes of the values that they depend on. Pure;
+// any thread.
 #pragma once
 
 #include <cmath>
@@ -13,44 +13,45 @@
 
 namespace coopdyn {
 
-/// The step of SplitMix64 (Steele, Lea, Flood: Fast Splittable Pseudorandom Number Generators, OOPSLA 2014).
+/// The increment of SplitMix64 (Steele, Lea, Flood: Fast Splittable Pseudorandom Number Generators, OOPSLA
+/// 2014).
 inline constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15;
 
-/// Its finaliser: every bit of `x` changes every bit of the result with probability one half.
+/// SplitMix64's finaliser: every bit of `x` changes every bit of the result with probability one half.
 constexpr std::uint64_t MixBits(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
   x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
   return x ^ (x >> 31);
 }
 
-/// The state after `value`, from which bits are taken or more is absorbed.
+/// Mixes `value` into `state`. The result can be used as random bits or absorb more values.
 constexpr std::uint64_t AbsorbBits(std::uint64_t state, std::uint64_t value) {
   return MixBits(state + kGolden + MixBits(value + kGolden));
 }
 
-/// In (0, 1), never an end.
+/// A number in the open interval (0, 1).
 constexpr double UniformOf(std::uint64_t bits) {
   return (static_cast<double>(bits >> 11) + 0.5) * 0x1p-53;
 }
 
-/// A sequence by counting (SplitMix64).
+/// The SplitMix64 sequence.
 class RandomNumbers {
  public:
   explicit RandomNumbers(std::uint64_t seed) : state_(seed) {}
-  /// In [0, 1).
+  /// A number in [0, 1).
   double Next() { return static_cast<double>(MixBits(state_ += kGolden) >> 11) * 0x1p-53; }
 
  private:
   std::uint64_t state_;
 };
 
-/// Of mean 0 and standard deviation 1, from two numbers in (0, 1) (Box, Muller: A Note on the Generation of
-/// Random Normal Deviates, 1958).
+/// A normal deviate of mean 0 and standard deviation 1, from two numbers in (0, 1) (Box, Muller: A Note on
+/// the Generation of Random Normal Deviates, 1958).
 inline double NormalOf(double u, double v) {
   return std::sqrt(-2 * portable::Log(u)) * portable::Cos(2 * std::numbers::pi * v);
 }
 
-/// FNV-1a: a hash of bytes that comes in parts. Not for what an enemy may choose.
+/// Incremental FNV-1a hash of bytes. Not for input that an attacker may choose.
 class BytesHash {
  public:
   void Add(const void* data, std::size_t bytes) {

@@ -38,8 +38,7 @@ struct Pipe {
   std::array<int, 2> ends{-1, -1};
 };
 
-/// What comes out of both pipes until their ends. False if it is more than `most`, or nothing comes for a
-/// minute.
+/// Reads both pipes to their ends. False if they hold more than `most` bytes or stay silent for a minute.
 bool ReadAll(std::array<int, 2> pipes, std::size_t most, ProgramEnd& end) {
   constexpr int kSilence_ms = 60'000;
   std::array<char, 65'536> buffer{};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// GCC says by __SANITIZE_ADDRESS__ and __SANITIZE_THREAD__ that a build is sanitized; clang before version 21
-// does not.
+// Defines __SANITIZE_ADDRESS__ and __SANITIZE_THREAD__ for sanitized builds. GCC defines them itself; clang
+// before version 21 does not.
 #pragma once
 
 #ifdef __has_feature

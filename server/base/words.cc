@@ -101,7 +101,7 @@ std::string Nearest(std::string_view word, std::span<const std::string> candidat
     }
   }
   if (!best.empty()) return best;
-  // Nobody ends in the middle of a word by chance.
+  // A prefix of a candidate is no coincidence.
   const auto begun = [&lower](const std::string& candidate) { return ToLower(candidate).starts_with(lower); };
   const auto found = std::ranges::find_if(candidates, begun);
   return word.size() < kShortest || found == candidates.end() ? "" : *found;

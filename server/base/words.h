@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Words as people write them in files. Pure functions; any thread; independent of the locale.
+// Splitting, comparing and correcting words of user files. Pure; any thread; locale-independent.
 #pragma once
 
 #include <span>
@@ -9,11 +9,11 @@
 
 namespace coopdyn {
 
-/// ASCII letters to lower case; other bytes as they are.
+/// ASCII letters to lower case; other bytes unchanged.
 std::string ToLower(std::string_view text);
-/// And to upper case.
+/// ASCII letters to upper case; other bytes unchanged.
 std::string ToUpper(std::string_view text);
-/// Without spaces and tabs at both ends.
+/// `text` without spaces and tabs at both ends.
 std::string_view Trim(std::string_view text);
 /// The words between spaces and tabs.
 std::vector<std::string> SplitWords(std::string_view text);
@@ -23,7 +23,7 @@ std::string JoinNames(std::span<const std::string> names, bool quoted = false);
 /// The name of the root element of an XML `text`; empty if it has none.
 std::string_view RootElement(std::string_view text);
 
-/// The candidate nearest to `word` if it is near enough to be a slip; empty otherwise. Case-insensitive.
+/// The candidate nearest to `word` if it is close enough to be a typo; else empty. Case-insensitive.
 std::string Nearest(std::string_view word, std::span<const std::string> candidates);
 /// `; did you mean 'x'?`, or `; known are a, b and c` if nothing is near.
 std::string DidYouMean(std::string_view word, std::span<const std::string> candidates);

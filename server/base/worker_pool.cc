@@ -7,7 +7,7 @@ namespace coopdyn {
 
 namespace {
 
-// Between two loops of one step a worker polls rather than sleeps: a wake-up costs tens of microseconds.
+// Between two loops of a step, workers poll instead of sleeping: a wake-up costs tens of microseconds.
 constexpr int kPolls = 2000;
 
 template <typename Value>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Threads that share out a loop. What a loop computes must not depend on which thread runs which part, so
-// that any number of threads gives the same bits. Owned by one thread, the only one to call For().
+// Threads that run a loop in parallel. A loop's results must not depend on which thread runs which part, so
+// that any number of threads gives the same bits. One thread owns the pool and calls For().
 #pragma once
 
 #include <atomic>
@@ -14,7 +14,7 @@ namespace coopdyn {
 
 class WorkerPool {
  public:
-  /// `threads` in all, the caller of For() included; up to 1: everything runs on the caller.
+  /// `threads` includes the caller of For(); at most 1: everything runs on the caller.
   explicit WorkerPool(int threads);
   /// Joins the threads.
   ~WorkerPool();
@@ -23,8 +23,8 @@ class WorkerPool {
 
   int threads() const { return static_cast<int>(workers_.size()) + 1; }
 
-  /// Calls work(first, end) for parts of `grain` items that together make [0, count), on all threads, and
-  /// returns when all are done. `work` may not throw, nor call For().
+  /// Splits [0, count) into parts of `grain` items, calls work(first, end) for each on all threads, and
+  /// returns when all are done. `work` must not throw or call For().
   void For(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& work);
 
  private:
@@ -33,14 +33,14 @@ class WorkerPool {
     std::size_t count = 0, grain = 1;
   };
   void Work(const std::stop_token& stop);
-  /// Takes parts until none are left.
+  /// Runs parts until none are left.
   void TakeParts();
 
   Loop loop_;  // written by For() while no worker is in it
   std::atomic<std::size_t> next_{0};
-  std::atomic<std::uint32_t> generation_{0};  // of the loop; workers wait for it to change
-  std::atomic<int> busy_{0};                  // workers that have not finished the present loop
-  std::vector<std::jthread> workers_;         // last: joined first
+  std::atomic<std::uint32_t> generation_{0};  // loops so far; workers wait for it to change
+  std::atomic<int> busy_{0};                  // workers that have not finished the current loop
+  std::vector<std::jthread> workers_;         // last member: joined first
 };
 
 }  // namespace coopdyn

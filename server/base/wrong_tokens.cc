@@ -9,7 +9,7 @@ namespace coopdyn {
 
 namespace {
 
-/// After this long without a wrong token, the count of an address starts at 0 again.
+/// After this time without a wrong token, an address's count restarts at 0.
 constexpr Nanoseconds kForgotten = 600 * kNanosecondsPerSecond;
 
 }  // namespace

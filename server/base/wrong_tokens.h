@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Wrong tokens, counted by the address that they come from: who has tried several waits before the next is
-// looked at, so that nobody finds a token by trying. Any thread.
+// Counts wrong tokens by client address. After several wrong tokens an address must wait before its next one
+// is checked, which prevents guessing. Any thread.
 #pragma once
 
 #include <cstddef>
@@ -15,32 +15,32 @@
 
 namespace coopdyn {
 
-/// The address in `peer` (ADDRESS:PORT); of IPv6 the network, in which one machine has as many addresses as
-/// it likes.
+/// The address in `peer` (ADDRESS:PORT). For IPv6 only the network, because one machine can use any number of
+/// addresses in it.
 std::string NetworkOf(const std::string& peer);
 
 enum class TokenVerdict { kRight, kWrong, kTooSoon };
 
 class WrongTokens {
  public:
-  static constexpr int kFree = 3;  // wrong ones without a wait; then 1 s, 2 s, 4 s, ...
+  static constexpr int kFree = 3;  // wrong tokens without a wait; then 1 s, 2 s, 4 s, ...
   static constexpr Nanoseconds kLongestWait = 60 * kNanosecondsPerSecond;
   static constexpr std::size_t kMaxAddresses = 1024;
 
   explicit WrongTokens(Logger logger) : logger_(std::move(logger)) {}
 
-  /// The verdict on a token from `peer` (ADDRESS:PORT) at `now`. `right`: whether it is the token. Too soon:
-  /// the verdict does not say whether it is right.
+  /// The verdict on a token from `peer` (ADDRESS:PORT) at `now`. `right`: whether the token matches. kTooSoon
+  /// does not reveal whether it does.
   TokenVerdict Judge(bool right, const std::string& peer, Nanoseconds now) EXCLUDES(mutex_);
-  /// What to tell `peer` at `now` if its next token would come too soon; empty: it would not.
+  /// The message for `peer` if a token at `now` would be too soon; else empty.
   std::string WaitText(const std::string& peer, Nanoseconds now) const EXCLUDES(mutex_);
 
  private:
   struct Tries {
     int wrong = 0;
-    Nanoseconds last = 0, next = 0;  // the last wrong one; when another is read
+    Nanoseconds last = 0, next = 0;  // time of the last wrong token; earliest time of the next check
   };
-  /// Drops the addresses that have not tried for long; if there are none, the one that tried longest ago.
+  /// Drops all addresses without recent tries; if there are none, the address whose last try is oldest.
   void MakeRoom(Nanoseconds now) REQUIRES(mutex_);
 
   const Logger logger_;
@@ -48,20 +48,20 @@ class WrongTokens {
   std::unordered_map<std::string, Tries> tries_ GUARDED_BY(mutex_);  // by address
 };
 
-/// Who may change the world: connections from this machine, and those that say the token.
+/// Decides who may change the world: connections from this machine, and connections that send the token.
 class TokenGuard {
  public:
-  /// `required`: strangers need the token for commands that change something. An empty token matches nothing.
-  /// `wrong`: counts wrong tokens of all guards together, and outlives them; null: nobody is slowed down.
+  /// `required`: other machines need the token for commands that change something. An empty token matches
+  /// nothing. `wrong`: counts wrong tokens for all guards and outlives them; null: no waits.
   TokenGuard(std::string token, bool required, WrongTokens* wrong = nullptr)
       : token_(std::move(token)), required_(required), wrong_(wrong) {}
 
   bool required() const { return required_; }
-  /// True if `given` is the token; takes the same time for every wrong one of the same length.
+  /// True if `given` is the token. Constant time for wrong tokens of the same length.
   bool Matches(std::string_view given) const;
-  /// What becomes of a token that `peer` (ADDRESS:PORT) says at `now`.
+  /// The verdict on a token that `peer` (ADDRESS:PORT) sends at `now`.
   TokenVerdict Judge(std::string_view given, const std::string& peer, Nanoseconds now) const;
-  /// As of WrongTokens.
+  /// See WrongTokens::WaitText().
   std::string WaitText(const std::string& peer, Nanoseconds now) const {
     return wrong_ == nullptr ? std::string() : wrong_->WaitText(peer, now);
   }

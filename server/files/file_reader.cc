@@ -19,8 +19,8 @@ namespace coopdyn {
 namespace {
 
 constexpr int kSilence_s =
-    60;  // a process that may use less CPU time is stuck, or others keep it from the CPU
-constexpr const char* kConvert = "write it anew, for example with Blender";
+    60;  // longer than the CPU limit: a process silent for this long is stuck or starved of CPU
+constexpr const char* kConvert = "export it again, for example with Blender";
 
 }  // namespace
 
@@ -78,7 +78,7 @@ std::optional<std::vector<std::byte>> FileReader::Ask(FileTalk kind, std::span<c
                                                       std::string& why) {
   if (!Start(why)) return std::nullopt;
   bool alive = SendMessage(socket_, kind, bytes);
-  if (!alive) {  // it was ended since the last file, by somebody or by the system
+  if (!alive) {  // the process has been killed since the last file
     End();
     if (!Start(why)) return std::nullopt;
     alive = SendMessage(socket_, kind, bytes);
@@ -108,7 +108,7 @@ std::optional<MeshAnswer> FileReader::ReadMesh(const MeshRequest& request, const
   const auto bytes = Ask(FileTalk::kReadMesh, ToBytes(request), supply, FileTalk::kMesh, why);
   if (!bytes) return std::nullopt;
   auto answer = MeshAnswerOf(*bytes);
-  if (!answer) why = "what the library read makes no sense: the file is damaged; " + std::string(kConvert);
+  if (!answer) why = "the library returned invalid data: the file is damaged; " + std::string(kConvert);
   return answer;
 }
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Reads meshes and pictures, which libraries of others understand: in a process of its own, the program
-// coopdyn-files, with limits of time and memory. A file that breaks a library, or keeps it busy without end,
-// is then a file that cannot be read. The process starts at the first file, and again after one that ended
-// it. One thread at a time.
+// Reads meshes and pictures with third-party libraries in a separate process, coopdyn-files, with limits on
+// time and memory. A file that crashes a library or keeps it busy forever is then only an unreadable file.
+// The process starts with the first file and restarts after a file has ended it. One thread at a time.
 #pragma once
 
 #include <sys/types.h>
@@ -19,13 +18,13 @@ namespace coopdyn {
 
 class FileReader {
  public:
-  /// Of one file.
+  /// Limits for one file.
   struct Limits {
     int cpu_s = 10;
     int memory_mib = 2048;
   };
-  /// The content of the file that the mesh calls `name`: a texture, or any other. Nothing, and `why`, if
-  /// there is none.
+  /// Returns the content of the file `name` that a mesh refers to: a texture or another file. Returns nullopt
+  /// and sets `why` if the file is unavailable.
   using Supply =
       std::function<std::optional<std::string>(bool is_texture, const std::string& name, std::string& why)>;
 
@@ -35,19 +34,19 @@ class FileReader {
   FileReader(const FileReader&) = delete;
   FileReader& operator=(const FileReader&) = delete;
 
-  /// Nothing, and `why` says what to do, for what cannot be read.
+  /// These return nullopt or null if the file cannot be read; `why` then says what to do.
   std::optional<MeshAnswer> ReadMesh(const MeshRequest& request, const Supply& supply, std::string& why);
   std::shared_ptr<const Image> ReadTexture(std::string_view bytes, std::string& why);
   std::optional<Heights> ReadHeights(std::string_view bytes, std::string& why);
 
  private:
-  /// The bytes of an answer of the kind `wanted`.
+  /// Returns the bytes of the answer, which must be of kind `wanted`.
   std::optional<std::vector<std::byte>> Ask(FileTalk kind, std::span<const std::byte> bytes,
                                             const Supply& supply, FileTalk wanted, std::string& why);
   bool Start(std::string& why);
-  /// Ends the process. Its wait status.
+  /// Ends the process and returns its wait status.
   int End();
-  /// In words, from a wait status.
+  /// Explains a wait status.
   std::string WhyEnded(int status) const;
 
   const Limits limits_;

@@ -29,8 +29,8 @@ bool SameImage(const Image& a, const Image& b) {
   return a.width == b.width && a.height == b.height && a.rgb == b.rgb;
 }
 
-/// Of a skin with pictures: for each material its picture's place in `textures` + 1 and its tint, for each
-/// vertex its place on the picture.
+/// Writes a skin with textures: for each material its texture's index in `textures` + 1 (0: none) and its
+/// tint, for each vertex its texture coordinates. Writes nothing for a skin without textures.
 void PutTextures(const MeshSkin& skin, MeshTextures& textures, std::string& bytes) {
   const auto has_none = [](const MeshSkin::Material& one) { return one.texture == nullptr; };
   if (std::ranges::all_of(skin.materials, has_none)) return;
@@ -49,9 +49,9 @@ void PutTextures(const MeshSkin& skin, MeshTextures& textures, std::string& byte
   for (const MeshSkin::Corner& corner : skin.corners) PutBytes(bytes, corner.uv);
 }
 
-/// What PutTextures() wrote, if it wrote something.
+/// Reads the output of PutTextures(), if any.
 bool TakeTextures(std::string_view& bytes, const MeshTextures& textures, MeshSkin& skin) {
-  if (bytes.size() < sizeof(kTextureMark)) return true;  // zeros that fill up the word
+  if (bytes.size() < sizeof(kTextureMark)) return true;  // zero padding of the last word
   std::uint32_t mark = 0, number = 0;
   bool good = TakeBytes(bytes, mark) && mark == kTextureMark;
   for (MeshSkin::Material& material : skin.materials) {
@@ -64,8 +64,8 @@ bool TakeTextures(std::string_view& bytes, const MeshTextures& textures, MeshSki
   return good;
 }
 
-/// To a nanometre, and to a float: such numbers less the middle of some, and plus it again, are what they
-/// were. Not inline: g++ 12 at -O2 leaves out casts to float and back where it can do two at once.
+/// Rounds to about a nanometre and to a float, so that subtracting and re-adding the middle of such numbers
+/// is exact. Not inline: g++ 12 at -O2 drops casts to float and back where it vectorizes two at once.
 [[gnu::noinline]] double Rounded(double length_m) {
   constexpr double kGrid_m = 0x1p-30;
   return static_cast<double>(static_cast<float>(std::nearbyint(length_m / kGrid_m) * kGrid_m));
@@ -74,7 +74,7 @@ bool TakeTextures(std::string_view& bytes, const MeshTextures& textures, MeshSki
 }  // namespace
 
 MeshParts Settled(MeshParts parts) {
-  // Triangles that stand in another order give the same mesh.
+  // Triangles in any order give the same mesh.
   std::ranges::sort(parts.triangles);
   for (Vector3& v : parts.vertices) v = v.unaryExpr(&Rounded);
   return parts;

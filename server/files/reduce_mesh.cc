@@ -27,7 +27,8 @@ class Grid {
 
   double side_m() const { return (high_ - low_).maxCoeff(); }
 
-  /// The triangles that are left if the longest side has `cells` cells; of three corners of `parts` each.
+  /// The triangles that remain if the longest side has `cells` cells, as indices into the vertices of
+  /// `parts`.
   std::vector<Triangle> TrianglesFor(std::uint32_t cells) const {
     const std::vector<std::uint32_t> stands_for = StandsFor(cells);
     std::vector<Triangle> kept;
@@ -43,12 +44,12 @@ class Grid {
   }
 
  private:
-  /// By vertex: the one of its cell and material that stands for it.
+  /// For each vertex, the vertex of its cell and material that replaces it.
   std::vector<std::uint32_t> StandsFor(std::uint32_t cells) const {
     struct Member {
       std::uint64_t cell = 0;
       std::uint32_t material = 0;
-      double nearness = 0;  // the smallest is furthest from the middle
+      double nearness = 0;  // smallest for the vertex furthest from the centre
       std::uint32_t vertex = 0;
     };
     const Vector3 middle = (low_ + high_) / 2;
@@ -81,7 +82,7 @@ class Grid {
   Vector3 low_, high_;
 };
 
-/// Those of `parts` that `triangles` use.
+/// `triangles` with the vertices of `parts` that they use.
 MeshParts Used(const MeshParts& parts, std::vector<Triangle> triangles) {
   constexpr std::uint32_t kNone = ~0u;
   MeshParts used;
@@ -114,16 +115,16 @@ ReducedMesh Reduce(MeshParts parts, std::size_t most) {
   for (std::uint32_t cells = kMostCells; cells >= kFewestCells;) {
     kept = grid.TrianglesFor(cells);
     if (kept.size() <= most) {
-      // Grains smaller than a cell: below.
+      // The triangles are grains smaller than a cell: see below.
       if (kept.size() < most / 100) break;
       const double cell_m = grid.side_m() / cells;
       return {Used(parts, std::move(kept)), cell_m * std::sqrt(3.0)};
     }
-    // A surface has as many triangles as the square of its cells.
+    // A surface's number of triangles grows with the square of `cells`.
     const double factor = std::sqrt(static_cast<double>(most) / static_cast<double>(kept.size()));
     cells = static_cast<std::uint32_t>(cells * std::clamp(factor, 0.3, 0.95));
   }
-  // No surface: some of the triangles stand for all.
+  // Not a surface: keep an even selection of the triangles.
   kept.clear();
   for (std::size_t i = 0; i < most; ++i) kept.push_back(parts.triangles[i * parts.triangles.size() / most]);
   return {Used(parts, std::move(kept)), grid.side_m()};

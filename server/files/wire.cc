@@ -14,7 +14,7 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::size_t kHeadBytes = 9;  // the kind and the size of what follows
+constexpr std::size_t kHeadBytes = 9;  // the kind and the size of the content
 
 void CodeRequest(auto& codec, auto& request) {
   codec.Text(request.name);
@@ -23,7 +23,7 @@ void CodeRequest(auto& codec, auto& request) {
   codec.Text(request.part);
 }
 
-/// Both sides within [1, most].
+/// Width and height, both within [1, most].
 void CodeSides(auto& codec, auto& picture, int most) {
   codec.Number(picture.width);
   codec.Number(picture.height);
@@ -72,7 +72,7 @@ bool AwaitBytes(int socket, int patience_s) {
   return TEMP_FAILURE_RETRY(poll(&one, 1, patience_s < 0 ? -1 : 1000 * patience_s)) == 1;
 }
 
-/// Fills `to`, which is no longer than what is sure to come.
+/// Fills `to`. @pre the other end sends at least this number of bytes
 bool ReceiveAll(int socket, std::span<std::byte> to, int patience_s) {
   while (!to.empty()) {
     if (!AwaitBytes(socket, patience_s)) return false;
@@ -178,7 +178,7 @@ bool SendMessage(int socket, FileTalk kind, std::span<const std::byte> bytes) {
 }
 
 std::optional<FileMessage> ReceiveMessage(int socket, int patience_s) {
-  constexpr std::size_t kStep = 1u << 20;  // memory for no more than has come
+  constexpr std::size_t kStep = 1u << 20;  // allocate as bytes arrive, not by the claimed size
   std::array<std::byte, kHeadBytes> head{};
   if (!ReceiveAll(socket, head, patience_s)) return std::nullopt;
   FileMessage message;

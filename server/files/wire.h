@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What is said between us and the program coopdyn-files, which reads the files that libraries of others
-// understand. It is asked for one file at a time, asks for the files that this one names, and answers. Pure,
-// but for SendMessage() and ReceiveMessage(); any thread.
+// The protocol between coopdyn and the program coopdyn-files, which reads files with third-party libraries.
+// The program receives a request for one file, asks for the files that this file refers to, and answers. Pure
+// except for SendMessage() and ReceiveMessage(); any thread.
 #pragma once
 
 #include <array>
@@ -18,24 +18,24 @@
 
 namespace coopdyn {
 
-inline constexpr int kMaxImageSide = 8192;    // of a file
-inline constexpr int kMaxTextureSide = 1024;  // larger textures are made smaller
+inline constexpr int kMaxImageSide = 8192;    // in a file
+inline constexpr int kMaxTextureSide = 1024;  // larger textures are scaled down
 inline constexpr const char* kFilesProgram = "coopdyn-files";
-inline constexpr int kNoMemoryExit = 109;  // of the program
+inline constexpr int kNoMemoryExit = 109;  // the program's exit status when out of memory
 inline constexpr std::uint64_t kMaxFileMessage = 512u << 20;
 
 enum class FileTalk : std::uint8_t {
   kReadMesh,     // to the program: a MeshRequest
-  kReadTexture,  // the bytes of a picture
-  kReadHeights,  // likewise
-  kNeedFile,     // from the program: the name of a file that the mesh names
-  kNeedPicture,  // likewise, a texture
-  kFile,         // to the program: the bytes
-  kNoFile,       // why there are none
+  kReadTexture,  // to the program: a picture's bytes
+  kReadHeights,  // to the program: a picture's bytes
+  kNeedFile,     // from the program: the name of a file that the mesh refers to
+  kNeedPicture,  // from the program: the name of a texture that the mesh refers to
+  kFile,         // to the program: the file's bytes
+  kNoFile,       // to the program: why the file is unavailable
   kMesh,         // from the program: a MeshAnswer
-  kTexture,      // an Image
-  kHeights,      // Heights
-  kFailed,       // why it cannot be read
+  kTexture,      // from the program: an Image
+  kHeights,      // from the program: Heights
+  kFailed,       // from the program: why the file cannot be read
 };
 
 struct FileMessage {
@@ -44,10 +44,10 @@ struct FileMessage {
 };
 
 struct MeshRequest {
-  std::string name;  // of the file, by which others are found
+  std::string name;  // of the file; files that it refers to are relative to it
   std::string bytes;
   std::array<double, 3> scale{1, 1, 1};
-  std::string part;  // the only one that is wanted; empty: all
+  std::string part;  // the only part to read; empty: all
 };
 
 struct MeshAnswer {
@@ -55,16 +55,16 @@ struct MeshAnswer {
   MeshParts parts;
 };
 
-/// Heights from 0 to 65535, row by row, the uppermost first.
+/// Heights from 0 to 65535, row by row, top row first.
 struct Heights {
   int width = 0, height = 0;
   std::vector<std::uint16_t> values;
 
-  /// From 0 to 1, between the points: x and y from 0 to 1.
+  /// The interpolated height, from 0 to 1, at x and y from 0 to 1.
   double At(double x, double y) const;
 };
 
-/// The bytes of a message, and back; nothing for bad ones.
+/// Serialize messages and back; nullopt for bad bytes.
 std::vector<std::byte> ToBytes(const std::string& text);
 std::vector<std::byte> ToBytes(const MeshRequest& request);
 std::vector<std::byte> ToBytes(const MeshAnswer& answer);
@@ -76,8 +76,8 @@ std::optional<Image> ImageOf(std::span<const std::byte> bytes);
 std::optional<Heights> HeightsOf(std::span<const std::byte> bytes);
 std::string FileTextOf(std::span<const std::byte> bytes);
 
-/// Over a connected SOCK_STREAM socket. False, or nothing, if the other end is gone, says what is no message,
-/// or is silent for `patience_s`.
+/// Transfer a message over a connected SOCK_STREAM socket. Return false or nullopt if the other end is gone,
+/// sends an invalid message, or is silent for `patience_s` (< 0: no limit).
 bool SendMessage(int socket, FileTalk kind, std::span<const std::byte> bytes);
 std::optional<FileMessage> ReceiveMessage(int socket, int patience_s);
 

@@ -12,7 +12,7 @@ namespace {
 
 using Flat = std::array<std::int64_t, 2>;
 
-/// The solid cells of a box, layer by layer along each axis: for each layer how far they reach in each row.
+/// The solid cells of a box in layers along each axis, with the extent of each row of a layer.
 class Layers {
  public:
   Layers(const CellGrid& grid, const CellBox& box) : grid_(grid), box_(box) {
@@ -42,10 +42,10 @@ class Layers {
   /// The volume of a layer's cells.
   std::int64_t Volume(std::size_t axis, int layer) const { return volumes_[axis][At(axis, layer)]; }
 
-  /// The area of the surface in the plane before a layer.
+  /// The area of the solid's surface in the plane before a layer.
   std::int64_t Face(std::size_t axis, int layer) const { return faces_[axis][At(axis, layer)]; }
-  /// The volume of what lies along an axis between the first and the last cell of each of its rows. What of
-  /// it is not solid only cuts across that axis take away.
+  /// The volume between the first and the last solid cell of all rows along an axis. Only cuts across that
+  /// axis remove its non-solid part.
   double Spanned(std::size_t axis) const {
     const std::size_t layer_axis = (axis + 2) % 3, row_axis = (axis + 1) % 3;
     double volume = 0;
@@ -108,7 +108,7 @@ class Layers {
   std::array<std::vector<std::int64_t>, 3> volumes_, faces_;
 };
 
-/// `corners` as of HullInPlane().
+/// True if `p` is in the polygon `corners`, which is ordered as by HullInPlane().
 bool IsIn(const Flat& p, const std::vector<Flat>& corners) {
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Flat &a = corners[i], &b = corners[i + 1 == corners.size() ? 0 : i + 1];
@@ -117,12 +117,12 @@ bool IsIn(const Flat& p, const std::vector<Flat>& corners) {
   return true;
 }
 
-/// A hull that grows by layers.
+/// A hull that grows layer by layer.
 class Growing {
  public:
   Growing(const CellGrid& grid, std::size_t axis) : grid_(grid), axis_(axis) {}
 
-  /// `corners` last until the next call.
+  /// `corners` must live until the next call.
   void Include(int layer, const std::vector<Flat>& corners) {
     const auto at = [&](const Flat& p, int side) {
       LatticePoint point{};
@@ -132,7 +132,7 @@ class Growing {
       return point;
     };
     if (!hull_) hull_.emplace(at(corners[0], 0), at(corners[1], 0), at(corners[2], 0), at(corners[0], 1));
-    // In the plane between this layer and the last one few corners are out of the hull.
+    // In the plane between this layer and the last one, few corners lie outside the hull.
     const int shared = last_corners_ == nullptr   ? -1
                        : layer == last_layer_ + 1 ? 0
                        : layer == last_layer_ - 1 ? 1
@@ -156,7 +156,7 @@ class Growing {
   int last_layer_ = 0;
 };
 
-/// The corners of the layers of a box; none of those that are empty.
+/// The corners of each layer of a box; an empty layer has none.
 std::vector<std::vector<Flat>> CornersOf(const Layers& layers, const CellBox& box, std::size_t axis) {
   std::vector<std::vector<Flat>> corners;
   for (int layer = box.low[axis]; layer < box.high[axis]; ++layer)
@@ -164,7 +164,7 @@ std::vector<std::vector<Flat>> CornersOf(const Layers& layers, const CellBox& bo
   return corners;
 }
 
-/// The piece of the solid cells in `box`; nothing if there are none.
+/// The piece of the solid cells in `box`; nullopt if it has none.
 std::optional<Piece> PieceIn(const CellGrid& grid, const CellBox& box) {
   const Layers layers(grid, box);
   CellBox filled = box;
@@ -189,13 +189,13 @@ std::optional<Piece> PieceIn(const CellGrid& grid, const CellBox& box) {
 
 struct BestCut {
   std::size_t axis = 0;
-  int plane = 0;  // before it
+  int plane = 0;  // cuts before the layer of this index
 };
 
 BestCut FindBestCut(const CellGrid& grid, const Piece& piece) {
   const CellBox& box = piece.box;
   const Layers layers(grid, box);
-  std::array<double, 3> areas{};  // of the box, square to each axis
+  std::array<double, 3> areas{};  // of the box's faces across each axis
   for (std::size_t axis = 0; axis < 3; ++axis) {
     areas[axis] = 1;
     for (const std::size_t side : {(axis + 1) % 3, (axis + 2) % 3})
@@ -210,7 +210,7 @@ BestCut FindBestCut(const CellGrid& grid, const Piece& piece) {
     if (high - low < 2) continue;
     const std::vector<std::vector<Flat>> corners = CornersOf(layers, box, axis);
     Growing up(grid, axis), down(grid, axis);
-    std::vector<std::int64_t> below;  // the volume of the hull of all before a plane
+    std::vector<std::int64_t> below;  // six times the volume of the hull below each plane
     for (int layer = low; layer + 1 < high; ++layer) {
       below.push_back(up.volume6());
       if (const auto& points = corners[static_cast<std::size_t>(layer - low)]; !points.empty())
@@ -223,8 +223,8 @@ BestCut FindBestCut(const CellGrid& grid, const Piece& piece) {
       if (const auto& points = corners[static_cast<std::size_t>(layer - low)]; !points.empty())
         down.Include(layer, points);
       above += layers.Volume(axis, layer);
-      // Of cuts that are as good one across a gap, one through a face, and one near the middle: the first
-      // cut of a ring makes no hull smaller.
+      // Among equally good cuts prefer one across a gap, through a face, or near the middle: the first cut of
+      // a ring makes no hull smaller.
       constexpr double kGap = 0.2, kFace = 0.1, kBalance = 0.05;
       const auto hulls = static_cast<double>(below[static_cast<std::size_t>(layer - low)] + down.volume6());
       const double uneven = std::abs(static_cast<double>(cells - 2 * above)) / static_cast<double>(cells);
@@ -249,7 +249,7 @@ std::pair<Piece, Piece> CutInTwo(const CellGrid& grid, const Piece& piece) {
   const BestCut cut = FindBestCut(grid, piece);
   CellBox low = piece.box, high = piece.box;
   low.high[cut.axis] = high.low[cut.axis] = cut.plane;
-  // Its first and its last layer are not empty.
+  // A piece's first and last layers are not empty, so both halves have cells.
   return {std::move(*PieceIn(grid, low)), std::move(*PieceIn(grid, high))};
 }
 

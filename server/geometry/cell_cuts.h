@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Boxes of cells, and the plane that cuts one best. Pure; any thread.
+// Boxes of grid cells, and the best plane to cut one. Pure; any thread.
 #pragma once
 
 #include <array>
@@ -12,25 +12,25 @@
 
 namespace coopdyn {
 
-/// The cells from `low` to before `high`.
+/// The cells from `low` (inclusive) to `high` (exclusive).
 struct CellBox {
   std::array<int, 3> low{}, high{};
 };
 
-/// The solid cells in a box that they fill from side to side.
+/// The solid cells in their tight bounding box.
 struct Piece {
   CellBox box;
   LatticeHull hull;
   std::int64_t cells6 = 0;  // six times their volume
 
-  /// Six times what its hull holds besides them; 0 for a single cell, which no plane cuts.
+  /// Six times the volume of the hull outside the cells; 0 for a single cell, which cannot be cut.
   std::int64_t around6() const { return hull.volume6() - cells6; }
 };
 
-/// All solid cells; nothing if there are none.
+/// All solid cells; nullopt if the grid has none.
 std::optional<Piece> WholeOf(const CellGrid& grid);
-/// By the plane that cuts it best.
-/// @pre it has more than one cell
+/// Cuts `piece` along the best plane.
+/// @pre `piece` has more than one cell
 std::pair<Piece, Piece> CutInTwo(const CellGrid& grid, const Piece& piece);
 
 }  // namespace coopdyn

@@ -14,10 +14,10 @@ namespace coopdyn {
 namespace {
 
 constexpr double kMostOnSide = 128;
-constexpr std::size_t kMostLooks = 10'000'000;  // some tenths of a second
+constexpr std::size_t kMostLooks = 10'000'000;  // a few tenths of a second
 
-/// Whether the triangle touches the box about the origin: T. Akenine-Möller (2001), "Fast 3D triangle-box
-/// overlap testing". The box of the triangle touches it.
+/// True if the triangle touches the box centred at the origin: T. Akenine-Möller (2001), "Fast 3D
+/// triangle-box overlap testing". @pre the triangle's bounding box touches it.
 bool Touches(const std::array<Vector3, 3>& corners, const Vector3& half) {
   const std::array<Vector3, 3> edges = {corners[1] - corners[0], corners[2] - corners[1],
                                         corners[0] - corners[2]};
@@ -73,7 +73,7 @@ void CellGrid::PlacePlanes(std::span<const Vector3> vertices, std::span<const Me
   const Vector3 size = high - low;
   const double side_m = size.maxCoeff();
   unit_m_ = side_m / static_cast<double>(kLatticeSide);
-  // As small as the number of cells allows; thin sides have one cell.
+  // The smallest size that the number of cells allows; thin sides have one cell.
   double cell_m = side_m / kMostOnSide;
   const auto cells_for = [&](double step_m) {
     return std::ceil(size.x() / step_m) * std::ceil(size.y() / step_m) * std::ceil(size.z() / step_m);
@@ -81,8 +81,8 @@ void CellGrid::PlacePlanes(std::span<const Vector3> vertices, std::span<const Me
   while (cells_for(cell_m) > most_cells) cell_m *= 1.1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<Eigen::Index>(axis);
-    // The area of the faces that are square to the axis, by where they are.
-    std::map<std::int64_t, std::pair<double, double>> areas;  // and where exactly
+    // The area of the faces across the axis, by their lattice coordinate.
+    std::map<std::int64_t, std::pair<double, double>> areas;  // area, exact coordinate
     for (const auto& [a, b, c] : triangles) {
       const Vector3 &p = vertices[a], &q = vertices[b], &r = vertices[c];
       if (std::max({p[i], q[i], r[i]}) - std::min({p[i], q[i], r[i]}) > unit_m_) continue;
@@ -128,18 +128,18 @@ std::pair<int, int> CellGrid::CellsOf(std::size_t axis, std::span<const Vector3>
   const auto i = static_cast<Eigen::Index>(axis);
   const auto [low, high] =
       std::ranges::minmax(polygon | std::views::transform([i](const Vector3& p) { return p[i]; }));
-  // A flat one is within one cell.
+  // A flat polygon lies in one cell.
   in = std::min(in, (high - low) / 2);
   return CellsIn(axis, low + in, high - in);
 }
 
-// It is cut into strips along the planes, so that few cells are looked at that it does not touch.
+// Cuts the triangle into strips along the planes, so that it visits few cells that the triangle misses.
 void CellGrid::MarkSurface(const std::array<Vector3, 3>& corners) {
-  constexpr double kShrunk = 1;  // cells for the question whether a triangle touches them, in units a side
+  constexpr double kShrunk = 1;  // units by which cells shrink on each side for the touch test
   std::array<std::pair<int, int>, 3> range;
   for (std::size_t axis = 0; axis < 3; ++axis) range[axis] = CellsOf(axis, corners, kShrunk * unit_m_);
   const auto is_one = [](const auto& one) { return one.second == one.first + 1; };
-  const bool is_small = std::ranges::count_if(range, is_one) >= 2;  // it touches them all
+  const bool is_small = std::ranges::count_if(range, is_one) >= 2;  // then it touches all cells in range
   const auto narrow = [&](const std::pair<int, int>& all, std::size_t axis,
                           const std::vector<Vector3>& polygon) {
     const auto [first, end] = CellsOf(axis, polygon, 0);

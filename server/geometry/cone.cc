@@ -14,7 +14,7 @@ namespace coopdyn {
 
 namespace {
 
-constexpr double kEnough_m = 2e-6;  // how closely the distance is looked for
+constexpr double kEnough_m = 2e-6;  // resolution of the search for the distance
 
 /// A cone whose apex is the origin.
 struct OpenCone {
@@ -39,7 +39,7 @@ struct OpenCone {
   }
 };
 
-/// A cone cut off by a sphere about its apex, which is the origin.
+/// The part of a cone within a sphere about its apex, which is the origin.
 struct Sector {
   const OpenCone& cone;
   double radius_m;
@@ -54,7 +54,7 @@ struct Sector {
   }
 };
 
-/// A solid whose middle is at `middle`.
+/// A solid centred at `middle`.
 template <typename Solid>
 struct Moved {
   const Solid& solid;
@@ -83,8 +83,8 @@ Vector3 NearestOf(const std::array<Vector3, 3>& corners) {
   return simplex.Reduce();
 }
 
-/// The part of the edge from `a` to `b` that is in the cone is one piece, so its point nearest to the origin
-/// is that of the edge or an end of the piece.
+/// The distance from the origin to the part of edge `a` `b` within the cone. That part is one segment, so its
+/// nearest point is the edge's own nearest point or an end of the segment.
 double EdgeInCone(const OpenCone& cone, const Vector3& a, const Vector3& b) {
   const Vector3 e = b - a;
   const double length2 = e.squaredNorm(), cosine2 = cone.cosine * cone.cosine;
@@ -109,8 +109,8 @@ double EdgeInCone(const OpenCone& cone, const Vector3& a, const Vector3& b) {
   return nearest;
 }
 
-/// The nearest point of a triangle within the cone: that of the triangle, or one on an edge, or the point at
-/// which its plane is nearest along the mantle.
+/// The distance to the nearest point of a triangle within the cone: the triangle's own nearest point, a point
+/// on an edge, or the point where its plane is nearest along the cone's surface.
 double TriangleInCone(const OpenCone& cone, const std::array<Vector3, 3>& corners, double limit_m) {
   const Vector3 nearest_point = NearestOf(corners);
   const double least_m = nearest_point.norm();
@@ -129,7 +129,7 @@ double TriangleInCone(const OpenCone& cone, const std::array<Vector3, 3>& corner
   return nearest;
 }
 
-/// The square of the distance from the origin to a box.
+/// The squared distance from the origin to a box.
 double SquareToBox(const Vector3& low, const Vector3& high) {
   return low.cwiseMax(0).cwiseMax(-high).squaredNorm();
 }

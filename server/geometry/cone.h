@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The nearest point of a shape within a cone: what a sonar hears. Pure; any thread.
+// The nearest point of a shape within a cone, for sonars. Pure; any thread.
 #pragma once
 
 #include "server/geometry/ray.h"
@@ -7,20 +7,19 @@
 
 namespace coopdyn {
 
-/// All points whose direction from `apex` is within `half_angle_rad` of `axis`. The axis has length 1, the
-/// angle is less than a right one.
+/// All points whose direction from `apex` is within `half_angle_rad` (< π/2) of the unit vector `axis`.
 struct Cone {
   Vector3 apex = Vector3::Zero();
   Vector3 axis = Vector3::UnitX();
   double half_angle_rad = 0;
 };
 
-/// Whether anything of a sphere is within the cone.
+/// True if the sphere overlaps the cone.
 bool ConeMeetsSphere(const Cone& cone, const Vector3& middle, double radius_m);
 
 /// The distance from the apex of `cone` (given in the shape's frame) to the nearest point of `shape` within
-/// the cone if that is `limit_m` (finite) or less, else kNoHit. Off by less than 0.01 mm. Shapes but meshes
-/// are solid: 0 if the apex is inside.
+/// the cone, or kNoHit if that exceeds `limit_m` (finite). Error below 0.01 mm. Shapes other than meshes are
+/// solid: 0 if the apex is inside.
 double NearestInCone(const Cone& cone, const Shape& shape, double limit_m);
 
 }  // namespace coopdyn

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// ConvexParts(), and whether it gave up. Pure; any thread.
+// Convex decomposition that also reports why it gave up. Pure; any thread.
 #pragma once
 
 #include <span>
@@ -10,13 +10,13 @@
 namespace coopdyn {
 
 struct ConvexCut {
-  std::vector<std::vector<Vector3>> parts;  // as of ConvexParts()
-  /// There are none because the triangles run through each other in millions of cells, which would take long.
+  std::vector<std::vector<Vector3>> parts;  // as from ConvexParts()
+  /// True if there are no parts because the triangles intersect in millions of cells, which would take long.
   bool is_tangled = false;
 };
 
-/// With a grid of at most some `cells`: fewer see less, and take less time.
-/// @pre as of ConvexParts()
+/// Uses a grid of about `cells` cells at most: fewer cells are coarser and faster.
+/// @pre see ConvexParts()
 ConvexCut CutConvex(std::span<const Vector3> vertices, std::span<const MeshData::Triangle> triangles,
                     int most, int cells = kPartCells);
 

@@ -68,7 +68,7 @@ Vector3 Simplex::OfThree() {
     is_inside = (b - a).cross(-a).dot(normal) >= 0;
   }
   if (is_inside) return normal * (normal.dot(p[0]) / size2);
-  // On an edge.
+  // The nearest point is on an edge.
   Simplex best;
   Vector3 nearest;
   double least = kNoHit;
@@ -96,7 +96,7 @@ Vector3 Simplex::OfFour() {
     const Vector3 &a = p[(apart + 1) % 4], &b = p[(apart + 2) % 4], &c = p[(apart + 3) % 4];
     const Vector3 normal = (b - a).cross(c - a);
     const double other = normal.dot(p[apart] - a), origin = -normal.dot(a);
-    // The face parts the origin from the fourth point, or all four lie in a plane.
+    // The face separates the origin from the fourth point, or all four lie in a plane.
     if (other * origin > 0) continue;
     is_inside = false;
     Simplex face;

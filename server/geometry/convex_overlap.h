@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Whether two convex solids overlap, by the method of Gilbert, Johnson and Keerthi: it walks over differences
-// of points of the two towards the origin. Pure; any thread.
+// Overlap test of two convex solids by the method of Gilbert, Johnson and Keerthi, which searches the
+// differences of their points for the origin. Pure; any thread.
 #pragma once
 
 #include <array>
@@ -10,19 +10,18 @@
 
 namespace coopdyn {
 
-/// The points of a solid that lie furthest in `direction` (any length but 0): one of them, in the shape's
-/// frame.
+/// A point of a solid that lies furthest in `direction` (of any length but 0), in the shape's frame.
 Vector3 FurthestPoint(const Box& box, const Vector3& direction);
 Vector3 FurthestPoint(const Cylinder& cylinder, const Vector3& direction);
 Vector3 FurthestPoint(const Sphere& sphere, const Vector3& direction);
 Vector3 FurthestPoint(const Capsule& capsule, const Vector3& direction);
 
-/// Up to four points, and what lies between them.
+/// The convex hull of up to four points.
 class Simplex {
  public:
   void Add(const Vector3& p) { points_[count_++] = p; }
-  /// The point between them that is nearest to the origin; keeps only those that it lies between. Four are
-  /// left if it is the origin itself.
+  /// Returns the point of the hull nearest to the origin, and keeps only the points that span it. Keeps four
+  /// if the nearest point is the origin itself.
   Vector3 Reduce();
   std::size_t count() const { return count_; }
 
@@ -35,8 +34,8 @@ class Simplex {
   std::size_t count_ = 0;
 };
 
-/// Whether the two have a point in common, or come nearer than 0.1 µm. `between`: about the middle of the
-/// first less that of the second, any vector but 0 will do.
+/// True if the two solids share a point or are closer than 0.1 µm. `between`: roughly the first solid's
+/// centre minus the second's; any non-zero vector works.
 template <typename One, typename Other>
 bool Overlap(const One& one, const Other& other, const Vector3& between) {
   constexpr int kMostSteps = 100;
@@ -45,7 +44,7 @@ bool Overlap(const One& one, const Other& other, const Vector3& between) {
   Vector3 nearest = between.squaredNorm() > 0 ? between : Vector3::UnitX();
   for (int step = 0; step < kMostSteps; ++step) {
     const Vector3 p = one.Support(-nearest) - other.Support(nearest);
-    if (p.dot(nearest) > 0) return false;  // a plane parts them
+    if (p.dot(nearest) > 0) return false;  // a plane separates them
     simplex.Add(p);
     nearest = simplex.Reduce();
     if (simplex.count() == 4 || nearest.squaredNorm() < kTouch_m * kTouch_m) return true;

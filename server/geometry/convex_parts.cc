@@ -17,7 +17,7 @@ namespace coopdyn {
 
 namespace {
 
-/// Pieces that are joined, and their hull.
+/// Joined pieces and their common hull.
 struct Cluster {
   std::vector<CellBox> boxes;
   LatticeHull hull;
@@ -37,7 +37,7 @@ bool Touch(const Cluster& one, const Cluster& other) {
   });
 }
 
-/// Joins the two that lose least, again and again.
+/// Repeatedly joins the two clusters whose common hull adds the least volume.
 class Joiner {
  public:
   Joiner(const CellGrid& grid, std::vector<Cluster> clusters) : grid_(grid), clusters_(std::move(clusters)) {
@@ -47,7 +47,7 @@ class Joiner {
     }
   }
 
-  /// Until `most` are left, and further while the hull of two holds at most `free6` / 6 besides them.
+  /// Joins until `most` are left, then while a common hull adds at most `free6` / 6.
   std::vector<Cluster> Join(std::size_t most, std::int64_t free6) && {
     while (clusters_.size() > 1) {
       std::size_t first = 0, second = 1;
@@ -63,7 +63,8 @@ class Joiner {
   }
 
  private:
-  /// What the hull of both holds besides them; of two that do not touch the box instead, which costs less.
+  /// Six times the volume that the common hull adds; for clusters that do not touch their common box's
+  /// volume instead, which is cheaper to compute.
   std::int64_t AroundBoth(const Cluster& one, const Cluster& other) const {
     if (!Touch(one, other)) return 6 * BoxVolume(one, other) - one.cells6 - other.cells6;
     LatticeHull both = one.hull;
@@ -87,7 +88,7 @@ class Joiner {
     return volume;
   }
 
-  /// `second` > `first`.
+  /// @pre `second` > `first`
   void JoinTwo(std::size_t first, std::size_t second) {
     Cluster& one = clusters_[first];
     Cluster& other = clusters_[second];
@@ -110,7 +111,7 @@ class Joiner {
   std::vector<std::vector<std::int64_t>> costs_;  // [i][k], k < i
 };
 
-/// Cuts the most concave piece, again and again.
+/// Repeatedly cuts the most concave piece.
 std::vector<Piece> Cut(const CellGrid& grid, Piece whole, std::int64_t free6) {
   constexpr std::size_t kMostPieces = 64;
   std::vector<Piece> pieces = {std::move(whole)};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A concave solid as convex parts. Pure; any thread.
+// Approximate convex decomposition of concave solids. Pure; any thread.
 #pragma once
 
 #include <span>
@@ -10,18 +10,18 @@
 namespace coopdyn {
 
 inline constexpr int kMostConvexParts = 16;
-/// Of the grid.
+/// Default number of grid cells.
 inline constexpr int kPartCells = 200'000;
-/// Of the volume of a solid's hull: with less around the solid it counts as convex.
+/// A solid counts as convex if it leaves at most this fraction of its hull empty.
 inline constexpr double kConcave = 0.1;
 
-/// The solid that the triangles enclose as at most `most` convex parts: the corners of each, whose
-/// ConvexHull() it is, in the frame of the vertices. Empty if one hull will do: it is hardly larger than the
-/// solid, or parts would be hardly better. Also of surfaces with holes. As in K. Mamou (2016), "Volumetric
-/// hierarchical approximate convex decomposition", Game Engine Gems 3, a grid of cells is cut by planes again
-/// and again where that makes the hulls smallest, and then pieces are joined while their common hull holds
-/// little else. The hulls are those of the surface itself between the cuts.
-/// @pre good indices, finite vertices
+/// Splits the solid that the triangles enclose into at most `most` convex parts. Returns the corners of each
+/// part, whose ConvexHull() is the part, in the vertices' frame. Empty if one hull suffices: it is hardly
+/// larger than the solid, or parts would be hardly better. Accepts surfaces with holes. As in K. Mamou
+/// (2016), "Volumetric hierarchical approximate convex decomposition", Game Engine Gems 3, planes repeatedly
+/// cut a grid of cells where that makes the hulls smallest; then pieces are joined while their common hull
+/// holds little else. The returned hulls are those of the surface itself between the cuts.
+/// @pre valid indices, finite vertices
 std::vector<std::vector<Vector3>> ConvexParts(std::span<const Vector3> vertices,
                                               std::span<const MeshData::Triangle> triangles,
                                               int most = kMostConvexParts);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A picture in memory. Constant once made; any thread.
+// A picture in memory. Immutable; thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@ namespace coopdyn {
 
 struct Image {
   int width = 0, height = 0;
-  std::vector<std::uint8_t> rgb;  // row by row, the uppermost first
+  std::vector<std::uint8_t> rgb;  // row by row, top row first
 };
 
 }  // namespace coopdyn

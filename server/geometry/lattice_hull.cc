@@ -31,8 +31,8 @@ void LatticeHull::AddFace(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
   faces_.push_back(face);
 }
 
-// What it sees goes, and what is left is closed from the rim. In whole numbers a point in a face's plane does
-// not see the face, and no new face can then be a line.
+// Removes the faces that `p` sees and connects the rim to `p`. With integer coordinates a point in a face's
+// plane does not see the face, so no new face is degenerate.
 void LatticeHull::Include(const LatticePoint& p) {
   const auto sees = [&](const Face& face) { return face.Height(p) > 0; };
   auto kept = std::ranges::find_if(faces_, sees);
@@ -58,7 +58,7 @@ void LatticeHull::Include(const LatticePoint& p) {
     const auto low = static_cast<std::uint32_t>(edges_[i] >> 32),
                high = static_cast<std::uint32_t>(edges_[i]) >> 1;
     if (i + 1 < edges_.size() && edges_[i + 1] >> 1 == edges_[i] >> 1) {
-      ++i;  // between two faces that went
+      ++i;  // between two removed faces
     } else {
       (edges_[i] & 1) != 0 ? AddFace(low, high, apex) : AddFace(high, low, apex);
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Convex hulls of points with whole coordinates: exact, so they have no folds, and their volumes add up.
+// Convex hulls of points with integer coordinates: exact, so they have no folds and their volumes add up.
 // Pure; any thread.
 #pragma once
 
@@ -9,11 +9,11 @@
 
 namespace coopdyn {
 
-/// Each from 0 to kLatticeSide.
+/// Coordinates from 0 to kLatticeSide.
 using LatticePoint = std::array<std::int64_t, 3>;
 inline constexpr std::int64_t kLatticeSide = 1 << 16;
 
-/// Grows point by point.
+/// A convex hull that grows point by point.
 class LatticeHull {
  public:
   /// @pre the four do not lie in a plane
@@ -23,10 +23,10 @@ class LatticeHull {
   void Include(const LatticeHull& other) {
     for (const LatticePoint& p : other.Corners()) Include(p);
   }
-  /// Six times its volume.
+  /// Six times the hull's volume.
   std::int64_t volume6() const { return volume6_; }
   std::vector<LatticePoint> Corners() const;
-  /// How far `p` is outside, by the planes of the faces; 0 if it is not.
+  /// The largest distance of `p` outside the plane of a face; 0 if `p` is inside.
   double Outside(const LatticePoint& p) const;
 
  private:
@@ -39,15 +39,15 @@ class LatticeHull {
   };
   void AddFace(std::uint32_t a, std::uint32_t b, std::uint32_t c);
 
-  std::vector<LatticePoint> points_;  // also those that are inside by now
+  std::vector<LatticePoint> points_;  // includes points that are inside by now
   std::vector<Face> faces_;
-  // Of Include(). An edge: its lower corner, the other, and whether it runs from low to high.
+  // Buffer of Include(). An edge packs its lower corner, its higher corner, and whether it runs low to high.
   std::vector<std::uint64_t> edges_;
   std::int64_t volume6_ = 0;
 };
 
-/// The corners of the convex hull of points in a plane, which it sorts; anticlockwise, none on a line between
-/// others.
+/// The corners of the convex hull of points in a plane, counter-clockwise, without collinear ones. Sorts
+/// `points`.
 std::vector<std::array<std::int64_t, 2>> HullInPlane(std::vector<std::array<std::int64_t, 2>>& points);
 
 }  // namespace coopdyn

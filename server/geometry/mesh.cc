@@ -30,7 +30,7 @@ void Weigh(MeshData& mesh) {
   mesh.inertia_m5 = {squares.y() + squares.z(), squares.x() + squares.z(), squares.x() + squares.y()};
 }
 
-/// Neighbours next to each other: each half of the longer side of its box before the other, and so on.
+/// Sorts triangles so that neighbours are adjacent: recursively halves their box along its longest side.
 void SortTriangles(MeshData& mesh, std::uint32_t first, std::uint32_t count) {
   constexpr std::uint32_t kFew = 4;
   if (count <= kFew) return;
@@ -53,7 +53,7 @@ void SortTriangles(MeshData& mesh, std::uint32_t first, std::uint32_t count) {
   SortTriangles(mesh, first + count / 2, count - count / 2);
 }
 
-/// The points that lie furthest in evenly spread directions, each once, in their order.
+/// The points that lie furthest in evenly spread directions, each once, in input order.
 std::vector<Vector3> Furthest(std::span<const Vector3> points) {
   constexpr int kDirections = 300;
   std::set<std::size_t> chosen;
@@ -74,8 +74,8 @@ std::vector<Vector3> Furthest(std::span<const Vector3> points) {
   return found;
 }
 
-/// Moves each point by up to `far`, so that no four lie in a plane but for rounding, which would make a hull
-/// of folds and holes: Barber, Dobkin, Huhdanpaa, "The Quickhull Algorithm for Convex Hulls", 1996, section 5
+/// Moves each point by up to `far`, so that no four points are nearly coplanar, which would give the hull
+/// folds and holes: Barber, Dobkin, Huhdanpaa, "The Quickhull Algorithm for Convex Hulls", 1996, section 5
 /// (joggled input).
 void Joggle(std::vector<Vector3>& points, double far) {
   std::mt19937 bits(1);
@@ -142,7 +142,7 @@ class HullBuilder {
       for (std::size_t i = 0; i < 3; ++i) edges.emplace_back(face[i], face[(i + 1) % 3]);
     }
     if (edges.empty()) return;
-    // The rim: edges that are not shared by two faces that go.
+    // The rim: edges that two removed faces do not share.
     for (const auto& edge : edges) {
       if (std::ranges::find(edges, std::pair(edge.second, edge.first)) == edges.end())
         kept.push_back({edge.first, edge.second, point});
@@ -187,7 +187,7 @@ std::optional<MeshData> ConvexHull(std::span<const Vector3> points, Vector3& mid
   const std::vector<Vector3> chosen = Furthest(points);
   HullBuilder hull(chosen);
   if (!hull.Build()) return std::nullopt;
-  // Only the vertices that a face uses.
+  // Keep only the vertices that a face uses.
   std::vector<std::uint32_t> numbers(chosen.size(), ~0u);
   std::vector<Vector3> vertices;
   std::vector<MeshData::Triangle> triangles = hull.faces();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Triangle meshes: rays against them, the convex hull of one. Constant once made; any thread.
+// Triangle meshes, ray casts against them, and convex hulls. Immutable; thread-safe.
 #pragma once
 
 #include <array>
@@ -16,45 +16,46 @@
 
 namespace coopdyn {
 
-/// How a mesh looks, vertex by vertex.
+/// The appearance of a mesh, per vertex.
 struct MeshSkin {
   struct Material {
-    std::array<double, 3> color{0.5, 0.5, 0.5};  // of a texture its mean
-    std::array<double, 3> tint{1, 1, 1};         // by which a texture is multiplied
-    std::shared_ptr<const Image> texture;        // null: none
+    std::array<double, 3> color{0.5, 0.5, 0.5};  // with a texture, its mean colour
+    std::array<double, 3> tint{1, 1, 1};         // multiplies the texture
+    std::shared_ptr<const Image> texture;        // null if none
   };
   struct Corner {
     std::array<float, 2> uv{};   // 0 0: the lower left of the texture
     std::uint32_t material = 0;  // index into materials
   };
   std::vector<Material> materials;
-  std::vector<Corner> corners;  // of MeshData::vertices
+  std::vector<Corner> corners;  // parallel to MeshData::vertices
 };
 
 struct MeshData {
   using Triangle = RayTree::Triangle;
 
-  std::vector<Vector3> vertices;               // about the middle of their box
+  std::vector<Vector3> vertices;               // relative to the centre of their bounding box
   std::vector<Triangle> triangles;             // counter-clockwise from outside
-  Vector3 half_m = Vector3::Zero();            // of the box about the vertices
-  double radius_m = 0;                         // of the sphere about the middle
-  double volume_m3 = 0;                        // if it is closed
-  Vector3 inertia_m5 = Vector3::Zero();        // of the solid of density 1 about the axes, if it is closed
-  std::uint64_t id = 0;                        // of its content
-  std::optional<std::array<double, 3>> color;  // of the file it came from
-  std::shared_ptr<const MeshSkin> skin;        // null: `color` all over
+  Vector3 half_m = Vector3::Zero();            // half extents of the bounding box
+  double radius_m = 0;                         // of the bounding sphere about the origin
+  double volume_m3 = 0;                        // valid if the mesh is closed
+  Vector3 inertia_m5 = Vector3::Zero();        // about the axes, for density 1; valid if the mesh is closed
+  std::uint64_t id = 0;                        // hash of the content
+  std::optional<std::array<double, 3>> color;  // from the mesh's file
+  std::shared_ptr<const MeshSkin> skin;        // null: uniform `color`
   RayTree tree;                                // of the triangles
 };
 
-/// A mesh of these triangles, moved so that the middle of its box is the origin; `middle` is where that was.
-/// @pre indices are good, all finite, at least one triangle
+/// Makes a mesh of these triangles, moved so that its bounding box is centred at the origin. Sets `middle` to
+/// the box's previous centre.
+/// @pre valid indices, all finite, at least one triangle
 MeshData MakeMesh(std::vector<Vector3> vertices, std::vector<MeshData::Triangle> triangles, Vector3& middle);
 
-/// The convex hull of the points, closely: of those that lie furthest in some 300 directions. Nothing if they
-/// lie in a plane. `middle` as above.
+/// The approximate convex hull of the points: the hull of the furthest points in 300 directions. Returns
+/// nullopt if they lie in a plane. `middle` as above.
 std::optional<MeshData> ConvexHull(std::span<const Vector3> points, Vector3& middle);
 
-/// Distance along `ray` (in the mesh's frame) to the nearest triangle from either side, m; kNoHit if it
+/// Distance along `ray` (in the mesh's frame) to the nearest triangle from either side, m; kNoHit if the ray
 /// misses.
 double RayToMesh(const Ray& ray, const MeshData& mesh);
 

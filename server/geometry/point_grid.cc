@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kCellsPerPoint = 2;
 constexpr double kSpareCells = 64;
-// What lies beyond is sorted into the cells at the edge, so that no sum overflows.
+// Points beyond this go to the cells at the edge, so that no sum overflows.
 constexpr double kReach_m = 1e9;
 
 }  // namespace
@@ -46,8 +46,8 @@ void PointGrid::Build(std::span<const Point2> points, double min_cell_m) {
     cells_[i] = cell;
     ++starts_[cell];
   }
-  // Each cell's end; filling from the last point backwards turns it into the cell's start and keeps points in
-  // increasing order.
+  // Set starts_ to each cell's end. Filling from the last point backwards turns ends into starts and keeps
+  // points in increasing order.
   std::uint32_t end = 0;
   for (std::uint32_t& start : starts_) start = end += start;
   for (std::size_t i = points.size(); i-- > 0;) order_[--starts_[cells_[i]]] = static_cast<std::uint32_t>(i);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// A uniform grid of points in the plane, for things that are all about as large: each lies in one cell, that
-// of its centre, and who looks for them widens what it looks at by their radius. Cells of a row follow each
-// other in memory, so that a look at a few rows reads a few runs. Rebuilt whole (counting sort, no allocation
-// once warm); read-only between builds, then any thread.
+// A uniform grid of points in the plane, for things of similar size: each lies in the cell of its centre, and
+// queries are enlarged by the things' radius. The cells of a row are adjacent in memory, so a query of a few
+// rows reads a few runs. Each build rebuilds the whole grid (counting sort, no allocation once warm).
+// Thread-safe between builds.
 #pragma once
 
 #include <cstddef>
@@ -21,16 +21,17 @@ struct Point2 {
 
 class PointGrid {
  public:
-  /// Sorts `points` into cells of at least `min_cell_m`, larger where that would make many more cells than
-  /// points. Afterwards order()[k] is the point at position k; points of one cell stand by increasing index.
-  /// @pre min_cell_m > 0. Points that are not finite end in some cell at the edge.
+  /// Sorts `points` into cells of side `min_cell_m`, or larger if that would make many more cells than
+  /// points. Afterwards order()[k] is the index of the point at position k; within a cell, indices increase.
+  /// Non-finite points go to some cell at the edge.
+  /// @pre min_cell_m > 0
   void Build(std::span<const Point2> points, double min_cell_m);
 
   std::span<const std::uint32_t> order() const { return order_; }
   double cell_m() const { return cell_m_; }
 
-  /// Calls visit(first, end) for runs of positions that together hold every point within `box` and others
-  /// near it, each once.
+  /// Calls visit(first, end) for runs of positions that together hold every point within `box`, and others
+  /// nearby, once each.
   template <typename Visit>
   void ForRuns(const Aabb2& box, Visit visit) const {
     if (order_.empty()) return;
@@ -39,9 +40,9 @@ class PointGrid {
     for (int y = Row(box.min_y); y <= y1; ++y) VisitRun(y, x0, x1, visit);
   }
 
-  /// The same for the points within `margin_m` (in x and in y) of the segment that starts at `from` and goes
-  /// length_m() along the unit vector or shorter `direction`; the length may shrink between runs, they come
-  /// from the segment's start on.
+  /// The same for the points within `margin_m` (in x and in y) of the segment from `from` that extends
+  /// length_m() times `direction`, a vector of length at most 1. Visits runs from the segment's start on;
+  /// length_m() may shrink between runs.
   template <typename Length, typename Visit>
   void ForRunsAlong(const Point2& from, const Point2& direction, double margin_m, Length length_m,
                     Visit visit) const;
@@ -49,7 +50,7 @@ class PointGrid {
  private:
   int Column(double x) const { return Clamp((x - min_x_) * cells_per_m_, columns_); }
   int Row(double y) const { return Clamp((y - min_y_) * cells_per_m_, rows_); }
-  /// Written so that every double gives a valid index.
+  /// Returns a valid index for every double.
   static int Clamp(double cell, int count) {
     return cell >= count ? count - 1 : cell > 0 ? static_cast<int>(cell) : 0;
   }
@@ -63,7 +64,7 @@ class PointGrid {
 
   double min_x_ = 0, min_y_ = 0, cell_m_ = 1, cells_per_m_ = 1;
   int columns_ = 0, rows_ = 0;
-  std::vector<std::uint32_t> starts_;  // of each cell in order_, and the end
+  std::vector<std::uint32_t> starts_;  // each cell's first position in order_, then the end
   std::vector<std::uint32_t> order_;
   std::vector<std::uint32_t> cells_;  // of each point, while building
 };
@@ -79,8 +80,8 @@ void PointGrid::ForRunsAlong(const Point2& from, const Point2& direction, double
     const double end_y = from.y + length * direction.y;
     const int last_row = Row(end_y + step * margin_m);
     if ((last_row - row) * step < 0) return;
-    // The part of the segment that is within the margin of this row's points. Rows at the edge hold what lies
-    // beyond, and steep numbers only widen it.
+    // Find the part of the segment within the margin of this row. Edge rows also hold the points beyond them,
+    // so the segment is not cut there.
     double t0 = 0, t1 = length;
     const double slope = direction.y * step;
     if (slope > 1e-9) {

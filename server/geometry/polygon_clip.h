@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Polygons cut by planes that are square to an axis. Pure; any thread.
+// Clips polygons at axis-aligned planes. Pure; any thread.
 #pragma once
 
 #include <utility>
@@ -9,8 +9,8 @@
 
 namespace coopdyn {
 
-/// Leaves of the polygon what has a coordinate of at most `limit` times `sign`: I. E. Sutherland,
-/// G. W. Hodgman (1974), "Reentrant polygon clipping". `scratch` saves the allocations.
+/// Keeps the part of the polygon where sign * (coordinate - limit) ≤ 0: I. E. Sutherland, G. W. Hodgman
+/// (1974), "Reentrant polygon clipping". `scratch` is a buffer that saves allocations.
 inline void ClipPolygon(Eigen::Index axis, double sign, double limit, std::vector<Vector3>& polygon,
                         std::vector<Vector3>& scratch) {
   scratch.clear();

@@ -10,9 +10,9 @@ namespace coopdyn {
 
 namespace {
 
-constexpr double kSquare = 1e-18;  // of the sine of an angle that is as good as none
+constexpr double kSquare = 1e-18;  // sin² of an angle that counts as zero
 
-// The part of a line that lies inside a convex solid; every solid here is an intersection of such parts.
+// The part of a line inside a convex solid, computed as the intersection of slabs and quadrics.
 struct Interval {
   double from = -kNoHit, to = kNoHit;
 
@@ -74,7 +74,7 @@ double RayToCylinder(const Ray& ray, const Cylinder& cylinder, const Vector3& ax
   const double c = o.squaredNorm() - cylinder.radius_m * cylinder.radius_m;
   const double half_m = cylinder.length_m / 2;
   if (c > 0 && a > kSquare) {
-    // Most rays start outside, and meet the mantle if anything: then its ends need no look.
+    // Most rays start outside and hit the lateral surface if at all; the end caps then need no test.
     const double discriminant = b * b - a * c;
     if (b >= 0 || discriminant < 0) return kNoHit;
     const double mantle = (-b - std::sqrt(discriminant)) / a;

@@ -9,14 +9,14 @@ namespace coopdyn {
 
 namespace {
 
-// Boxes are a little larger than their shapes, so that rounding at a cell's border cannot lose one.
+// Padding of the shapes' boxes, so that rounding at a cell's border cannot lose a shape.
 constexpr double kPad_m = 1e-6;
 
 // The walk along one axis of the grid.
 struct AxisWalk {
-  int cell = 0;        // where the walk is now
+  int cell = 0;        // the current cell
   int step = 0;        // −1, 0 or 1
-  double next = 0;     // ray parameter at which it leaves `cell`
+  double next = 0;     // ray parameter where the ray leaves `cell`
   double advance = 0;  // ray parameter per cell
 
   AxisWalk(double origin, double direction, double start, double min, double cell_m, int cells) {
@@ -35,7 +35,7 @@ struct AxisWalk {
   }
 };
 
-// Clips [from, to] to where origin + t * direction lies in [min, max].
+// Clips [from, to] to the t for which origin + t * direction lies in [min, max].
 void ClipToRange(double origin, double direction, double min, double max, double& from, double& to) {
   if (direction == 0) {
     if (origin < min || origin > max) to = -1;
@@ -47,7 +47,7 @@ void ClipToRange(double origin, double direction, double min, double max, double
   to = std::min(to, std::max(a, b));
 }
 
-// Whether the way from 0 to speed * length misses [center − half, center + half].
+// True if the interval from 0 to speed * length misses [center − half, center + half].
 bool IsApart(double center, double half, double speed, double length) {
   if (std::abs(center) <= half) return false;
   return center > 0 ? speed <= 0 || speed * length < center - half
@@ -75,7 +75,7 @@ double RayGrid::Cast(const Ray& ray_W, double max_range_m) const {
   for (const std::uint32_t item : grid_.large_items()) Test(item, ray_W, nearest);
 
   const Vector3& o = ray_W.origin;
-  // A component too small to cross a cell within any range would only make the arithmetic overflow.
+  // A component too small to cross a cell within any range would only overflow.
   const double dx = std::abs(ray_W.direction.x()) < 1e-12 ? 0 : ray_W.direction.x();
   const double dy = std::abs(ray_W.direction.y()) < 1e-12 ? 0 : ray_W.direction.y();
   const double max_x = grid_.min_x() + grid_.columns() * grid_.cell_m();
@@ -102,7 +102,7 @@ double RayGrid::Cast(const Ray& ray_W, double max_range_m) const {
 }
 
 void RayGrid::Test(std::uint32_t index, const Ray& ray_W, double& nearest_m) const {
-  // Separated from the item's box, seen from above along x, y or across the ray, or from the side?
+  // Is the ray separated from the item's box along x, along y, across the ray in the plane, or in height?
   const Bounds& bounds = bounds_[index];
   const Vector3& o = ray_W.origin;
   const Vector3& d = ray_W.direction;

@@ -10,9 +10,9 @@ namespace coopdyn {
 
 namespace {
 
-// Arithmetic in floats is off by less than this part of the mesh's size.
+// Bound of the error of float arithmetic, as a fraction of the mesh's size.
 constexpr double kFloatError = 2e-6;
-// A component of a direction that is as good as none; its inverse is still a float.
+// A component of a direction that counts as zero; its inverse is still a finite float.
 constexpr double kNoDirection = 1e-18;
 
 using Float4 = Eigen::Array<float, 4, 1>;
@@ -55,8 +55,8 @@ double RayToTriangle(const Ray& ray, const Vector3& a, const Vector3& b, const V
   return t >= 0 ? t : kNoHit;
 }
 
-/// Halves what is to be sorted where that leaves the least work to a ray (the surface area heuristic), then
-/// joins two levels into one.
+/// Builds a binary tree by the surface area heuristic, which minimizes a ray's expected work, then joins two
+/// levels into one.
 class RayTreeBuilder {
  public:
   RayTreeBuilder(RayTree& tree, std::span<const Vector3> vertices,
@@ -97,7 +97,7 @@ class RayTreeBuilder {
 
   static constexpr std::uint32_t kLeaf = 4;
   static constexpr std::size_t kBins = 16;
-  static constexpr int kMostUneven = 40;  // levels; below, halves are even
+  static constexpr int kMostUneven = 40;  // levels; deeper levels split evenly
 
   std::uint32_t Halve(std::uint32_t first, std::uint32_t count, int depth) {
     const auto at = static_cast<std::uint32_t>(halves_.size());
@@ -121,7 +121,7 @@ class RayTreeBuilder {
     return at;
   }
 
-  /// Sorts the items into two parts and returns how many are in the first.
+  /// Sorts the items into two parts and returns the size of the first.
   std::uint32_t Split(std::uint32_t first, std::uint32_t count, const Bounds& middles) {
     const std::span<Item> items = std::span(items_).subspan(first, count);
     struct Best {
@@ -138,7 +138,7 @@ class RayTreeBuilder {
         bounds[bin].Include(item.bounds);
         ++counts[bin];
       }
-      std::array<double, kBins> above{};  // what the bins from this one on cost
+      std::array<double, kBins> above{};  // cost of this bin and all above it
       Bounds part;
       std::uint32_t in_part = 0;
       for (std::size_t bin = kBins; bin-- > 0;) {
@@ -156,7 +156,7 @@ class RayTreeBuilder {
         if (cost < best.cost) best = {cost, axis, bin};
       }
     }
-    if (best.cost == kNoHit) return count / 2;  // all in one place
+    if (best.cost == kNoHit) return count / 2;  // all middles coincide
     const auto middle = std::stable_partition(items.begin(), items.end(), [&](const Item& item) {
       return Bin(item, best.axis, middles) <= best.bin;
     });
@@ -167,7 +167,7 @@ class RayTreeBuilder {
     return std::min(kBins - 1, static_cast<std::size_t>(part * kBins));
   }
 
-  /// Makes a node of the largest boxes below half `root`.
+  /// Makes a node of the largest boxes below the binary node `root`.
   std::uint32_t Join(std::uint32_t root) {
     std::array<std::uint32_t, 4> children{root};
     std::size_t count = 1;
@@ -221,7 +221,7 @@ RayTree::RayTree(std::span<const Vector3> vertices, std::span<const Triangle> tr
 
 double RayTree::Cast(const Ray& ray, std::span<const Vector3> vertices) const {
   if (nodes_.empty()) return kNoHit;
-  // Where it comes into the box about all: from there on, floats are good enough.
+  // Where the ray enters the overall box: from there on, floats are precise enough.
   double enter = 0, leave = kNoHit;
   std::array<float, 3> inverse{};
   std::array<std::size_t, 3> near_side{}, far_side{};
@@ -246,7 +246,7 @@ double RayTree::Cast(const Ray& ray, std::span<const Vector3> vertices) const {
   std::array<Waiting, kStack> stack;  // NOLINT(cppcoreguidelines-pro-type-member-init): written first
   std::size_t waiting = 0;
   double nearest = kNoHit;
-  float limit = std::numeric_limits<float>::max();  // no box that is further counts
+  float limit = std::numeric_limits<float>::max();  // skip boxes that are further away
   Waiting now{0, 0, 0};
   for (;;) {
     if (now.count == 0) {
@@ -258,7 +258,7 @@ double RayTree::Cast(const Ray& ray, std::span<const Vector3> vertices) const {
           along(near_side[0], 0).max(along(near_side[1], 1)).max(along(near_side[2], 2)).max(0.0F);
       const Float4 to =
           along(far_side[0], 0).min(along(far_side[1], 1)).min(along(far_side[2], 2)).min(limit);
-      // The nearest on top.
+      // Push the nearest child last, on top.
       const std::size_t base = waiting;
       for (std::size_t i = 0; i < 4; ++i) {
         const auto k = static_cast<Eigen::Index>(i);

@@ -26,7 +26,7 @@ double Heading(const Quaternion& q) {
 
 Vector3 ToRollPitchYaw(const Quaternion& q) {
   const Matrix3 R = q.toRotationMatrix();
-  // Where x points up or down, roll and yaw are one turn, and what the others come from is rounding.
+  // If x points up or down (gimbal lock), roll and yaw are one rotation; set roll to 0.
   constexpr double kUpright = 1e-9;
   if (std::abs(R(0, 0)) + std::abs(R(1, 0)) < kUpright)
     return {0, std::copysign(std::numbers::pi / 2, -R(2, 0)), portable::Atan2(-R(0, 1), R(1, 1))};

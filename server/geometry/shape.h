@@ -39,7 +39,7 @@ struct Capsule {
 };
 
 struct MeshData;
-/// Triangles (server/geometry/mesh.h), about the middle of their box. Whoever made `data` keeps it.
+/// Triangles (server/geometry/mesh.h) about the centre of their bounding box. `data` is not owned.
 struct Mesh {
   const MeshData* data = nullptr;
   bool operator==(const Mesh&) const = default;
@@ -63,22 +63,22 @@ inline Quaternion FromRollPitchYaw(double roll_rad, double pitch_rad, double yaw
          portable::AngleAxis(roll_rad, Vector3::UnitX());
 }
 
-/// The reverse: roll and yaw in [−π, π], pitch in [−π/2, π/2].
+/// The inverse: roll and yaw in [−π, π], pitch in [−π/2, π/2].
 Vector3 ToRollPitchYaw(const Quaternion& q);
 
 /// Heading of the x axis of `q` in the horizontal plane, in (−π, π].
 double Heading(const Quaternion& q);
-/// `angle_rad` brought into (−π, π].
+/// `angle_rad` wrapped into (−π, π].
 double WrapAngle(double angle_rad);
-/// Radius of the smallest sphere about the shape's centre that holds it.
+/// Radius of the smallest sphere about the shape's centre that contains the shape.
 double BoundingRadius(const Shape& shape);
-/// Half of the shape's extent along the world's x, y, z when turned by `q`.
+/// Half the shape's extent along the world's x, y, z when rotated by `q`.
 Vector3 HalfExtents(const Shape& shape, const Quaternion& q);
-/// The same, turned by the rotation matrix `R`.
+/// The same for a rotation matrix `R`.
 Vector3 HalfExtents(const Shape& shape, const Matrix3& R);
 /// Volume in m³.
 double Volume(const Shape& shape);
-/// Inertia about the centre for `mass_kg`, of the solid shape, kg·m² (diagonal).
+/// Diagonal inertia of the solid shape of mass `mass_kg` about its centre, kg·m².
 Vector3 SolidInertia(const Shape& shape, double mass_kg);
 
 }  // namespace coopdyn

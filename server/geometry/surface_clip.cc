@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kThin_m = 1e-3;
 
-/// Of the corners of a hull few whose own hull leaves none out by more than `tolerance_m`: one that is
-/// furthest out is taken, again and again.
+/// Selects a few corners of a hull so that no other corner lies outside their hull by more than
+/// `tolerance_m`. Repeatedly adds the corner that is furthest outside.
 class FewCorners {
  public:
   FewCorners(const std::vector<Vector3>& corners, double side_m) : corners_(corners) {
@@ -33,9 +33,9 @@ class FewCorners {
     }
   }
 
-  /// All of them if they are flat for the lattice.
+  /// Returns all corners if they are flat on the lattice.
   std::vector<Vector3> Choose(double tolerance_m) {
-    // More would cost each step of physics: it looks at all corners of two parts that are near.
+    // More would slow down each physics step, which visits all corners of two parts that are close.
     constexpr std::size_t kMost = 60;
     const Vector3& a = corners_[0];
     const std::size_t b = Furthest([&](std::size_t i) { return (corners_[i] - a).norm(); });
@@ -72,7 +72,7 @@ class FewCorners {
   std::vector<LatticePoint> points_;
 };
 
-/// Nothing if the points are flat.
+/// A few corners of the hull of `points`; nullopt if the points are flat.
 std::optional<std::vector<Vector3>> CornersOf(const std::vector<Vector3>& points, double side_m) {
   constexpr double kOfMesh = 1.0 / 250, kOfThickness = 1.0 / 20;
   Vector3 middle = Vector3::Zero();
@@ -81,7 +81,7 @@ std::optional<std::vector<Vector3>> CornersOf(const std::vector<Vector3>& points
   for (Vector3& v : hull->vertices) v += middle;
   const double tolerance_m = std::min(kOfMesh * side_m, kOfThickness * 2 * hull->half_m.minCoeff());
   std::vector<Vector3> few = FewCorners(hull->vertices, side_m).Choose(tolerance_m);
-  // What is made of these must be a solid, too.
+  // The hull of the selected corners must be a solid, too.
   if (!ConvexHull(few, middle)) return std::nullopt;
   return few;
 }
@@ -119,9 +119,9 @@ std::vector<Vector3> SurfaceClip::CornersIn(std::span<const CellBox> boxes) cons
   return CornersOf(points, side_m).value_or(std::vector<Vector3>());
 }
 
-// Triangles are moved behind themselves, and the box is a little smaller than its cells, so that a surface in
-// the plane between two boxes belongs to the one behind it, and one that only reaches that plane to its own.
-// Then both is taken back.
+// Moves triangles behind their surface and shrinks the box slightly, so that a surface in the plane between
+// two boxes belongs to the box behind it, and a surface that only reaches that plane to its own box. Then
+// undoes both.
 void SurfaceClip::AddPoints(const CellBox& box, std::vector<Vector3>& points, Vector3& behind) const {
   const double shrunk_m = grid_.unit_m(), near_m = 2 * CellGrid::kBehind * grid_.unit_m();
   Vector3 low, high;
@@ -130,7 +130,7 @@ void SurfaceClip::AddPoints(const CellBox& box, std::vector<Vector3>& points, Ve
     high[static_cast<Eigen::Index>(axis)] = grid_.plane_m(axis, box.high[axis]);
   }
   Vector3 from = low + Vector3::Constant(shrunk_m), to = high - Vector3::Constant(shrunk_m);
-  for (std::size_t axis = 0; axis < 3; ++axis) {  // nobody else wants what ends there
+  for (std::size_t axis = 0; axis < 3; ++axis) {  // at the grid's border no other box claims the surface
     const auto i = static_cast<Eigen::Index>(axis);
     if (box.low[axis] == 0) from[i] = low[i] - near_m;
     if (box.high[axis] == grid_.count(axis)) to[i] = high[i] + near_m;

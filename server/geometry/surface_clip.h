@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The surface of a mesh within boxes of its cells. Constant once made; any thread.
+// Clips a mesh's surface to boxes of grid cells. Immutable; thread-safe.
 #pragma once
 
 #include <span>
@@ -11,17 +11,17 @@
 
 namespace coopdyn {
 
-/// Whether the triangles are more than a sheet, so that a CellGrid has cells of some thickness.
+/// True if the triangles are not an axis-aligned sheet, so that the cells of a CellGrid have some thickness.
 bool IsThick(std::span<const Vector3> vertices, std::span<const MeshData::Triangle> triangles);
 
 class SurfaceClip {
  public:
-  /// All outlive it.
+  /// All arguments must outlive the object.
   SurfaceClip(const CellGrid& grid, std::span<const Vector3> vertices,
               std::span<const MeshData::Triangle> triangles);
 
-  /// The corners of the hull of the solid in the boxes, of which ConvexHull() makes a solid: a sheet gets
-  /// 1 mm of thickness. Empty if there is next to nothing.
+  /// The corners of the hull of the solid within the boxes. ConvexHull() makes a solid of them: a sheet gets
+  /// a thickness of 1 mm. Empty if the boxes hold next to nothing.
   std::vector<Vector3> CornersIn(std::span<const CellBox> boxes) const;
 
  private:
@@ -30,7 +30,7 @@ class SurfaceClip {
   const CellGrid& grid_;
   std::span<const Vector3> vertices_;
   std::span<const MeshData::Triangle> triangles_;
-  std::vector<Vector3> behind_;  // by triangle
+  std::vector<Vector3> behind_;  // CellGrid::Behind() of each triangle
 };
 
 }  // namespace coopdyn

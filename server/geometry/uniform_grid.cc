@@ -10,7 +10,7 @@ namespace coopdyn {
 
 namespace {
 
-// What lies beyond is sorted into the cells at the edge, so that no sum overflows.
+// Boxes beyond this go to the cells at the edge, so that no sum overflows.
 constexpr double kFurthest_m = 1e12;
 
 }  // namespace

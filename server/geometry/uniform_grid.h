@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A uniform grid over boxes in the plane: the broad phase of physics and the ray walk of sensing.
-// Rebuilt whole (counting sort, no allocation once warm); read-only between builds, then any thread.
+// A uniform grid over boxes in the plane, for the broad phase of physics and the ray casts of sensing.
+// Each build rebuilds the whole grid (counting sort, no allocation once warm). Thread-safe between builds.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +18,8 @@ struct Aabb2 {
 
 class UniformGrid {
  public:
-  /// Fills the grid with `boxes`; an item is its index. The cell is `cell_m`, enlarged if the boxes would
-  /// need more than `kMaxCells`. Boxes that would cover more than `kMaxCellsPerItem` cells go to
+  /// Fills the grid with `boxes`; an item is a box's index. Cells have side `cell_m`, enlarged if the boxes
+  /// would need more than `kMaxCells`. Boxes that would cover more than `kMaxCellsPerItem` cells go to
   /// `large_items()` instead.
   /// @pre all numbers finite, cell_m > 0.
   void Build(std::span<const Aabb2> boxes, double cell_m);
@@ -37,15 +37,15 @@ class UniformGrid {
   int columns() const { return columns_; }  // along x
   int rows() const { return rows_; }        // along y
 
-  /// Appends every pair (a < b) whose boxes overlap, each once, in increasing order of (a, b).
+  /// Appends every pair (a < b) of items whose boxes overlap, once each, in increasing order of (a, b).
   void FindPairs(std::span<const Aabb2> boxes,
                  std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) const;
 
-  /// Appends every item whose box overlaps `box` (which need not be in the grid), each once, by increasing
-  /// index. `boxes`: those of Build().
+  /// Appends every item whose box overlaps `box` (which need not be in the grid), once each, by increasing
+  /// index. `boxes`: the same as in Build().
   void FindOverlaps(std::span<const Aabb2> boxes, const Aabb2& box, std::vector<std::uint32_t>& items) const;
 
-  /// Calls visit(item) for the same items, each once, in no particular order, until it returns false.
+  /// Calls visit(item) for the same items, once each in no particular order, until it returns false.
   template <typename Visit>
   void VisitOverlaps(std::span<const Aabb2> boxes, const Aabb2& box, Visit visit) const;
 
@@ -56,7 +56,7 @@ class UniformGrid {
   static bool Overlap(const Aabb2& a, const Aabb2& b) {
     return a.min_x <= b.max_x && b.min_x <= a.max_x && a.min_y <= b.max_y && b.min_y <= a.max_y;
   }
-  /// The cells a box touches, both ends included.
+  /// The cells that a box touches, both ends inclusive.
   struct CellRange {
     int x0, y0, x1, y1;
   };
@@ -64,7 +64,7 @@ class UniformGrid {
     return {Index(box.min_x, min_x_, columns_), Index(box.min_y, min_y_, rows_),
             Index(box.max_x, min_x_, columns_), Index(box.max_y, min_y_, rows_)};
   }
-  /// Written so that every double gives a valid index.
+  /// Returns a valid index for every double.
   int Index(double x, double min, int count) const {
     const double cell = (x - min) / cell_m_;
     return cell >= count ? count - 1 : cell > 0 ? static_cast<int>(cell) : 0;
@@ -75,7 +75,7 @@ class UniformGrid {
 
   double min_x_ = 0, min_y_ = 0, cell_m_ = 1;
   int columns_ = 0, rows_ = 0;
-  std::vector<std::uint32_t> starts_;  // of each cell in items_, and the end
+  std::vector<std::uint32_t> starts_;  // each cell's first position in items_, then the end
   std::vector<std::uint32_t> items_;
   std::vector<std::uint32_t> large_;
 };
@@ -85,14 +85,14 @@ void UniformGrid::VisitOverlaps(std::span<const Aabb2> boxes, const Aabb2& box, 
   if (boxes.empty()) return;
   const CellRange range = Range(box);
   for (int y = range.y0; y <= range.y1; ++y) {
-    // The cells of a row follow each other: if they hold nothing, one look says so.
+    // The cells of a row are adjacent, so one comparison shows that all are empty.
     const std::size_t first = CellIndex(range.x0, y);
     const std::size_t end = first + static_cast<std::size_t>(range.x1 - range.x0) + 1;
     if (starts_[first] == starts_[end]) continue;
     for (int x = range.x0; x <= range.x1; ++x) {
       for (const std::uint32_t item : Cell(x, y)) {
         if (!Overlap(box, boxes[item])) continue;
-        // Both may share many cells: only the lowest of them counts.
+        // Both boxes may share many cells; count only the lowest.
         const CellRange other = Range(boxes[item]);
         if ((range.x0 > other.x0 ? range.x0 : other.x0) != x) continue;
         if ((range.y0 > other.y0 ? range.y0 : other.y0) != y) continue;

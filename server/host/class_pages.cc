@@ -318,7 +318,7 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     if (!post && what == "seats")
       co_return co_await Answer(guest, JsonAnswer(json::serialize(room.WallJson())));
     if (!post && what == "sheet")
-      co_return co_await Answer(guest, HtmlAnswer(SheetPage(room.roll(), room.options().url)));
+      co_return co_await Answer(guest, HtmlAnswer(SheetPage(room.roll(), room.url())));
     if (!post && what == "collect.tar") co_return co_await Collect(guest);
     if (post && what == "do") {
       const std::string error = room.Do(ObjectIn(request.body()));

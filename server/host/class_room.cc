@@ -56,9 +56,7 @@ ClassRoom::ClassRoom(boost::asio::io_context& context, ClassOptions options, Rol
       random_(std::move(random)),
       clock_(clock),
       logger_(std::move(logger)),
-      timer_(context) {
-  for (const RollEntry& entry : roll_.entries()) AddSeat(entry);
-}
+      timer_(context) {}
 
 ClassRoom::~ClassRoom() {
   *alive_ = false;
@@ -74,13 +72,15 @@ void ClassRoom::AddSeat(const RollEntry& entry) {
   Place place;
   place.seat =
       std::make_unique<Seat>(context_, entry.seat, folder_of(entry.seat),
-                             options_.url + "s/" + entry.seat + "/", std::move(plan), clock_, logger_);
+                             url_ + "s/" + entry.seat + "/", std::move(plan), clock_, logger_);
   place.seat->set_on_change([this] { Changed(); });
   LoadDesk(entry.seat, place.desk);
   places_.insert_or_assign(entry.seat, std::move(place));
 }
 
-void ClassRoom::Open() {
+void ClassRoom::Open(const std::string& url) {
+  url_ = url;
+  for (const RollEntry& entry : roll_.entries()) AddSeat(entry);
   for (auto& [name, place] : places_) {
     place.seat->Find();
     place.seat->SetTaken(place.desk.frozen);

@@ -27,7 +27,6 @@ namespace coopdyn {
 struct ClassOptions {
   std::filesystem::path folder;      // of all that the class keeps
   std::vector<std::string> lessons;  // scenarios, in the order of the lesson plan; at least one
-  std::string url;                   // of the host's page, e.g. "http://labserver:10001/"
   SeatPlan plan = {};                // its lesson is set from `lessons`
   Nanoseconds idle = 15 * 60 * kNanosecondsPerSecond;  // a seat where nothing happens is put aside; 0: never
 };
@@ -65,13 +64,15 @@ class ClassRoom {
   ClassRoom(const ClassRoom&) = delete;
   ClassRoom& operator=(const ClassRoom&) = delete;
 
-  /// Takes back the daemons that run and begins to look after all of them.
-  void Open();
+  /// Takes back the daemons that run and begins to look after all of them. `url`: of the host's pages, with
+  /// its last '/'. Once, before everything below.
+  void Open(const std::string& url);
   /// Puts all seats aside; `done` is called when their daemons have ended.
   void PutAllAside(std::function<void()> done);
 
   const Roll& roll() const { return roll_; }
   const ClassOptions& options() const { return options_; }
+  const std::string& url() const { return url_; }
   /// Null: no such seat.
   Seat* FindSeat(std::string_view name);
   /// The seat whose personal link ends with `link`; null: none.
@@ -124,6 +125,7 @@ class ClassRoom {
 
   boost::asio::io_context& context_;
   const ClassOptions options_;
+  std::string url_;
   Roll roll_;
   const RandomDigits random_;
   const Clock& clock_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Joints, with their stops, motors, springs and dampers.
+// Writes joints with their stops, motors, springs and dampers.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -13,10 +13,10 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-constexpr double kUsualSpeed = 10;  // rad/s or m/s: MJCF knows no greatest speed
+constexpr double kUsualSpeed = 10;  // rad/s or m/s; MJCF has no speed limits
 
-/// A link between two joints of a body. It weighs a millionth of the body: joints are solved in their own
-/// coordinates, and none of it counts.
+/// Adds a link between two joints of a body. It weighs a millionth of the body, which has no effect because
+/// joints are solved in their own coordinates.
 void AddCarrier(const std::string& name, int body, const Pose& X_MB, const mjModel& m, XMLElement& model) {
   constexpr double kShare = 1e-6, kLeast = 1e-9, kLeast_kg_m2 = 1e-13;
   XMLElement& link = AddNamed(model, "link", name);
@@ -133,7 +133,7 @@ void AddJoints(int body, const Pose& X_MB, const Couplings& couplings, bool has_
     const double from = source.Start(joint);
     if (!is_ball && !is_locked && std::abs(from) > 1e-9 && !couplings.followers.contains(joint)) {
       if (has_loops)
-        source.words().Say("keyframe 'home' is not used, as joints close a loop", false);
+        source.words().Say("keyframe 'home' is not used, because joints close a loop", false);
       else
         element.SetAttribute("coopdyn:start", Number(from).c_str());
     }

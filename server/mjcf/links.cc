@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Links: mass, shapes and colours.
+// Writes links: mass, shapes and colours.
 #include <algorithm>
 #include <array>
 #include <numbers>
@@ -13,9 +13,9 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-constexpr double kEndless_m = 100;  // the size of a plane without one
+constexpr double kEndless_m = 100;  // size of an infinite plane
 
-/// False if it has no such shape here.
+/// False if SDF or coopdyn has no such shape.
 bool AddShape(int geom, const Source& source, Meshes& meshes, XMLElement& parent) {
   const mjModel& m = source.model();
   const mjtNum* const size = m.geom_size + 3 * geom;
@@ -62,7 +62,8 @@ bool AddShape(int geom, const Source& source, Meshes& meshes, XMLElement& parent
   }
 }
 
-/// A contact has the greater condim of two geoms: 1, without friction, counts only if the whole world has it.
+/// True if no contact has friction. A contact uses the greater condim of its geoms, so condim 1
+/// (frictionless) counts only if all colliding geoms have it.
 bool IsFrictionless(const Source& source) {
   const mjModel& m = source.model();
   bool has_ground = false;
@@ -81,7 +82,7 @@ void AddFriction(int geom, const Source& source, XMLElement& collision) {
   XMLElement& element = Add(Add(collision, "surface"), "friction");
   Add(Add(element, "ode"), "mu", Number(IsFrictionless(source) ? 0 : friction[0]));
   if (dimensions >= 4) {
-    // The arm of the torque is friction[1]; SDF's is 3π/16 of a patch's radius.
+    // The torque's lever arm is friction[1] in MuJoCo, and 3π/16 of the patch radius in SDF.
     XMLElement& torsional = Add(element, "torsional");
     Add(torsional, "coefficient", "1");
     Add(torsional, "patch_radius", Number(friction[1] * 16 / (3 * std::numbers::pi)));
@@ -131,7 +132,7 @@ void AddLink(int body, const Pose& X_MB, const Source& source, Meshes& meshes, X
   if (m.body_mass[body] > 0) {
     XMLElement& inertial = Add(link, "inertial");
     AddPose(inertial, ToPose(m.body_ipos + 3 * body, m.body_iquat + 4 * body));
-    // Less than coopdyn takes, which matters to nothing.
+    // Raise masses below coopdyn's minimum; the difference is negligible.
     constexpr double kLeast_kg = 1e-6, kLeast_kg_m2 = 1e-10;
     if (m.body_mass[body] < kLeast_kg) source.words().Say("a body of less than 1 mg gets 1 mg");
     Add(inertial, "mass", Number(std::max(kLeast_kg, m.body_mass[body])));

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using tinyxml2::XMLElement;
 
-constexpr int kMaxRounds = 500;  // each leaves out one kind of thing
+constexpr int kMaxRounds = 500;  // each round mends one error
 constexpr int kMaxIncludeDepth = 10, kMaxIncludes = 1000;
 constexpr std::size_t kMaxText = 64u << 20;
 
@@ -38,7 +38,7 @@ std::string AttributeOf(const XMLElement& element, const char* name) {
   return value == nullptr ? "" : value;
 }
 
-/// Calls visit(element) for `element` and all in it.
+/// Calls visit() for `element` and all its descendants.
 void ForAll(XMLElement& element, const std::function<void(XMLElement&)>& visit) {
   visit(element);
   for (XMLElement* child = element.FirstChildElement(); child != nullptr; child = child->NextSiblingElement())
@@ -50,7 +50,7 @@ std::string ParentName(const XMLElement& element) {
   return parent == nullptr || parent->ToElement() == nullptr ? "" : parent->ToElement()->Name();
 }
 
-/// libmujoco 2.2.2 counts line ends among the numbers of a keyframe.
+/// Replaces line ends in attributes: libmujoco 2.2.2 counts them among a keyframe's numbers.
 void JoinLines(XMLElement& element) {
   for (const auto* one = element.FirstAttribute(); one != nullptr; one = one->Next()) {
     std::string value = one->Value();
@@ -61,7 +61,7 @@ void JoinLines(XMLElement& element) {
   }
 }
 
-/// A file as a document that is mended until libmujoco takes it.
+/// Mends a document until libmujoco accepts it.
 class Mender {
  public:
   Mender(const std::string& file, Words& words) : file_(file), words_(words) {}
@@ -73,7 +73,7 @@ class Mender {
     if (!Expand(*document_.RootElement(), fs::path(file_).parent_path(), 0)) return loaded;
     Prepare(*document_.RootElement());
     for (int round = 0; round < kMaxRounds; ++round) {
-      // What is printed has each element on a line of its own, which libmujoco's errors name.
+      // Printing puts each element on its own line, by which libmujoco's errors identify it.
       tinyxml2::XMLPrinter printer;
       document_.Print(&printer);
       const std::string text = printer.CStr();
@@ -108,7 +108,7 @@ class Mender {
     return model;
   }
 
-  /// Puts what <include> names in its place. False if that cannot be read.
+  /// Replaces each <include> by the content of its file. False if a file cannot be read.
   bool Expand(XMLElement& element, const fs::path& folder, int depth) {
     for (XMLElement* child = element.FirstChildElement(); child != nullptr;) {
       XMLElement* const next = child->NextSiblingElement();
@@ -136,7 +136,7 @@ class Mender {
     return true;
   }
 
-  /// What newer versions have by default, and what is not used.
+  /// Sets defaults of newer versions and removes unused parts.
   void Prepare(XMLElement& root) {
     std::vector<XMLElement*> unused;
     ForAll(root, [&unused](XMLElement& element) {
@@ -172,7 +172,7 @@ class Mender {
     return found;
   }
 
-  /// Calls act() for all elements that are called like `like`, in elements called alike.
+  /// Calls act() for all elements whose name and parent's name are those of `like`.
   void ForAllLike(const XMLElement& like, const std::function<void(XMLElement&)>& act) {
     const std::string name = like.Name(), parent = ParentName(like);
     ForAll(*document_.RootElement(), [&](XMLElement& element) {
@@ -180,12 +180,12 @@ class Mender {
     });
   }
 
-  /// Changes what `error` names. False if nothing helps.
+  /// Changes the element that `error` names. False if that is impossible.
   bool Mend(const std::string& error) {
     if (error.find("balanceinertia") != std::string::npos &&
         Compiler().Attribute("balanceinertia") == nullptr) {
       Compiler().SetAttribute("balanceinertia", "true");
-      words_.Say("a body has moments of inertia that no body has: libmujoco balances them", false);
+      words_.Say("a body has impossible moments of inertia: libmujoco balances them", false);
       return true;
     }
     if (const std::string number = Between(error, "key ", ":");
@@ -214,7 +214,7 @@ class Mender {
       return LeaveOutLastWord(*element, key);
     if (ParentName(*element) == "asset" && std::string_view(element->Name()) == "mesh")
       return PutBox(*element, error);
-    // What nothing else hangs on.
+    // Nothing refers to elements of these sections, so the element can be left out.
     for (const char* part : {"sensor", "keyframe", "custom", "contact", "actuator", "equality", "tendon"}) {
       if (ParentName(*element) != part) continue;
       words_.Say("a " + what + " is left out, as libmujoco says: " + error.substr(0, error.find('\n')));
@@ -224,7 +224,7 @@ class Mender {
     return false;
   }
 
-  /// Newer versions take them in any order. False if that was done.
+  /// Moves actuators with a state to the end: newer versions accept any order. False if already done.
   bool SortActuators() {
     if (std::exchange(has_sorted_, true)) return false;
     std::vector<XMLElement*> with_state;
@@ -238,7 +238,7 @@ class Mender {
     return !with_state.empty();
   }
 
-  /// Newer versions take more numbers.
+  /// Removes the last number of an attribute: newer versions accept more numbers.
   bool LeaveOutLastWord(XMLElement& element, const std::string& key) {
     const std::string value = AttributeOf(element, key.c_str());
     const std::size_t end = value.find_last_of(' ');
@@ -264,7 +264,7 @@ class Mender {
 
   void LeaveOutAttribute(XMLElement& element, const std::string& key) {
     const std::string what = "<" + std::string(element.Name()) + ">";
-    // The greatest force on a joint goes on as a number of the user's own.
+    // Keep a joint's force limit as user data.
     const bool is_limit = std::string_view(element.Name()) == "joint" && key == "actuatorfrcrange";
     if (is_limit) {
       XMLElement& root = *document_.RootElement();
@@ -289,14 +289,14 @@ class Mender {
     const std::string name = element.Name(), parent = ParentName(element);
     std::vector<XMLElement*> all;
     ForAllLike(element, [&](XMLElement& one) { all.push_back(&one); });
-    std::ranges::reverse(all);  // the inner ones first
+    std::ranges::reverse(all);  // inner elements first
     bool is_left_out = false;
     for (XMLElement* one : all) {
       const bool has_own = one->FirstChildElement("joint") != nullptr ||
                            one->FirstChildElement("freejoint") != nullptr ||
                            one->FirstChildElement("inertial") != nullptr;
       if (name == "frame" && !has_own) {
-        one->SetName("body");  // one that is fixed to its parent
+        one->SetName("body");  // without joints, so fixed to its parent
         continue;
       }
       one->Parent()->DeleteChild(one);
@@ -332,7 +332,7 @@ class Mender {
     return true;
   }
 
-  /// A box whose frame is that of the file stands for a mesh.
+  /// Replaces a mesh by a box whose frame is that of the mesh's file.
   bool PutBox(XMLElement& mesh, const std::string& error) {
     const std::string file = AttributeOf(mesh, "file");
     if (file.empty()) return false;
@@ -346,10 +346,10 @@ class Mender {
     const fs::path written = fs::path(folder) / file, found = fs::path(file_).parent_path() / written;
     std::error_code code;
     const bool is_there = fs::exists(found, code),
-               is_readable = written.extension() != ".msh";  // MuJoCo's own
+               is_readable = written.extension() != ".msh";  // MuJoCo's own format
     unread_meshes_[name] = {is_readable ? written.string() : "", is_there ? found.string() : "",
                             AttributeOf(mesh, "scale")};
-    if (!is_readable || is_there)  // else coopdyn says so
+    if (!is_readable || is_there)  // coopdyn itself reports missing files
       words_.Say("mesh '" + name + "' is " + (is_readable ? "read by coopdyn itself" : "left out") +
                  ", as libmujoco says: " + error.substr(0, error.find('\n')));
     for (const char* key : {"file", "scale", "refpos", "refquat"}) mesh.DeleteAttribute(key);
@@ -368,7 +368,7 @@ class Mender {
   std::map<std::string, UnreadMesh> unread_meshes_;
 };
 
-/// What <flag> switches off is not there.
+/// Removes the parts that <flag> disables.
 void SwitchOff(mjModel& m) {
   const auto is_off = [&m](int flag) { return (m.opt.disableflags & flag) != 0; };
   if (is_off(mjDSBL_CONTACT)) {
@@ -396,7 +396,7 @@ Loaded Load(const std::string& file, Words& words) {
   }
   Loaded mended = Mender(file, words).Load();
   if (mended.model != nullptr) SwitchOff(*mended.model);
-  // The lines of what is mended are not those of the file.
+  // Report the error of the unchanged file first: line numbers of the mended document are not the file's.
   const std::string last = mended.why.substr(0, mended.why.find('\n'));
   mended.why = error.data();
   if (!last.empty() && !mended.why.starts_with(last)) mended.why += "\nWithout that: " + last;

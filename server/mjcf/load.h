@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reads MJCF by libmujoco, also what was written for newer versions of it. One thread.
+// Reads MJCF with libmujoco, including files for newer versions of it. One thread.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -12,27 +12,28 @@
 
 namespace coopdyn::mjcf {
 
+/// A mesh that libmujoco cannot read.
 struct UnreadMesh {
   std::string
-      name;  // of its file, as it is written, from the model's folder; empty: coopdyn does not read it either
-  std::string file;   // empty: it is nowhere
-  std::string scale;  // x y z, mostly empty
+      name;  // its file as written, relative to the model's folder; empty: coopdyn cannot read it either
+  std::string file;   // path of its file; empty: not found
+  std::string scale;  // x y z, usually empty
 };
 
 struct Loaded {
   struct Delete {
     void operator()(mjModel* model) const { mj_deleteModel(model); }
   };
-  std::unique_ptr<mjModel, Delete> model;  // null: it cannot be read
-  /// Meshes that libmujoco does not read, by name. In `model` a small box stands for each, so that its frame
-  /// is that of the file.
+  std::unique_ptr<mjModel, Delete> model;  // null if the file cannot be read
+  /// Meshes that libmujoco cannot read, by name. In `model` a small box replaces each, which keeps the frame
+  /// of the mesh's file.
   std::map<std::string, UnreadMesh> unread_meshes;
-  bool has_joint_limits = false;  // the greatest force on a joint is in its user data
-  std::string why;                // in libmujoco's words, with its line
+  bool has_joint_limits = false;  // user data of joints hold their force limits (actuatorfrcrange)
+  std::string why;                // libmujoco's error, with its line
 };
 
-/// The MJCF `file`. What this libmujoco does not know is left out and said; if that does not help, `why`
-/// tells what was wrong with the file as it is.
+/// Loads the MJCF `file`. Leaves out what this libmujoco does not know and reports it. If the rest cannot be
+/// loaded either, `why` is the error of the unchanged file.
 Loaded Load(const std::string& file, Words& words);
 
 }  // namespace coopdyn::mjcf

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// coopdyn-mjcf FILE FOLDER PREFIX: writes the MJCF model FILE as an SDF world on stdout. Its meshes go to
-// FOLDER as PREFIX + name. On stderr: lines `warning: …`, or what is wrong, and then the exit code is 1.
-// coopdyn starts it, so that a file that breaks libmujoco ends no daemon.
+// coopdyn-mjcf FILE FOLDER PREFIX: writes the MJCF model FILE as an SDF world to stdout and its meshes to
+// FOLDER; the SDF refers to them as PREFIX + name. Writes lines `warning: …` to stderr, or an error and then
+// exits with code 1. coopdyn starts this program so that a file that crashes libmujoco does not end the
+// daemon.
 #include <mujoco/mujoco.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -41,14 +42,14 @@ void LimitProcess() {
   SetLimit(RLIMIT_CPU, kCpu_s);
   SetLimit(RLIMIT_FSIZE, rlim_t{1} << 30);
   std::signal(SIGXFSZ, SIG_IGN);
-  // Whoever started it may be killed, and what it reads may never come.
+  // End if the parent process is killed, or if reading blocks forever.
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   ::alarm(2 * kCpu_s);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they map terabytes
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // sanitizers map terabytes
   SetLimit(RLIMIT_DATA, rlim_t{4} << 30);
 #endif
   std::set_new_handler([] { Fail("reading it takes more than 4 GiB of memory: simplify it"); });
-  // Theirs write a file, wait for Enter and end the process.
+  // libmujoco's default handlers write a file, wait for Enter and end the process.
   mju_user_error = [](const char* text) { Fail(text); };
   mju_user_warning = [](const char* text) { std::fprintf(stderr, "warning: %s\n", text); };
 }
@@ -76,5 +77,5 @@ int main(int argc, char** argv) {
     return 2;
   }
   coopdyn::mjcf::LimitProcess();
-  _exit(coopdyn::mjcf::Run(argv[1], argv[2], argv[3]));  // libmujoco's static objects need no end
+  _exit(coopdyn::mjcf::Run(argv[1], argv[2], argv[3]));  // skips libmujoco's static destructors
 }

@@ -16,7 +16,7 @@ namespace {
 
 using Corner = std::array<float, 3>;
 
-constexpr int kMostTriangles = 400'000;  // coopdyn takes 500,000 of a model
+constexpr int kMostTriangles = 400'000;  // coopdyn accepts 500,000 in a model
 constexpr std::size_t kFewTriangles = 200;
 
 std::string FileName(std::string name) {
@@ -26,7 +26,7 @@ std::string FileName(std::string name) {
     if (!is_plain) c = '_';
   }
   constexpr std::size_t kLongest = 100;
-  if (name.size() > kLongest) name.erase(0, name.size() - kLongest);  // what a file is lies at its end
+  if (name.size() > kLongest) name.erase(0, name.size() - kLongest);  // keep the extension
   return name.starts_with('.') ? "_" + name : name;
 }
 
@@ -44,7 +44,7 @@ std::string Meshes::NewFile(const std::string& name) {
   return file;
 }
 
-/// As STL, whose normals nobody needs.
+/// Writes STL without normals: nothing uses them.
 std::string Meshes::Write(const std::string& name, const Triangles& triangles) {
   std::string bytes(80, ' ');
   const auto append = [&bytes](const auto& value) {
@@ -66,7 +66,7 @@ std::string Meshes::Write(const std::string& name, const Triangles& triangles) {
   return prefix_ + file;
 }
 
-/// The file is named as it is written if it is nowhere: then its reader says so.
+/// Returns the name as written if the file is missing: then the SDF reader reports it.
 std::string Meshes::Copy(const UnreadMesh& mesh) {
   if (mesh.name.empty() || mesh.file.empty()) return mesh.name;
   const auto [copied, is_new] = copied_.try_emplace(mesh.file);
@@ -123,7 +123,7 @@ Meshes::Named Meshes::Heights(int field) {
   if (!is_new) return known->second;
   const int rows = m.hfield_nrow[field], columns = m.hfield_ncol[field];
   const mjtNum* const size = m.hfield_size + 4 * field;
-  // Row 0 lies at −y, as libmujoco keeps it.
+  // As in libmujoco, row 0 is at −y.
   const auto at = [&](int row, int column) -> Corner {
     return {static_cast<float>(size[0] * (2.0 * column / (columns - 1) - 1)),
             static_cast<float>(size[1] * (2.0 * row / (rows - 1) - 1)),

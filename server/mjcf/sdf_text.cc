@@ -8,7 +8,7 @@
 namespace coopdyn::mjcf {
 
 std::string Number(double value) {
-  // What turning by 90 degrees leaves behind.
+  // Rounding error of rotations by 90 degrees.
   if (std::abs(value) < 1e-14) return "0";
   std::array<char, 40> text{};
   const auto end =

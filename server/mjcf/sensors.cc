@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Sensors on sites and cameras, and the thrust of actuators on sites.
+// Writes sensors on sites, cameras, and actuators on sites as thrusters.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -36,7 +36,7 @@ Pose SitePose(const mjModel& m, int site) {
   return ToPose(m.site_pos + 3 * site, m.site_quat + 4 * site);
 }
 
-/// MuJoCo's beams look along z, ours along x.
+/// MuJoCo's rangefinders point along z, coopdyn's along x.
 void AddRangefinder(const std::string& name, double cutoff_m, const Pose& X_BS, XMLElement& link) {
   constexpr double kFar_m = 100;
   const Pose X_SR{Vector3::Zero(), portable::AngleAxis(-std::numbers::pi / 2, Vector3::UnitY())};
@@ -64,7 +64,7 @@ void AddWrench(const std::string& name, const Pose& X_BS, XMLElement& joint) {
   Add(element, "measure_direction", "child_to_parent");
 }
 
-/// MuJoCo's cameras look along −z, with y upwards; ours along x, with z upwards.
+/// MuJoCo's cameras look along −z with y up, coopdyn's along x with z up.
 void AddCamera(int camera, const Source& source, XMLElement& link) {
   const mjModel& m = source.model();
   constexpr int kWidth = 320, kHeight = 240;
@@ -90,7 +90,7 @@ bool Has(const std::vector<int>& bodies, int body) {
   return std::ranges::find(bodies, body) != bodies.end();
 }
 
-/// What a sensor on a site becomes.
+/// The coopdyn sensor that replaces a MuJoCo sensor. kQuiet: another module reports the value.
 enum class Kind { kNone, kQuiet, kImu, kWrench, kRange, kTouch };
 Kind KindOf(int type) {
   switch (type) {
@@ -104,7 +104,7 @@ Kind KindOf(int type) {
       return Kind::kRange;
     case mjSENS_TOUCH:
       return Kind::kTouch;
-    // The module of the joints and that of the pose tell them.
+    // The joints and pose modules report these.
     case mjSENS_JOINTPOS:
     case mjSENS_JOINTVEL:
     case mjSENS_ACTUATORPOS:
@@ -142,7 +142,7 @@ void SaySensors(const Source& source) {
 
 void AddSensors(const std::vector<int>& bodies, const Source& source, XMLElement& model) {
   const mjModel& m = source.model();
-  std::set<std::pair<Kind, int>> done;  // one imu and one wrench for each site
+  std::set<std::pair<Kind, int>> done;  // at most one IMU and one wrench sensor per site
   for (int i = 0; i < m.nsensor; ++i) {
     const Kind kind = KindOf(m.sensor_type[i]);
     const int site = m.sensor_objid[i];

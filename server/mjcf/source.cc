@@ -29,7 +29,7 @@ double ForceLimit(const mjModel& m, int i) {
   if (!m.actuator_ctrllimited[i] || m.actuator_gaintype[i] != mjGAIN_FIXED) return 0;
   const mjtNum* const range = m.actuator_ctrlrange + 2 * i;
   const double gain = std::abs(m.actuator_gainprm[mjNGAIN * i]);
-  // The error of a servo of positions is at most its range.
+  // The position error of a position servo is at most its range.
   const bool is_position =
       m.actuator_biastype[i] == mjBIAS_AFFINE && m.actuator_biasprm[mjNBIAS * i + 1] != 0;
   return gain * (is_position ? range[1] - range[0] : Farthest(range));
@@ -115,7 +115,7 @@ std::string Source::NameOf(mjtObj type, int id, const std::string& otherwise) co
   const char* const given = mj_id2name(&model_, type, id);
   std::string name = PlainName(given == nullptr ? "" : given);
   if (name.empty()) return otherwise + "_" + std::to_string(id);
-  if (name.starts_with("__")) name = otherwise + name;  // SDF keeps those for itself
+  if (name.starts_with("__")) name = otherwise + name;  // SDF reserves these
   return name == "world" ? otherwise + "_world" : name;
 }
 
@@ -132,7 +132,7 @@ void Source::ReadActuators() {
   const mjModel& m = model_;
   efforts_.resize(static_cast<std::size_t>(m.njnt));
   speeds_.resize(static_cast<std::size_t>(m.njnt));
-  constexpr double kUsual = 100;  // N m or N, as for motors of Gazebo's plug-ins that say nothing
+  constexpr double kUsual = 100;  // N m or N, as for motors of Gazebo plugins without a limit
   const auto add = [&](int joint, int actuator, double gear) {
     if (!IsScalar(m, joint)) return words_.Say("an actuator of a ball or free joint is left out");
     gear = std::abs(gear);
@@ -163,10 +163,10 @@ void Source::ReadActuators() {
           words_.Say("an actuator that pulls a spatial tendon is left out");
       }
     } else if (m.actuator_trntype[i] != mjTRN_SITE) {
-      words_.Say("an actuator of another transmission than a joint, tendon or site is left out");
+      words_.Say("an actuator whose transmission is not a joint, tendon or site is left out");
     }
   }
-  // The joint's own limit, which load.cc keeps as a number of the user's.
+  // The joint's own limit, which load.cc keeps as user data.
   for (int j = 0; j < m.njnt && loaded_.has_joint_limits; ++j) {
     const double most = Farthest(m.jnt_user + m.nuser_jnt * j);
     double& effort = efforts_[static_cast<std::size_t>(j)];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A compiled MJCF model and what its parts are called in SDF. One thread.
+// A compiled MJCF model and the SDF names of its parts. One thread.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -17,12 +17,12 @@ namespace coopdyn::mjcf {
 inline Vector3 ToVector(const mjtNum* v) {
   return {v[0], v[1], v[2]};
 }
-/// MuJoCo writes w first.
+/// MuJoCo stores w first.
 inline Pose ToPose(const mjtNum* p, const mjtNum* q) {
   return {ToVector(p), Quaternion(q[0], q[1], q[2], q[3]).normalized()};
 }
 
-/// `name` without what SDF or a list of names does not take.
+/// `name` with `_` for each character that SDF names or lists of names cannot contain.
 std::string PlainName(std::string name);
 
 class Source {
@@ -33,24 +33,26 @@ class Source {
   const Loaded& loaded() const { return loaded_; }
   Words& words() const { return words_; }
 
-  /// Of the object `id`, as SDF can have it; `otherwise`_ID if it has no name.
+  /// The name of object `id`, valid in SDF; `otherwise`_ID if it has none.
   std::string NameOf(mjtObj type, int id, const std::string& otherwise) const;
   std::string BodyName(int body) const { return body == 0 ? "world" : NameOf(mjOBJ_BODY, body, "body"); }
   std::string JointName(int joint) const { return NameOf(mjOBJ_JOINT, joint, "joint"); }
 
-  /// Whether the geom's masks let it touch what is not of its own tree: the floor, if the file has none, too.
+  /// True if the geom's masks let it collide with another tree, or with coopdyn's floor if the file has no
+  /// plane.
   bool Collides(int geom) const { return collides_[static_cast<std::size_t>(geom)] != 0; }
-  /// Of the floor in the file: its highest level plane. Below X_WB() and in what is written it lies at 0.
+  /// Height of the file's floor, which is its highest horizontal plane. In X_WB() and in the written SDF the
+  /// floor is at 0.
   double floor_z_m() const { return floor_z_m_; }
-  /// In the pose in which the model is written.
+  /// Pose of the body when the model is in the pose in which it is written.
   const Pose& X_WB(int body) const { return X_WB_[static_cast<std::size_t>(body)]; }
-  /// The greatest force or torque that actuators give the joint; 0: it has none.
+  /// The maximum force or torque of the joint's actuators; 0 without actuators.
   double Effort(int joint) const { return efforts_[static_cast<std::size_t>(joint)]; }
-  /// The greatest speed, of velocity servos; 0: nothing is said.
+  /// The maximum speed of the joint's velocity servo; 0 if unknown.
   double Speed(int joint) const { return speeds_[static_cast<std::size_t>(joint)]; }
-  /// How far from the pose in which the model is written the joint starts: by the keyframe `home`.
+  /// The joint's position in keyframe `home`, from the pose in which the model is written; 0 without it.
   double Start(int joint) const;
-  int home() const { return home_; }  // -1: there is none
+  int home() const { return home_; }  // index of keyframe `home`; -1 if none
 
  private:
   void ReadActuators();
@@ -67,7 +69,7 @@ class Source {
   std::vector<double> efforts_, speeds_;
 };
 
-/// The greatest force of actuator `index` on its transmission, before its gear; 0 if nothing limits it.
+/// The maximum force of actuator `index` on its transmission, before its gear; 0 if unlimited.
 double ForceLimit(const mjModel& model, int index);
 bool IsMuscle(const mjModel& model, int index);
 

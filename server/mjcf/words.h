@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is said about a file, each once: lines `warning: …` on stderr. One thread.
+// Collects the warnings about a file, each once, for lines `warning: …` on stderr. One thread.
 #pragma once
 
 #include <map>
@@ -10,7 +10,7 @@ namespace coopdyn::mjcf {
 
 class Words {
  public:
-  /// `text` is said once, with the number of times if `counts`.
+  /// Adds `text` once. `counts`: also report how often it was added.
   void Say(const std::string& text, bool counts = true) {
     auto [known, is_new] = counts_.try_emplace(text, 0);
     if (is_new) order_.push_back(text);

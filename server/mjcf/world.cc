@@ -38,7 +38,7 @@ class WorldWriter {
     Add(physics, "max_step_size", Number(m_.opt.timestep));
     ReadEqualities();
     AddScenery(world);
-    std::map<int, std::vector<int>> models;  // the bodies of each, by its first root
+    std::map<int, std::vector<int>> models;  // bodies of each model, by its first root body
     for (int body = 1; body < m_.nbody; ++body) models[GroupOf(m_.body_rootid[body])].push_back(body);
     moving_ =
         static_cast<int>(std::ranges::count_if(models, [&](const auto& one) { return Moves(one.second); }));
@@ -50,7 +50,7 @@ class WorldWriter {
   }
 
  private:
-  /// A joint that closes a loop, or joins two trees.
+  /// A joint that closes a loop or joins two trees.
   struct Loop {
     std::string name;
     bool is_ball = false;
@@ -85,7 +85,7 @@ class WorldWriter {
       } else if (m_.eq_type[i] == mjEQ_CONNECT || m_.eq_type[i] == mjEQ_WELD) {
         const bool is_mocap = m_.body_mocapid[one] >= 0 || m_.body_mocapid[other] >= 0;
         if (is_mocap) {
-          source_.words().Say("what joins a body to a mocap body is left out");
+          source_.words().Say("an equality between a body and a mocap body is left out");
           continue;
         }
         const bool is_ball = m_.eq_type[i] == mjEQ_CONNECT;
@@ -103,24 +103,23 @@ class WorldWriter {
       if (std::abs(data[0]) < 1e-9)
         couplings_.locked[one] = 0;
       else
-        source_.words().Say(
-            "an equality that holds a joint elsewhere than in its first position is left out");
+        source_.words().Say("an equality that holds a joint away from its initial position is left out");
       return;
     }
     if (data[2] != 0 || data[3] != 0 || data[4] != 0)
-      source_.words().Say("of an equality of joints only the constant and the linear part count");
+      source_.words().Say("only the constant and linear parts of a joint equality are used");
     const bool is_taken = couplings_.followers.contains(one) || couplings_.followers.contains(other);
     const bool leads = std::ranges::any_of(couplings_.followers,
                                            [&](const auto& known) { return known.second.leader == one; });
     if (is_taken || leads || data[1] == 0) {
-      source_.words().Say("an equality of joints that follow each other in a row is left out");
+      source_.words().Say("an equality of joints in a chain of followers is left out");
       return;
     }
     couplings_.followers[one] = {other, data[1], data[0]};
     Join(m_.jnt_bodyid[one], m_.jnt_bodyid[other]);
   }
 
-  /// What stands in the world itself.
+  /// Adds the geoms of the world body.
   void AddScenery(XMLElement& world) {
     for (int i = 0; i < m_.body_geomnum[0]; ++i) {
       const int geom = m_.body_geomadr[0] + i;
@@ -151,7 +150,7 @@ class WorldWriter {
       source_.words().Say("a mocap body is left out");
       return;
     }
-    if (!moves && bodies.size() > 1) {  // each is a model: one has at most 300 links
+    if (!moves && bodies.size() > 1) {  // each body becomes a model: a model has at most 300 links
       for (const int body : bodies) {
         if (m_.body_geomnum[body] > 0) AddModel(body, {body}, world);
       }
@@ -162,7 +161,7 @@ class WorldWriter {
     if (moves && moving_ == 1 && !given.empty() && given != "MuJoCo_Model") name = given;
     XMLElement& model = AddNamed(world, "model", FreeName(name));
     Pose X_WM = source_.X_WB(root);
-    Pose X_WS = X_WM;  // where it starts
+    Pose X_WS = X_WM;  // the start pose
     if (IsFree(root)) {
       if (source_.home() >= 0) {
         const mjtNum* const q = m_.key_qpos + m_.nq * source_.home() + m_.jnt_qposadr[m_.body_jntadr[root]];
@@ -194,7 +193,7 @@ class WorldWriter {
   }
 
   void AddLoop(const Loop& loop, XMLElement& model) {
-    const bool turned = loop.body2 == 0;  // the world is always the parent
+    const bool turned = loop.body2 == 0;  // the world must be the parent
     XMLElement& joint = AddNamed(model, "joint", loop.name);
     joint.SetAttribute("type", loop.is_ball ? "ball" : "fixed");
     Add(joint, "parent", source_.BodyName(turned ? loop.body2 : loop.body1));
@@ -220,7 +219,7 @@ class WorldWriter {
           "density and viscosity of <option> are not used: nothing swims, flies or is slowed by the air",
           false);
     if (m_.npair > 0)
-      words.Say("the <pair>s of <contact> are left out: geoms touch as their shapes say", false);
+      words.Say("the <pair>s of <contact> are left out: geoms collide by their shapes", false);
     for (int joint = 0; joint < m_.njnt; ++joint) {
       if (m_.jnt_type[joint] >= mjJNT_SLIDE && m_.qpos0[m_.jnt_qposadr[joint]] != 0)
         words.Say(
@@ -232,11 +231,11 @@ class WorldWriter {
   const mjModel& m_;
   Meshes& meshes_;
   tinyxml2::XMLDocument document_;
-  std::vector<int> groups_;  // by root body: the one that it was joined to; 0: none
+  std::vector<int> groups_;  // for each root body, the root body that it is joined to; 0 if none
   std::vector<Loop> loops_;
   Couplings couplings_;
   std::set<std::string> names_;
-  int moving_ = 0;  // models
+  int moving_ = 0;  // number of moving models
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A compiled MJCF model as an SDF world. One thread.
+// Writes a compiled MJCF model as an SDF world. One thread.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace coopdyn::mjcf {
 
-/// What is joined is one model: a robot if it moves, else <static>. A free robot has its origin in its first
-/// body, any other on the floor below it.
+/// Joined bodies form one model: a robot if it moves, else <static>. The origin of a free robot is in its
+/// first body, that of any other robot on the floor below its first body.
 std::string WriteWorld(const Source& source, Meshes& meshes);
 
 }  // namespace coopdyn::mjcf

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The drive of a model made for Gazebo: R is moved under the axle, axes are turned to point left, and what
-// the motors lack is filled in.
+// Reads the drive of a model made for Gazebo: moves R below the axle, turns axes to point left, and adds
+// missing motor limits.
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kSame_m = 1e-3;
 
-/// A model may also say 0, nothing, or a number that is no limit.
+/// True for a usable limit: a model may also have 0, none, or an unlimited number.
 bool IsLimit(double value, double most) {
   return value > 0 && value <= most;
 }
@@ -36,7 +36,7 @@ class DriveAdopter {
   void Adopt() {
     std::vector<Wheel> wheels = FindWheels();
     steers_ = FindSteering();
-    // They would drag: their speeds are others than those of the axle behind.
+    // Driven steered wheels would drag: their speeds differ from those of the rear axle.
     if (steers_) std::erase_if(wheels, [this](const Wheel& wheel) { return IsSteered(wheel); });
     const auto pair = FindPair(wheels);
     if (!pair)
@@ -81,7 +81,7 @@ class DriveAdopter {
     double radius_m = 0;
   };
 
-  /// Left and right; nothing if the plug-in steers by its wheels' speeds alone.
+  /// The left and right steering joints; nullopt for a differential drive.
   std::optional<std::pair<int, int>> FindSteering() {
     std::vector<int> found;
     for (const char* key : {"steer_left", "steer_right"}) {
@@ -100,7 +100,8 @@ class DriveAdopter {
     return holder == JointAt(steers_->first).child || holder == JointAt(steers_->second).child;
   }
 
-  /// Of joints whose axes stand upright before the axle, R's y axis. What does not fit is said, and nothing.
+  /// The steering, by joints with vertical axes in front of the axle, which is R's y axis. Warns and returns
+  /// nullopt if the joints do not fit.
   std::optional<DriveModel::Steering> Steering() {
     const auto refuse = [this](const std::string& why) {
       diagnostics_.Warning(where_, "the drive does not steer, since " + why);
@@ -108,7 +109,7 @@ class DriveAdopter {
     };
     DriveModel::Steering steering;
     steering.joints = {steers_->first, steers_->second};
-    constexpr double kMostAngle_rad = std::numbers::pi / 3;  // more would only drag the wheels along
+    constexpr double kMostAngle_rad = std::numbers::pi / 3;  // beyond this the wheels only drag
     double angle_rad = attributes_.Number("steering_limit", 1e-3, std::numbers::pi).value_or(kMostAngle_rad);
     angle_rad = std::min(angle_rad, kMostAngle_rad);
     for (const int index : steering.joints) {
@@ -133,7 +134,7 @@ class DriveAdopter {
         std::abs(left.y() + right.y()) > kSame_m)
       return refuse(
           "the axes of its steered wheels do not stand before the axle, left and right of the middle");
-    if (!(angle_rad > 0)) return refuse("its <limit>s leave out straight on");
+    if (!(angle_rad > 0)) return refuse("its <limit>s exclude straight ahead");
     // The inner wheel turns most.
     const double tangent = portable::Tan(angle_rad);
     steering.max_curvature_1_m = tangent / (steering.wheelbase_m + steering.half_track_m * tangent);
@@ -150,7 +151,7 @@ class DriveAdopter {
     diagnostics_.Warning(where_, "the differential drive leaves out the wheel at '" + joint + "': " + why);
   }
 
-  /// All that the plug-in names, the left ones first; what is no wheel is said.
+  /// All wheels that the plugin names, the left ones first. Warns about joints that are not wheels.
   std::vector<Wheel> FindWheels() {
     std::vector<Wheel> wheels;
     for (const std::string side : {"left", "right"}) {
@@ -175,7 +176,7 @@ class DriveAdopter {
     return wheels;
   }
 
-  /// The first two, left and right, that stand opposite each other; nothing if there are none.
+  /// The first two wheels, left and right, that are opposite each other; nullopt if none.
   std::optional<std::pair<const Wheel*, const Wheel*>> FindPair(const std::vector<Wheel>& wheels) {
     for (const bool by_name : {true, false}) {
       for (const Wheel& one : wheels) {
@@ -191,14 +192,15 @@ class DriveAdopter {
     return std::nullopt;
   }
 
-  /// Its positions count the other way, and what follows it goes on as before.
+  /// Adjusts couplings for a leader whose positions change sign, so that followers move as before.
   void Reverse(int joint) {
     for (CouplingModel& coupling : robot_.couplings) {
       if (coupling.leader == joint) coupling.multiplier = -coupling.multiplier;
     }
   }
 
-  /// Gazebo goes by the names, and so turns such a model the other way.
+  /// Warns about a wheel named for the wrong side. Gazebo uses the names, so it turns such a model the other
+  /// way.
   void WarnSide(const Wheel& wheel, bool is_left) {
     if (wheel.is_named_left == is_left) return;
     const std::string right = is_left ? "left" : "right", wrong = is_left ? "right" : "left";
@@ -208,7 +210,7 @@ class DriveAdopter {
                                     " one; write <" + right + "_joint>");
   }
 
-  /// The wheels beside the pair turn as that does.
+  /// Couples an additional wheel to the wheel of the pair on its side.
   void Couple(int follower, int leader) {
     const JointModel& other = robot_.joints[static_cast<std::size_t>(follower)];
     const bool leads = std::ranges::count(robot_.couplings, follower, &CouplingModel::leader) > 0;
@@ -221,7 +223,7 @@ class DriveAdopter {
     }
   }
 
-  /// A round collision whose middle lies on the joint's axis; else what the plug-in says of the wheel.
+  /// The wheel of a joint: a round collision centred on its axis, else the plugin's values.
   std::optional<Wheel> WheelOf(int index) {
     const JointModel& joint = robot_.joints[static_cast<std::size_t>(index)];
     const LinkModel& link = robot_.links[static_cast<std::size_t>(joint.child)];
@@ -244,7 +246,7 @@ class DriveAdopter {
     return Wheel{index, false, link.X_RL * link.X_LI.p, radius ? *radius : *diameter / 2};
   }
 
-  /// R's origin is `p` of before.
+  /// Moves R's origin to `p`.
   void MoveOrigin(const Vector3& p) {
     if (p.norm() < 1e-9) return;
     for (LinkModel& link : robot_.links) link.X_RL.p -= p;
@@ -271,7 +273,7 @@ class DriveAdopter {
     double speed_rad_s = std::min(left.max_velocity, right.max_velocity);
     if (!IsLimit(speed_rad_s, kMaxMotorVelocity)) speed_rad_s = kTopSpeed_m_s / radius_m;
     if (!IsLimit(left.max_effort, kMaxMotorEffort) || !IsLimit(left.max_velocity, kMaxMotorVelocity)) {
-      diagnostics_.Mended(where_, "the wheels' joints say no <effort> or <velocity>: each motor has " +
+      diagnostics_.Mended(where_, "the wheels' joints have no <effort> or <velocity>: each motor has " +
                                       FormatNumber(std::round(torque_nm * 1e3) / 1e3) + " N m and turns at " +
                                       FormatNumber(std::round(speed_rad_s * 1e3) / 1e3) + " rad/s at most");
     }

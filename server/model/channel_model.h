@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The channel of a robot: all motors and sensors that its program exchanges in one request, as mapped values.
-// Internal values are SI units, or those of a module's reading; external ones are what is exchanged. Constant
-// once read; any thread.
+// A robot's channel: all motor and sensor values that its program exchanges in one request, mapped. Internal
+// values are in SI units or in the unit of a module's reading; external values are the exchanged ones.
+// Immutable once read; thread-safe.
 #pragma once
 
 #include <algorithm>
@@ -20,14 +20,14 @@ namespace coopdyn {
 
 enum class ControlMode : std::uint8_t;
 
-/// Where a sensor is fixed.
+/// The place where a sensor is mounted.
 struct Mount {
   int link = 0;  // index into RobotModel::links
   Pose X_LS;
 };
 
-/// The line through (internal_min, external_min) and (internal_max, external_max). A value beyond one end is
-/// cut there. External values may fall. An infinite range leaves its values as they are.
+/// The line through (internal_min, external_min) and (internal_max, external_max). Values are clamped to its
+/// ends. The external range may be decreasing. An infinite range leaves values unchanged.
 struct ValueMap {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   double internal_min = -kInfinity, internal_max = kInfinity;
@@ -52,24 +52,24 @@ struct ValueMap {
   }
 };
 
-/// Added to an external value, anew in each step; then it is cut.
+/// Noise that is drawn in each step and added to an external value before it is clamped.
 struct MappedNoise {
   enum class Kind { kNone, kUniform, kGaussian };
   Kind kind = Kind::kNone;
   double mean = 0;
-  double sigma = 0;  // uniform: the most that it differs from the mean; Gaussian: standard deviation
+  double sigma = 0;  // uniform: maximum deviation from the mean; Gaussian: standard deviation
 };
 
-/// Smooths an external value from step to step, after the noise and before it is cut. Its memory is among the
-/// measured values of the channel (Frame::measured): how many values it has taken, then
-/// - mean, median: these values, the newest first;
-/// - low pass: what it puts out.
+/// Smooths an external value from step to step, after the noise is added and before clamping. Its state is
+/// part of the channel's measured values (Frame::measured): the number of values so far, then
+/// - mean, median: these values, newest first;
+/// - low pass: its output.
 struct ValueFilter {
   enum class Kind { kNone, kMean, kMedian, kLowPass };
   static constexpr int kMaxSteps = 100;
   Kind kind = Kind::kNone;
-  int steps = 1;      // of mean and median: how many of the last values count
-  double time_s = 0;  // of a low pass: its time constant
+  int steps = 1;      // mean and median: number of latest values
+  double time_s = 0;  // low pass: time constant
 
   std::size_t cells() const {
     if (kind == Kind::kNone) return 0;
@@ -88,19 +88,19 @@ struct ChannelModel {
     ValueMap map;
     MappedNoise noise;
     static constexpr std::size_t kNone = ~std::size_t{0};
-    std::size_t channel = 0;  // of the robot's; kNone: it changes nothing
-    int line = 0;             // of the file, for messages
+    std::size_t channel = 0;  // index among the robot's channels; kNone: no effect
+    int line = 0;             // in the file, for messages
   };
 
-  /// What a value is: one of a module's first reading, of a joint, of a place on a link, or of the world.
+  /// The source of a value: a module's first reading, a joint, a place on a link, or the world.
   enum class Quantity {
-    kReading,
-    kPosition,  // joint: rad or m
+    kReading,   // a value of a module's first reading
+    kPosition,  // of a joint: rad or m
     kVelocity,
-    kEffort,   // of its motor; without one of its spring and damper: N m or N
-    kCurrent,  // of its drive train: A
-    kEnergy,   // that its drive train has drawn, or its motor given and taken: J
-    kX,        // place, in the world: m
+    kEffort,   // of the joint's motor; without a motor of its spring and damper: N m or N
+    kCurrent,  // of the joint's drive train: A
+    kEnergy,   // drawn by the joint's drive train, or given and absorbed by its motor: J
+    kX,        // of a place, in the world: m
     kY,
     kZ,
     kRoll,  // rad
@@ -116,26 +116,26 @@ struct ChannelModel {
   };
 
   struct Value {
-    std::string name;  // of neighbours that are called alike: one sensor of several values
+    std::string name;  // consecutive values with the same name are one sensor with several values
     Quantity quantity = Quantity::kReading;
-    std::string of;          // the module or joint
-    std::size_t index = 0;   // of the reading, from 0
+    std::string of;          // name of the module or joint
+    std::size_t index = 0;   // into the reading
     bool in_body = false;    // velocities along the place's own axes
     bool auxiliary = false;  // for the experimenter, not for the controller
     Mount mount;
     ValueMap map;
     MappedNoise noise;
     ValueFilter filter;
-    bool sums_work = false;      // energy of a motor without a drive train: measured
-    bool counts_turns = false;   // position of a hinge without a motor, beyond ±π: measured
-    std::size_t channel = 0;     // if it sums work: of the robot's
+    bool sums_work = false;      // energy of a motor without a drive train, which is measured
+    bool counts_turns = false;   // position of a hinge without a motor, measured beyond ±π
+    std::size_t channel = 0;     // if sums_work: index among the robot's channels
     std::size_t source = 0;      // index into the sensors or joints
-    std::size_t first_cell = 0;  // of the channel's measured values: its energy or angle, then its filter's
+    std::size_t first_cell = 0;  // into the channel's measured values: own energy or angle, then filter state
     int line = 0;
     bool is_filtered() const { return filter.kind != ValueFilter::Kind::kNone; }
     std::size_t own_cells() const { return sums_work || counts_turns ? 1 : 0; }
     std::size_t cells() const { return own_cells() + filter.cells(); }
-    /// The cells of its filter among `cells` of the channel's measured values.
+    /// The filter's cells in `cells`, the channel's measured values.
     template <typename Cell>
     std::span<Cell> FilterCells(std::span<Cell> cells) const {
       return cells.subspan(first_cell + own_cells(), filter.cells());
@@ -144,19 +144,19 @@ struct ChannelModel {
 
   std::vector<Motor> motors;
   std::vector<Value> values;
-  int steps = 1;                    // of one exchange
-  int port = 0;                     // where its clients look for it; 0: the next of all channels
-  std::vector<std::string> abort;   // contact modules that end a try when they are pressed
+  int steps = 1;                    // per exchange
+  int port = 0;                     // TCP port; 0: the next free port of all channels
+  std::vector<std::string> abort;   // contact modules that end a trial when pressed
   std::vector<std::size_t> aborts;  // index into the sensors
 
-  /// Some value depends on steps before.
+  /// True if some value depends on earlier steps.
   bool remembers() const {
     return std::ranges::any_of(values, [](const Value& v) { return v.is_filtered() || v.counts_turns; });
   }
   std::size_t cells() const { return values.empty() ? 0 : values.back().first_cell + values.back().cells(); }
 };
 
-/// position, vx, …; empty for a reading.
+/// The word for a quantity: position, vx, …; empty for kReading.
 std::string_view ToString(ChannelModel::Quantity quantity);
 
 }  // namespace coopdyn

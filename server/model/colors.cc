@@ -11,7 +11,7 @@ namespace {
 
 using NamedEntry = std::pair<const char*, Color>;
 
-/// The first ten are the palette of color_1, color_2, ….
+/// The first ten are the palette of color_1, color_2, …
 constexpr NamedEntry kColors[] = {
     {"red", {1, 0, 0}},
     {"green", {0, 0.8, 0}},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// controller NAME option=value … of a robot's or a swarm's section, and supervisor likewise of [SIMULATION].
+// Reads `controller NAME option=value …` of a robot's or swarm's section, and `supervisor` of [SIMULATION].
 #include <algorithm>
 #include <system_error>
 
@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What stands in the line, for messages.
+/// An example line for messages.
 std::string ExampleOf(const std::string& key) {
   return key + (key == kSupervisorKey ? " referee rounds=3" : " diffuse speed=0.2");
 }
@@ -23,13 +23,13 @@ bool IsOptionName(const std::string& name) {
          name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
 }
 
-/// Of a path as written: `\` means `/`, .so may be left out.
+/// A path as written, with `\` replaced by `/` and the extension .so added if missing.
 fs::path WithExtension(std::string written) {
   std::replace(written.begin(), written.end(), '\\', '/');
   return written.ends_with(".so") ? written : written + ".so";
 }
 
-/// The file of the controller `written`; empty, and said, if it is not there.
+/// The file of the controller `written`. Reports a missing file and returns an empty text.
 std::string FindFile(const std::string& written, const std::string& key, SectionReader& reader,
                      const RobotLibrary& library, const std::optional<fs::path>& beside) {
   const auto missing = [&](std::string text) {
@@ -48,11 +48,11 @@ std::string FindFile(const std::string& written, const std::string& key, Section
                          ExampleOf(key));
       return {};
     }
-    // An absolute path stays as it is.
+    // operator/ keeps an absolute path unchanged.
     const fs::path file = (*beside / WithExtension(written)).lexically_normal();
     std::error_code code;
     if (fs::is_regular_file(file, code)) return file.string();
-    // A recording may be read where its run's folders are not: then the name will do.
+    // A recording may be read without its run's folders: then look for the name.
     if (!library.is_of_recording()) {
       return missing("there is no controller '" + written + "': the file " + file.string() + " is missing");
     }

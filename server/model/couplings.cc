@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Joints that follow others: <mimic> of URDF and SDF 1.11, and SDF's gearboxes.
+// Reads joints that follow other joints: <mimic> of URDF and SDF 1.11, and SDF's gearboxes.
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace coopdyn {
 
 namespace {
 
-/// Takes the `<mimic>`s of the joints in `model` to `found`. `prefix`: of names in it.
+/// Moves the `<mimic>`s of the joints in `model` to `found`. `prefix`: of the model's names.
 void TakeMimics(XmlNode& model, const std::string& prefix, std::vector<XmlNode>& found) {
   const auto take = [&](XmlNode& part, const std::string& joint) {
     for (const XmlNode& mimic : part.children) {
@@ -46,7 +46,7 @@ void TakeMimics(XmlNode& model, const std::string& prefix, std::vector<XmlNode>&
   }
 }
 
-/// The joints in `model`, by their names. `prefix`: of names in it.
+/// Adds the joints in `model` to `found`, by name. `prefix`: of the model's names.
 void FindJoints(XmlNode& model, const std::string& prefix, std::map<std::string, XmlNode*>& found) {
   for (XmlNode& child : model.children) {
     if (child.name == "model") FindJoints(child, prefix + child.Attribute("name") + "::", found);
@@ -54,8 +54,8 @@ void FindJoints(XmlNode& model, const std::string& prefix, std::map<std::string,
   }
 }
 
-/// Fixes the joints that follow fixed ones, whose `mimics` go: models with a part of the joints of another
-/// have them.
+/// Fixes joints that follow fixed joints and removes their `mimics`. They occur in models that contain only
+/// some of another model's joints.
 void FixFollowers(XmlNode& model, std::vector<XmlNode>& mimics, Diagnostics& diagnostics) {
   std::map<std::string, XmlNode*> joints;
   FindJoints(model, "", joints);
@@ -135,14 +135,14 @@ class CouplingReader {
     int line = 0;
   };
 
-  /// Of models made for other programs a warning: the coupling is left out.
+  /// Reports an error; for models made for other programs a warning, and the coupling is left out.
   void Error(int line, std::string text) {
     if (is_foreign_) return diagnostics_.Warning({file_, line}, text + ". It moves on its own until then");
     diagnostics_.Error({file_, line}, std::move(text));
   }
   const JointModel& Joint(int index) const { return robot_.joints[static_cast<std::size_t>(index)]; }
 
-  /// The joint called `name`, which has one axis; nothing, and reported, for any other.
+  /// The joint `name`, which must have one axis. Reports an error and returns nullopt for any other.
   std::optional<int> Find(const std::string& name, int line, const std::string& what) {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < robot_.joints.size(); ++i) {
@@ -207,10 +207,10 @@ class CouplingReader {
 
   struct Side {
     int joint = 0;
-    double sign = 1;  // of the angle in the gearbox's sense, by the joint's position
+    double sign = 1;  // the gearbox's angle is sign · the joint's position
   };
 
-  /// The hinge that joins `link` to the reference body, along `axis_R`.
+  /// The hinge about `axis_R` between `link` and the reference body.
   std::optional<Side> SideOf(const Gearbox& gearbox, const std::string& link, const Vector3& axis_R) {
     const std::string what = "gearbox '" + gearbox.name + "'";
     const auto index = LinkOf(link), reference = LinkOf(gearbox.reference);
@@ -257,7 +257,7 @@ class CouplingReader {
                    "gearbox '" + gearbox.name + "' couples a joint with itself: name two links");
     }
     const double multiplier = -gearbox.ratio * parent->sign * child->sign;
-    // The side with a motor leads; what follows another already leads as well.
+    // The side with a motor leads, or the side that already follows another joint.
     const auto has_motor = [this](int joint) { return std::isfinite(Joint(joint).max_effort); };
     const bool swapped = Follows(child->joint) ||
                          (has_motor(child->joint) && !has_motor(parent->joint) && !Follows(parent->joint));
@@ -266,7 +266,7 @@ class CouplingReader {
     Add(coupling, gearbox.line);
   }
 
-  /// From its own leader to the one that follows nobody.
+  /// Replaces a coupling's leader by the first leader that follows no joint. False in a loop.
   bool Resolve(Coupling& coupling) {
     CouplingModel& made = coupling.resolved;
     for (std::size_t steps = 0; steps <= couplings_.size(); ++steps) {

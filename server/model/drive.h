@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// From what somebody wants of a drive to the speeds of its wheels, within their limits. Pure; any thread.
+// Computes wheel speeds from the commands of a drive, within the drive's limits. Pure; any thread.
 //
 //   left  = (linear − angular · track / 2) / wheel radius        rad/s
 //   right = (linear + angular · track / 2) / wheel radius        rad/s
 //
-// linear in m/s forward, angular in rad/s, left positive. If a wheel would be faster than its limit both are
-// scaled by the same factor, so that the curvature stays.
+// linear in m/s forward, angular in rad/s, left positive. If a wheel would exceed its limit, both speeds are
+// scaled by the same factor, which preserves the curvature.
 #pragma once
 
 #include <algorithm>
@@ -25,14 +25,14 @@ inline std::array<Setpoint, 2> SetpointsFor(const WheelSpeeds& wheel_speed_rad_s
   return {Setpoint{wheel_speed_rad_s[0]}, Setpoint{wheel_speed_rad_s[1]}};
 }
 
-/// What a drive with steered wheels can turn at most, at this speed; without them anything.
+/// Clamps the turn rate of a drive with steered wheels to its maximum at this speed.
 inline double LimitTurn(const DriveModel& drive, double linear_m_s, double angular_rad_s) {
   if (!drive.steering) return angular_rad_s;
   const double most = drive.steering->max_curvature_1_m * std::abs(linear_m_s);
   return std::clamp(angular_rad_s, -most, most);
 }
 
-/// How far the left and the right front wheel are to turn, rad, left positive.
+/// Steering angles of the left and the right front wheel, rad, left positive.
 inline std::array<double, 2> SteeringAngles(const DriveModel& drive, const WheelSpeeds& wheel_speed_rad_s) {
   const double middle = (wheel_speed_rad_s[0] + wheel_speed_rad_s[1]) / 2;
   if (middle == 0) return {};
@@ -43,8 +43,8 @@ inline std::array<double, 2> SteeringAngles(const DriveModel& drive, const Wheel
           portable::Atan(wheelbase_m * kept / (1 + kept * half_track_m))};
 }
 
-/// Scales both speeds by one factor into the limits, and `factor` with them; of a drive with steered wheels
-/// brings them together first until it can turn like this. @pre finite
+/// Scales both speeds into the limits by one factor, and multiplies `factor` by it. For a drive with steered
+/// wheels, first reduces their difference to the maximum curvature. @pre finite
 inline WheelSpeeds LimitWheels(const DriveModel& drive, WheelSpeeds wheel_speed_rad_s, double& factor) {
   if (drive.steering) {
     const double middle = wheel_speed_rad_s[0] / 2 + wheel_speed_rad_s[1] / 2;
@@ -59,17 +59,17 @@ inline WheelSpeeds LimitWheels(const DriveModel& drive, WheelSpeeds wheel_speed_
   const double scale = drive.max_wheel_speed_rad_s / fastest;
   factor *= scale;
   for (double& wheel : wheel_speed_rad_s) {
-    // Rounding must not bring it beyond the limit again.
+    // Rounding must not exceed the limit again.
     wheel = std::clamp(wheel * scale, -drive.max_wheel_speed_rad_s, drive.max_wheel_speed_rad_s);
   }
   return wheel_speed_rad_s;
 }
 
-/// Wheel speeds for forward speed and turn rate, within the limits; `factor`: by how much they were scaled,
-/// untouched if not at all. The turn rate is limited by LimitTurn() first. @pre finite
+/// Wheel speeds for forward speed and turn rate, within the limits. Sets `factor` to the scale factor;
+/// unchanged if nothing was scaled. Applies LimitTurn() to the turn rate first. @pre finite
 inline WheelSpeeds WheelsFor(const DriveModel& drive, double linear_m_s, double angular_rad_s,
                              double& factor) {
-  constexpr double kHuge = 1e100;  // beyond any limit, and still far from overflow when divided by a radius
+  constexpr double kHuge = 1e100;  // beyond any limit, but divided by a radius still far from overflow
   const double largest = std::max(std::abs(linear_m_s), std::abs(angular_rad_s));
   if (largest > kHuge) {
     factor = kHuge / largest;

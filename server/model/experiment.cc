@@ -17,13 +17,13 @@ namespace coopdyn {
 
 namespace {
 
-/// Where the line was written that is line `line` of a made text.
+/// The XML line from which line `line` of a generated text comes.
 int LineIn(std::span<const int> lines, int line) {
   if (line < 1 || lines.empty()) return 0;
   return lines[std::min(static_cast<std::size_t>(line), lines.size()) - 1];
 }
 
-/// The length of the XML: behind it may stand [SET], and the line that names the file.
+/// The length of the XML. [SET] and a line with the file's name may follow it.
 std::size_t XmlSize(const std::string& text) {
   constexpr std::string_view kEnd = "</rosiml>";
   const std::size_t end = text.rfind(kEnd);
@@ -34,7 +34,7 @@ std::size_t XmlSize(const std::string& text) {
   return text.size();
 }
 
-/// Reads the model that `made` is; what is wrong in it is said at the lines of the experiment.
+/// Reads a generated model. Reports its errors at the lines of the experiment.
 std::shared_ptr<const RobotModel> ReadMade(const rosiml::MadeModel& made, const std::string& file,
                                            const Resources* resources, Diagnostics& diagnostics) {
   Diagnostics found;
@@ -50,7 +50,7 @@ std::shared_ptr<const RobotModel> ReadMade(const rosiml::MadeModel& made, const 
   return model;
 }
 
-/// Robots without a model, and what may name them, would be more mistakes.
+/// Removes robots without a model and [RANDOM], which may name them: they would only cause more errors.
 void LeaveOutWrong(const std::set<std::string>& types, std::vector<Section>& sections) {
   std::erase_if(sections, [&types](const Section& section) {
     if (section.word == "random") return !types.empty();
@@ -63,7 +63,7 @@ void LeaveOutWrong(const std::set<std::string>& types, std::vector<Section>& sec
 
 bool IsExperiment(const std::string& text, const std::string& file) {
   if (rosiml::IsExperiment(text)) return true;
-  // The scenario that another file means begins so.
+  // A scenario begins with ; or [.
   if (IsMjcf(text) || text.starts_with(';') || text.starts_with('[')) return false;
   const bool is_xml = ToLower(std::filesystem::path(file).extension().string()) == ".xml";
   return is_xml && text.find("<sdf") == std::string::npos;
@@ -84,7 +84,7 @@ std::vector<Section> ReadExperiment(const std::string& text, const std::string& 
   if (has_files) resources.emplace(library.path(), file);
   std::set<std::string> wrong;  // types
   for (const rosiml::MadeModel& model : made->models) {
-    // A recording has its own.
+    // A recording embeds its models.
     if (library.Embedded("robot", model.type) != nullptr || library.IsMade(model.type, model.sdf.text))
       continue;
     if (auto read = ReadMade(model, file, resources ? &*resources : nullptr, diagnostics))

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// YARS's experiments (server/rosiml) as scenarios: one XML text, kept as it is, with all its robots. One
-// thread.
+// Reads YARS experiments (server/rosiml) as scenarios. The text remains one unchanged XML with all its
+// robots. One thread.
 #pragma once
 
 #include <filesystem>
@@ -15,17 +15,17 @@
 
 namespace coopdyn {
 
-/// Whether a text is such an experiment: by its first element; or its file ends in .xml, and
-/// it is no SDF, no file of MuJoCo and no scenario.
+/// True if a text is an experiment: by its root element, or because its file ends in .xml and the text is
+/// neither SDF nor MJCF nor a scenario.
 bool IsExperiment(const std::string& text, const std::string& file);
 
-/// The sections of the scenario that `text` is, with the lines of the XML, and of what stands behind it:
-/// [SET]. Its robots' models go to `library`; their types begin with `name`. Not `has_files`: the text came
-/// without the meshes and controllers that it names.
+/// The sections of the scenario in `text`, with the lines of the XML, and the [SET] after the XML. Adds the
+/// robots' models to `library`; their types begin with `name`. `has_files`: false if the text came without
+/// the meshes and controllers that it names.
 std::vector<Section> ReadExperiment(const std::string& text, const std::string& file, const std::string& name,
                                     bool has_files, RobotLibrary& library, Diagnostics& diagnostics);
 
-/// The models of an experiment's file, by the names of their robots.
+/// The models in an experiment's file, by robot name.
 std::map<std::string, std::shared_ptr<const RobotModel>> ReadExperimentModels(
     const std::filesystem::path& file, const SearchPath& path, Diagnostics& diagnostics);
 

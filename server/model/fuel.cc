@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 constexpr std::array kHosts = {"fuel.gazebosim.org", "fuel.ignitionrobotics.org"};
 
-/// `%20` is a space, and so on.
+/// Percent-decodes `text`.
 std::string Decoded(const std::string& text) {
   std::string decoded;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -36,7 +36,7 @@ bool IsNumber(const std::string& text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
 }
 
-/// The folder in `folder` that is called `name`, but for upper and lower case; the first of several.
+/// The folder `name` in `folder`, case-insensitively; the first one if there are several.
 std::optional<fs::path> Child(const fs::path& folder, const std::string& name) {
   std::optional<fs::path> found;
   std::error_code code;
@@ -47,7 +47,7 @@ std::optional<fs::path> Child(const fs::path& folder, const std::string& name) {
   return found;
 }
 
-/// The version of a model in its folder that is asked for, or the newest.
+/// The folder of the requested version of a model, or of the newest.
 std::optional<fs::path> VersionIn(const fs::path& model, const std::string& version) {
   if (!version.empty()) return Child(model, version);
   std::optional<fs::path> newest;
@@ -75,7 +75,7 @@ std::optional<FuelAddress> FuelAddressOf(const std::string& uri) {
   }
   if (at == std::string::npos) return std::nullopt;
   std::vector<std::string> words;
-  std::vector<std::size_t> ends;  // of the words in `uri`
+  std::vector<std::size_t> ends;  // end of each word in `uri`
   while (at < uri.size()) {
     const std::size_t end = std::min(uri.find('/', at), uri.size());
     if (end > at) {
@@ -84,7 +84,7 @@ std::optional<FuelAddress> FuelAddressOf(const std::string& uri) {
     }
     at = end + 1;
   }
-  // Older programs name the version of the server.
+  // Older programs include the server's version.
   std::size_t next = !words.empty() && words.front().find_first_not_of("0123456789.") == std::string::npos;
   if (words.size() < next + 3 || ToLower(words[next + 1]) != "models") return std::nullopt;
   FuelAddress address;

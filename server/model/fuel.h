@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Addresses of models in Gazebo's Fuel, and where its programs keep what they have fetched:
-// CACHE/HOST/OWNER/models/NAME/VERSION. Nothing is fetched here. Any thread.
+// Addresses of models in Gazebo Fuel, and their folders in the cache of Gazebo's programs:
+// CACHE/HOST/OWNER/models/NAME/VERSION. Downloads nothing. Any thread.
 #pragma once
 
 #include <filesystem>
@@ -11,17 +11,17 @@ namespace coopdyn {
 
 struct FuelAddress {
   std::string url;             // of the model, without the file
-  std::string owner, name;     // as they are written, without %20 and the like
+  std::string owner, name;     // percent-decoded
   std::string version;         // empty: the newest
   std::filesystem::path file;  // in the model's folder; empty: the folder itself
 };
 
-/// What `https://fuel.gazebosim.org/1.0/OWNER/models/NAME[/VERSION][/files/FILE]` names (also at
-/// fuel.ignitionrobotics.org, and without the 1.0); nothing if `uri` is no such address.
+/// Parses `https://fuel.gazebosim.org/1.0/OWNER/models/NAME[/VERSION][/files/FILE]` (also at
+/// fuel.ignitionrobotics.org, and without the 1.0). Returns nullopt for any other `uri`.
 std::optional<FuelAddress> FuelAddressOf(const std::string& uri);
 
-/// The folder of that model in `cache`, as owners and names are the same in lower case; nothing if it is not
-/// there.
+/// The folder of that model in `cache`; owner and name are case-insensitive. Returns nullopt if it is
+/// missing.
 std::optional<std::filesystem::path> FuelFolderIn(const std::filesystem::path& cache,
                                                   const FuelAddress& address);
 

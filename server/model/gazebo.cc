@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What models made for Gazebo or ROS say in its own way: `<static>`, materials, and the rest that coopdyn
-// leaves out and reports. What their plug-ins say: gazebo_plugins.cc.
+// Adapts models made for Gazebo or ROS: `<static>`, materials, and elements that coopdyn leaves out and
+// reports. For their plugins see gazebo_plugins.cc.
 #include <algorithm>
 #include <iterator>
 #include <map>
@@ -66,7 +66,7 @@ class Adopter {
     std::erase_if(model.children, [](const XmlNode& one) { return one.name == "plugin"; });
   }
 
-  /// Links that stand where they are; joints have nothing to move.
+  /// Fixes all links to the world and removes joints.
   void MakeStatic() {
     std::vector<std::pair<std::string, SourceLine>> links;
     CollectLinks(model_, "", links);
@@ -95,7 +95,7 @@ class Adopter {
     }
   }
 
-  /// Materials of Gazebo's own scripts that are one colour.
+  /// Replaces Gazebo's own single-colour material scripts by colours.
   static void TakeScripts(XmlNode& node) {
     for (XmlNode& child : node.children) TakeScripts(child);
     const XmlNode* script = node.name == "material" ? node.Child("script") : nullptr;
@@ -107,7 +107,7 @@ class Adopter {
     std::erase_if(node.children, [](const XmlNode& one) { return one.name == "script"; });
   }
 
-  /// ODE's word for friction without end is a negative one.
+  /// Replaces negative friction, which is unlimited in ODE.
   void HoldEndlessly(XmlNode& node) {
     for (XmlNode& child : node.children) {
       HoldEndlessly(child);
@@ -120,7 +120,8 @@ class Adopter {
     }
   }
 
-  /// Gazebo's usual engines do not read it, and those who wrote it gave wheels arms of half their radius.
+  /// Ignores rolling friction: Gazebo's usual engines do not read it, and models have values that would stop
+  /// wheels, such as half their radius.
   void DropRolling(XmlNode& node) {
     for (XmlNode& child : node.children) {
       DropRolling(child);
@@ -131,7 +132,7 @@ class Adopter {
     }
   }
 
-  /// SDF's cameras see at least 0.1 rad, and pictures are flat here.
+  /// Clamps fields of view: SDF's minimum is 0.1 rad, and coopdyn's images are flat.
   void FitViews(XmlNode& node) {
     constexpr double kLeast_rad = 0.1, kMost_rad = 3.05;
     for (XmlNode& child : node.children) {
@@ -145,7 +146,7 @@ class Adopter {
     }
   }
 
-  /// Older programs took numbers above 1 for 1.
+  /// Clamps colours above 1, as older programs do.
   void ClampColors(XmlNode& node) {
     for (XmlNode& child : node.children) {
       ClampColors(child);
@@ -160,7 +161,7 @@ class Adopter {
     }
   }
 
-  /// Older programs read the first six numbers.
+  /// Cuts poses to six numbers, as older programs do.
   void CutPoses(XmlNode& node) {
     constexpr std::size_t kNumbers = 6;
     for (XmlNode& child : node.children) {
@@ -174,7 +175,7 @@ class Adopter {
     }
   }
 
-  /// Gazebo has these axes where none is written.
+  /// Adds missing axes with Gazebo's defaults.
   void AddAxes(XmlNode& node) {
     for (XmlNode& child : node.children) {
       if (child.name == "model") AddAxes(child);
@@ -193,7 +194,7 @@ class Adopter {
     }
   }
 
-  /// Where it stands is for the scenario to say.
+  /// Removes the model's pose: the scenario places the model.
   void RemoveInitialPose() {
     std::erase_if(model_.children, [this](const XmlNode& one) {
       if (one.name != "pose") return false;
@@ -212,7 +213,7 @@ class Adopter {
       if (child.name == "plugin" && needless_.Take(child)) return true;
       if (IsAsHere(child)) return true;
       const bool nested_model = node.name == "model" && child.name == "pose";
-      // One of a wrench belongs into a joint, all others into links.
+      // A wrench sensor belongs in a joint, all others in links.
       const std::string type = child.Attribute("type");
       const bool unused_sensor = child.name == "sensor" &&
                                  (!IsUsedSensor(type) || (node.name == "joint") != (type == "force_torque"));
@@ -223,7 +224,7 @@ class Adopter {
       return true;
     });
     if (node.name == "geometry") {
-      // Each shape that coopdyn does not know was said above; what is around it goes, too.
+      // Unknown shapes have been reported above; below, collisions and visuals without a shape are removed.
       for (XmlNode& shape : node.children) Prune(shape);
       return;
     }

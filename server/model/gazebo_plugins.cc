@@ -27,7 +27,7 @@ std::string Plain(const std::string& text) {
   return plain;
 }
 
-/// What a model does otherwise without a plug-in; nothing if that is not known.
+/// How a model behaves differently without a plugin; empty if unknown.
 std::string WhyItMatters(const XmlNode& plugin) {
   const std::string word = PluginWord(plugin);
   if (word == "trackedvehicle" || word == "trackcontroller")
@@ -39,14 +39,14 @@ std::string WhyItMatters(const XmlNode& plugin) {
   if (word == "liftdrag" || word == "advancedliftdrag" || word == "liftdragplugin")
     return "air and water do not push wings and fins, so planes do not fly and rudders do not steer";
   if (word == "buoyancy" || word == "hydrodynamics" || word == "buoyancyengine")
-    return "no water carries or slows anything: set gravity 0 in the scenario for what floats";
+    return "water has neither buoyancy nor drag: set gravity 0 in the scenario for floating things";
   if (word == "windeffects") return "no wind blows";
   if (word == "planarmove" || word == "velocitycontrol" || word == "trajectoryfollower")
     return "it moves a model without wheels or forces; thrusters would push it";
   return {};
 }
 
-/// The text of the first of these elements that is there.
+/// The first non-empty text of these elements.
 std::string FirstOf(const XmlNode& node, std::initializer_list<const char*> names) {
   for (const char* name : names) {
     if (!node.TextOf(name).empty()) return node.TextOf(name);
@@ -84,7 +84,7 @@ class PluginTranslator {
     return added;
   }
 
-  /// The joints that elements of these names name, in their order, as all the model knows them.
+  /// The joints in elements with these names, in order, with the prefix of their model.
   static std::vector<std::string> JointsOf(const GazeboPlugin& plugin,
                                            std::initializer_list<std::string_view> names) {
     std::vector<std::string> joints;
@@ -99,12 +99,12 @@ class PluginTranslator {
     const std::string file = ToLower(plugin.node.Attribute("filename"));
     if (PluginWord(plugin.node) == "controlboard" && HasWord(file, "yarp")) return ReadYarpBoard(plugin);
     if (needless_.Take(plugin.node)) return;
-    // Of Gazebo classic either may say what it is.
+    // In Gazebo Classic, either file name or name may identify the plugin.
     const std::string word = Plain(file + " " + plugin.node.Attribute("name"));
     if (AddDrive(plugin, word) || AddMecanum(plugin, word) || AddRotor(plugin, word) ||
         AddJoints(plugin, word))
       return;
-    // Its joints stand in <ros2_control> or in <transmission>s.
+    // Its joints are in <ros2_control> or in <transmission>s.
     const bool is_ros = HasWord(file, "ros_control") || HasWord(file, "ros2_control");
     if (is_ros && model_.Child("coopdyn:gazebo_joint") != nullptr) return;
     auto& [first, count] = unused_[plugin.node.Attribute("filename") + WhyItMatters(plugin.node)];
@@ -144,7 +144,7 @@ class PluginTranslator {
     return true;
   }
 
-  /// The four wheels are a group: clients have the formula (docs/models.md).
+  /// Makes a group of the four wheels. Clients apply the formula (docs/models.md).
   bool AddMecanum(const GazeboPlugin& plugin, const std::string& word) {
     if (!HasWord(word, "mecanum")) return false;
     std::vector<std::string> wheels;
@@ -170,7 +170,7 @@ class PluginTranslator {
     group.Set("joints", JoinWords(joints));
   }
 
-  /// A propeller: a thruster along its axis, whose reaction turns what holds it.
+  /// Makes a thruster along the axis of a propeller. The propeller's reaction torque turns its holder.
   bool AddRotor(const GazeboPlugin& plugin, const std::string& word) {
     const bool is_motor = HasWord(word, "motormodel") && !HasWord(word, "generic");
     const bool is_jet = HasWord(word, "spacecraftthruster");
@@ -179,7 +179,7 @@ class PluginTranslator {
     if (is_jet ? links.empty() : !(is_motor || PluginWord(plugin.node) == "thruster") || joints.empty())
       return false;
     if (is_motor && plugin.node.TextOf("motorType") == "position") return false;
-    // Defaults of the plug-ins.
+    // Defaults of the plugins.
     const auto number = [&plugin](const char* key, double otherwise) {
       return ParsePlain(plugin.node.TextOf(key)).value_or(otherwise);
     };
@@ -204,7 +204,8 @@ class PluginTranslator {
     return true;
   }
 
-  /// Joints with one axis of `model`, which is called `scope`, that are in `wanted`.
+  /// Appends the joints of `model` with one axis whose names begin with `wanted`. `scope`: prefix of the
+  /// model's names.
   static void AddJointsIn(const XmlNode& model, const std::string& scope, const std::string& wanted,
                           std::vector<std::string>& joints) {
     constexpr std::string_view kWithMotor[] = {"revolute", "continuous", "prismatic", "screw"};
@@ -276,10 +277,10 @@ class PluginTranslator {
   XmlNode& model_;
   NeedlessPlugins& needless_;
   Diagnostics& diagnostics_;
-  std::map<std::string, std::pair<const XmlNode*, int>> unused_;  // the first of each, and how many
+  std::map<std::string, std::pair<const XmlNode*, int>> unused_;  // first plugin of each kind, and count
   bool says_drag_ = false;
   std::vector<YarpIni> inis_;
-  std::vector<const GazeboPlugin*> boards_;  // of inis_
+  std::vector<const GazeboPlugin*> boards_;  // parallel to inis_
 };
 
 }  // namespace
@@ -306,14 +307,14 @@ void LeaveOutPlugin(const XmlNode& plugin, int count, Diagnostics& diagnostics) 
 
 bool NeedlessPlugins::Take(const XmlNode& plugin) {
   static constexpr const char* kWords[] = {
-      // Of Gazebo.
+      // Gazebo's.
       "physics", "physicssystem", "usercommands", "scenebroadcaster", "jointstatepublisher",
       "odometrypublisher", "posepublisher", "logrecord",
-      // They switch on <sensor>s.
+      // Plugins that enable <sensor>s.
       "sensors", "imu", "contact", "forcetorque", "magnetometer", "altimeter", "airpressure", "airspeed",
       "navsat", "imusensor", "raysensor", "laser", "gpulaser", "blocklaser", "camera", "depthcamera",
       "multicamera", "openninikinect", "opennikinect", "bumper", "ftsensor", "range",
-      // Of ROS and YARP: every module has a socket.
+      // ROS's and YARP's: in coopdyn every module has a socket.
       "p3d", "init", "factory", "state", "apiplugin", "robotinterface", "worldinterface", "clock",
       "lasersensor", "jointsensors", "basestate"};
   const std::string word = PluginWord(plugin);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the plug-ins of models and worlds made for Gazebo mean here. One thread.
+// Translates the plugins of models and worlds made for Gazebo. One thread.
 #pragma once
 
 #include <string>
@@ -11,20 +11,20 @@
 
 namespace coopdyn {
 
-/// A `<plugin>` of a model, and the prefix of the names in that.
+/// A `<plugin>` of a model, and the prefix of the model's names.
 struct GazeboPlugin {
   XmlNode node;
   std::string scope;
 };
 
-/// What a plug-in is, whatever its file is called: the last word of gz::sim::systems::DiffDrive, what is left
-/// of libgazebo_ros_diff_drive.so without the words around it. Lower case, without - and _: diffdrive.
+/// The kind of a plugin: the last word of gz::sim::systems::DiffDrive, or the core of a file name such as
+/// libgazebo_ros_diff_drive.so. Lower case, without - and _: diffdrive.
 std::string PluginWord(const XmlNode& plugin);
 
-/// Plug-ins whose work coopdyn does anyway: they are told in one line.
+/// Collects plugins whose work coopdyn does anyway, for a report in one line.
 class NeedlessPlugins {
  public:
-  /// Whether `plugin` is one; it is then told of.
+  /// If `plugin` is needless, collects it and returns true.
   bool Take(const XmlNode& plugin);
   void Say(Diagnostics& diagnostics) const;
 
@@ -33,12 +33,12 @@ class NeedlessPlugins {
   SourceLine first_;
 };
 
-/// Says that `plugin` is not used, `count` times, and what a model does otherwise without it, if that is
-/// known.
+/// Reports that `plugin`, which occurs `count` times, is not used and, if known, how the model then behaves
+/// differently.
 void LeaveOutPlugin(const XmlNode& plugin, int count, Diagnostics& diagnostics);
 
-/// Adds elements of ours to `model` that say what `plugins` do, and tells what is left out, and `needless`.
-/// `resources`: where the files are that they name; may be null.
+/// Adds coopdyn elements equivalent to `plugins` to `model`. Reports omitted and `needless` plugins.
+/// `resources`: for the files that plugins name; may be null.
 void TranslatePlugins(const std::vector<GazeboPlugin>& plugins, const Resources* resources, XmlNode& model,
                       NeedlessPlugins& needless, Diagnostics& diagnostics);
 

@@ -12,8 +12,8 @@ namespace coopdyn {
 
 namespace {
 
-constexpr double kGap_m = 0.01;     // from side to side
-constexpr double kTouch_m = 0.001;  // what stands on another reaches so far into it
+constexpr double kGap_m = 0.01;     // minimum horizontal gap
+constexpr double kTouch_m = 0.001;  // allowed vertical overlap of stacked things
 
 bool IsUpright(const Matrix3& R) {
   return std::abs(R(2, 2)) > 1 - 1e-9;
@@ -67,14 +67,14 @@ Standing StandingOf(const RobotEntry& robot) {
   return standing;
 }
 
-/// The reach of `one` from its middle along a direction.
+/// The extent of `one` from its centre along the direction (x, y).
 double Reach(const Standing& one, double x, double y) {
   if (one.radius_m > 0) return one.radius_m;
   const auto [s, c] = portable::SinCos(one.yaw_rad);
   return one.half_length_m * std::abs(c * x + s * y) + one.half_width_m * std::abs(c * y - s * x);
 }
 
-/// The distance of the point from the rectangle; 0 inside.
+/// The distance of a point from a rectangle; 0 inside.
 double Distance(const Standing& rectangle, double x_m, double y_m) {
   const double dx = x_m - rectangle.x_m, dy = y_m - rectangle.y_m;
   const auto [s, c] = portable::SinCos(rectangle.yaw_rad);
@@ -88,7 +88,7 @@ bool ShadowsOverlap(const Standing& a, const Standing& b) {
   if (a.radius_m > 0 && b.radius_m > 0) return portable::Hypot(dx, dy) < a.radius_m + b.radius_m + kGap_m;
   if (a.radius_m > 0) return Distance(b, a.x_m, a.y_m) < a.radius_m + kGap_m;
   if (b.radius_m > 0) return Distance(a, b.x_m, b.y_m) < b.radius_m + kGap_m;
-  // Two rectangles are apart if they are along a side of either.
+  // Two rectangles are apart if a direction along a side of either separates them.
   constexpr double kQuarter = 1.57079632679489662;
   const std::array<double, 4> angles = {a.yaw_rad, a.yaw_rad + kQuarter, b.yaw_rad, b.yaw_rad + kQuarter};
   return std::ranges::all_of(angles, [&](double angle) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures in files. Any thread.
+// Reads and encodes image files. Any thread.
 #pragma once
 
 #include <filesystem>
@@ -12,10 +12,10 @@ namespace coopdyn {
 
 inline constexpr std::size_t kMaxImageBytes = 64u << 20;
 
-/// A PNG of the picture; empty if there is no memory.
+/// The picture as PNG; empty if out of memory.
 std::string EncodeTexture(const Image& image);
 
-/// The content of an image file; nothing, and `why` says what to do, if it cannot be read.
+/// The content of an image file. Returns nullopt if it cannot be read; `why` then says what to do.
 std::optional<std::string> ReadImageFile(const std::filesystem::path& file, std::string& why);
 
 }  // namespace coopdyn

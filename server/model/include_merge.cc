@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// <include merge="true">: the parts of a model become parts of the one that includes it. And joints of an
-// included model that name links of the one around it.
+// Handles <include merge="true">, which makes the parts of a model parts of the including model, and joints
+// of an included model that name links of the enclosing model.
 #include <algorithm>
 #include <iterator>
 #include <utility>
@@ -14,13 +14,13 @@ namespace {
 
 constexpr const char* kModelFrame = "__model__";
 
-/// What names the included model's frame names `frame` instead.
+/// Replaces references in `node` to the included model's frame by `frame`.
 void NameFrame(XmlNode& node, const std::string& frame) {
   for (const char* key : {"relative_to", "expressed_in", "attached_to"}) {
     if (node.Attribute(key) == kModelFrame) node.Set(key, frame);
   }
   if ((node.name == "parent" || node.name == "child") && node.text == kModelFrame) node.text = frame;
-  if (node.name == "model") return;  // one inside has a frame of its own
+  if (node.name == "model") return;  // a nested model has its own frame
   for (XmlNode& child : node.children) NameFrame(child, frame);
 }
 
@@ -37,7 +37,7 @@ bool HasJoint(const XmlNode& model, const std::string& name) {
   });
 }
 
-/// Puts `model` before the names of its own frames.
+/// Prefixes references in `node` to frames of `model` with the model's name.
 void NameFramesOf(const XmlNode& model, XmlNode& node) {
   for (const char* key : {"relative_to", "expressed_in"}) {
     const std::string frame = node.Attribute(key);
@@ -86,7 +86,7 @@ std::vector<XmlNode> PartsToMerge(XmlNode model) {
   std::vector<XmlNode> parts;
   const XmlNode* pose = model.Child("pose");
   if (pose != nullptr) {
-    // As libsdformat does it: a frame where the model would stand holds its parts.
+    // As libsdformat does: attach the parts to a frame at the model's pose.
     XmlNode frame;
     frame.name = "frame";
     frame.where = pose->where;

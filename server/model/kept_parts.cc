@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Another number whenever CutConvex() may give something else.
+/// Increment it whenever the results of CutConvex() may change.
 constexpr std::uint64_t kVersion = 1;
 constexpr std::string_view kExtension = ".parts";
 constexpr std::size_t kMostFiles = 2000;
@@ -54,7 +54,7 @@ std::optional<PartCorners> ReadParts(const fs::path& file, const MeshData& mesh,
   return PartsFromBytes(bytes, mesh, most, cells);
 }
 
-/// Leaves half of the files if there are too many.
+/// Removes the older files if there are too many, so that half remain.
 void RemoveOldest(const fs::path& folder) {
   std::vector<std::pair<fs::file_time_type, fs::path>> files;
   std::error_code code;
@@ -66,7 +66,7 @@ void RemoveOldest(const fs::path& folder) {
   for (std::size_t i = 0; i < files.size() - kMostFiles / 2; ++i) fs::remove(files[i].second, code);
 }
 
-/// Whole or not at all, also beside other processes.
+/// Writes atomically, so that other processes never see a partial file.
 void WriteParts(const std::string& bytes, const fs::path& file) {
   std::error_code code;
   fs::create_directories(file.parent_path(), code);

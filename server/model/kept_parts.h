@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Convex parts of meshes, kept in files from one start to the next: what costs tenths of a second is read in
-// a millisecond. Any thread, any process.
+// Caches convex parts of meshes in files: reading them takes a millisecond, computing them tenths of a
+// second. Any thread, any process.
 #pragma once
 
 #include <filesystem>
@@ -14,20 +14,19 @@
 
 namespace coopdyn {
 
-/// The corners of each part, as in ConvexCut.
+/// The corners of each part, see ConvexCut.
 using PartCorners = std::vector<std::vector<Vector3>>;
 
-/// CutConvex() of `mesh`. The parts of a mesh of some size are looked
-/// for in `folder` first, and put there. A file there that is damaged, or does not fit the mesh, is made
-/// again. Nothing is kept if the folder is empty or cannot be written; it holds at most some 2000 files, of
-/// which the oldest go.
+/// CutConvex() of `mesh`, cached in `folder` unless the mesh is small. Recomputes the parts if their file is
+/// damaged or does not match the mesh. Caches nothing if `folder` is empty or not writable. The folder holds
+/// about 2000 files at most; the oldest are removed.
 ConvexCut KeptConvexCut(const MeshData& mesh, int most, const std::filesystem::path& folder,
                         int cells = kPartCells);
 inline PartCorners KeptConvexParts(const MeshData& mesh, int most, const std::filesystem::path& folder) {
   return KeptConvexCut(mesh, most, folder).parts;
 }
 
-/// The content of such a file, and back; nothing for bad bytes, or those of another mesh.
+/// Serialize the content of a cache file and back; nullopt for bad bytes or another mesh.
 std::string PartsToBytes(const PartCorners& parts, const MeshData& mesh, int most, int cells = kPartCells);
 std::optional<PartCorners> PartsFromBytes(std::string_view bytes, const MeshData& mesh, int most,
                                           int cells = kPartCells);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Finds the file that a scenario's name means, and reads it by its kind: scenario, world, SDF world,
-// robot or experiment.
+// Finds a scenario's file by name and reads it according to its kind: scenario, world, SDF world, robot or
+// experiment.
 #include <filesystem>
 #include <map>
 #include <system_error>
@@ -25,12 +25,12 @@ bool IsUrdf(const std::filesystem::path& file) {
   return extension == ".urdf" || extension == ".xacro";
 }
 
-/// A world with the robot of a URDF file alone.
+/// The text of a scenario with only the robot of a URDF file.
 std::string UrdfAsScenario(const std::filesystem::path& file) {
   return "[WORLD]\nfile empty.world\n\n[ROBOT_1]\ntype ./" + file.filename().string() + "\nposition 0 0\n";
 }
 
-/// What an SDF world means, with the lines of the world.
+/// `scenario` with the lines of the SDF world from which it was made.
 std::shared_ptr<const Scenario> AsWritten(const Scenario& scenario,
                                           const std::map<std::string, SourceLine>& places) {
   auto placed = std::make_shared<Scenario>(scenario);
@@ -44,7 +44,7 @@ std::shared_ptr<const Scenario> AsWritten(const Scenario& scenario,
   return placed;
 }
 
-/// A .world as a scenario without robots.
+/// Reads a .world as a scenario without robots.
 std::shared_ptr<const Scenario> WorldAsScenario(const std::string& text, const std::string& file,
                                                 const RobotLibrary& library,
                                                 std::optional<std::uint64_t> seed, Diagnostics& diagnostics) {

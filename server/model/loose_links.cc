@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Models of a world whose links no joint holds together: each body becomes a model of its own.
+// Splits models of a world whose links joints do not connect: each body becomes a separate model.
 #include <algorithm>
 #include <functional>
 #include <map>
@@ -17,7 +17,7 @@ bool IsNamedPart(const XmlNode& node) {
   return node.name == "link" || node.name == "joint" || node.name == "frame" || node.name == "model";
 }
 
-/// Which parts of a model belong together, by what they name.
+/// Groups parts of a model that are connected by references.
 class Grouper {
  public:
   explicit Grouper(const XmlNode& model) : model_(model), groups_(model.children.size()) {
@@ -31,7 +31,7 @@ class Grouper {
     for (std::size_t i = 0; i < groups_.size(); ++i) groups_[i] = RootOf(i);
   }
 
-  /// The groups that have a link or a model, the one with the most joints first.
+  /// The groups with a link or a model, that with the most joints first.
   std::vector<std::size_t> Bodies() const {
     std::vector<std::size_t> bodies;
     std::set<std::size_t> known;
@@ -49,7 +49,7 @@ class Grouper {
 
  private:
   void Join(const std::string& name, std::size_t to) {
-    if (name == "world") parts_.emplace(name, to);  // what is fixed to it is one body
+    if (name == "world") parts_.emplace(name, to);  // all parts fixed to the world are one body
     const auto found = parts_.find(name.substr(0, name.find("::")));
     if (found == parts_.end()) return;
     groups_[RootOf(found->second)] = RootOf(to);
@@ -71,7 +71,7 @@ class Grouper {
 
   const XmlNode& model_;
   std::map<std::string, std::size_t> parts_;
-  std::vector<std::size_t> groups_;  // by child: another of its group; in the end the same one for all
+  std::vector<std::size_t> groups_;  // union-find over children; finally each child's representative
 };
 
 }  // namespace
@@ -95,7 +95,7 @@ std::vector<XmlNode> SplitLoose(const XmlNode& model) {
   for (std::size_t i = 0; i < model.children.size(); ++i) {
     const XmlNode& child = model.children[i];
     if (child.name == "pose") continue;
-    // What is not said of a part, or of a part without a body, belongs to the first body.
+    // Children that are not parts, or belong to no body, go to the first body.
     const auto place = IsNamedPart(child) ? places.find(grouper.GroupOf(i)) : places.end();
     XmlNode& one = models[place == places.end() ? 0 : place->second];
     const bool names = child.name == "link" || child.name == "model";

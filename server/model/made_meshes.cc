@@ -39,7 +39,7 @@ ModelMesh MakePictureBox(const Vector3& size) {
     for (const double side : {-1.0, 1.0}) {
       const auto base = static_cast<std::uint32_t>(vertices.size());
       for (const auto& [u, v] : {std::pair(0.0, 0.0), {1.0, 0.0}, {1.0, 1.0}, {0.0, 1.0}}) {
-        // On the sides the picture stands upright, as seen from outside.
+        // On the sides the picture is upright when seen from outside.
         const double across = (u - 0.5) * side;
         const Vector3 p = axis == 0   ? Vector3(side / 2, across, v - 0.5)
                           : axis == 1 ? Vector3(-across, side / 2, v - 0.5)
@@ -64,7 +64,7 @@ ModelMesh InMaterial(const ModelMesh& bare, const MeshSkin::Material& material) 
     if (data.skin != nullptr) {
       skin->corners[i].uv = data.skin->corners[i].uv;
     } else {
-      // Without coordinates of its own it gets the picture from above.
+      // Without texture coordinates, project the picture from above.
       const Vector3& v = data.vertices[i];
       for (Eigen::Index c = 0; c < 2; ++c)
         skin->corners[i].uv[static_cast<std::size_t>(c)] =

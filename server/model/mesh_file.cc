@@ -22,10 +22,10 @@ std::optional<std::string> ReadWhole(const std::filesystem::path& file, std::str
   if (!code && size > kMaxMeshFileBytes) {
     why = "the file has " + std::to_string(size >> 20) + " MiB, at most " +
           std::to_string(kMaxMeshFileBytes >> 20) +
-          " are taken: simplify it (in Blender: Modifier, Decimate)";
+          " are allowed: simplify it (in Blender: Modifier, Decimate)";
     return std::nullopt;
   }
-  if (!code) {  // else it may be a pipe, which would be waited for
+  if (!code) {  // otherwise it may be a pipe, which would block
     std::ifstream stream(file, std::ios::binary);
     std::string bytes(size, '\0');
     if (stream.read(bytes.data(), static_cast<std::streamsize>(size))) return bytes;
@@ -34,11 +34,11 @@ std::optional<std::string> ReadWhole(const std::filesystem::path& file, std::str
   return std::nullopt;
 }
 
-/// What the mesh `file` calls `name`.
+/// The content of the file that the mesh `file` calls `name`.
 std::optional<std::string> Supply(bool is_texture, const std::string& name, const std::filesystem::path& file,
                                   const Resources& resources, std::string& why) {
   if (is_texture) {
-    // Gazebo's models keep them apart from the meshes.
+    // Gazebo's models keep textures in a separate folder.
     auto found = resources.Find(name, file, why);
     std::string ignored;
     const std::string bare = std::filesystem::path(name).filename().string();
@@ -56,9 +56,10 @@ std::uint64_t Mix(std::uint64_t hash, std::span<const std::uint8_t> bytes) {
   return hash;
 }
 
-/// Whether the triangles close a solid, so that each edge is run along as often both ways, and look into it.
+/// True if the triangles enclose a solid (each edge occurs equally often in both directions) but face
+/// inwards.
 bool LooksInward(const MeshParts& parts) {
-  using Point = std::array<double, 3>;  // exporters write a corner once for each face
+  using Point = std::array<double, 3>;  // exporters repeat a corner for each face
   double volume = 0;
   for (const auto& [a, b, c] : parts.triangles) {
     volume += parts.vertices[a].dot(parts.vertices[b].cross(parts.vertices[c]));
@@ -88,7 +89,7 @@ std::string ToBase64(const std::string& bytes) {
       three = three << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
     for (int shift = 18; shift >= 0; shift -= 6) text += kDigits[three >> shift & 63u];
   }
-  return text;  // zeros at the end do no harm
+  return text;  // trailing zeros are harmless
 }
 
 std::optional<std::string> FromBase64(std::string_view text) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Meshes from files, and as text inside a model that a recording carries. Any thread.
+// Reads meshes from files, and from text inside a recorded model. Any thread.
 #pragma once
 
 #include <filesystem>
@@ -16,38 +16,38 @@
 
 namespace coopdyn {
 
-inline constexpr std::size_t kMaxModelTriangles = 500'000;  // of all of one model
+inline constexpr std::size_t kMaxModelTriangles = 500'000;  // of all meshes of a model
 inline constexpr std::size_t kMaxMeshFileBytes = 64u << 20;
 
 struct ModelMesh {
   std::shared_ptr<const MeshData> data;
-  Vector3 middle = Vector3::Zero();  // of its box, in the frame of the file
-  bool is_heights = false;           // of a <heightmap>
+  Vector3 middle = Vector3::Zero();  // centre of its bounding box, in the file's frame
+  bool is_heights = false;           // from a <heightmap>
 };
 
 class Resources;
 
-/// Whether meshes are read from files that end so.
+/// True if the file's extension is that of a supported mesh format.
 bool IsMeshType(const std::filesystem::path& file);
 
-/// The mesh of a .stl, .obj, .dae, .glb, .gltf or .ply file, each vertex times `scale`; of its part called
-/// `submesh` alone if that is not empty. What else the file names is looked up in `resources`. Nothing with
-/// an error at `where`.
+/// The mesh of a .stl, .obj, .dae, .glb, .gltf or .ply file, with each vertex multiplied by `scale`. Reads
+/// only the part `submesh` if that is not empty. Looks up files that the mesh names in `resources`. Reports
+/// an error at `where` and returns nullopt on failure.
 std::optional<ModelMesh> LoadMesh(const std::filesystem::path& file, const Vector3& scale,
                                   const std::string& submesh, const Resources& resources, FileReader& reader,
                                   const SourceLine& where, Diagnostics& diagnostics);
 
-/// The mesh of these parts, in numbers that a recording keeps.
+/// The mesh of these parts, with numbers that survive recording unchanged.
 ModelMesh MakeModelMesh(MeshParts parts);
-/// Gives `mesh` its looks; its id is then another.
+/// Sets the skin of `mesh`, which changes its id.
 void SetSkin(std::shared_ptr<const MeshSkin> skin, MeshData& mesh);
 
-/// Bytes as one word, and back; nothing for a bad word.
+/// Encode bytes as one word and back; nullopt for a bad word.
 std::string ToBase64(const std::string& bytes);
 std::optional<std::string> FromBase64(std::string_view text);
 
-/// A mesh as one word, and back; nothing for a bad word. The word names its pictures by their places in
-/// `textures`, where MeshToText() puts those that are not there yet.
+/// Encode a mesh as one word and back; nullopt for a bad word. The word refers to textures by their index in
+/// `textures`, to which MeshToText() appends missing ones.
 std::string MeshToText(const ModelMesh& mesh, MeshTextures& textures);
 std::optional<ModelMesh> MeshFromText(std::string_view text, const MeshTextures& textures);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The files that the shapes of a model name: meshes, heightmaps and textures.
+// Loads the files that the shapes of a model name: meshes, heightmaps and textures.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,7 +19,7 @@ namespace coopdyn {
 
 namespace {
 
-/// Loads the meshes that `node` names, and calls them mesh:1, mesh:2, …
+/// Loads meshes as mesh:1, mesh:2, …
 class MeshLoader {
  public:
   /// `is_foreign`: the model was made for other programs.
@@ -35,7 +35,7 @@ class MeshLoader {
   }
 
  private:
-  /// `is_visual`: `node` lies in a visual. False if its mesh cannot be used.
+  /// `is_visual`: `node` is in a visual. False if its mesh cannot be used.
   bool Load(XmlNode& node, bool is_visual = false) {
     if (IsNamed(node)) return LoadOne(node, is_visual);
     const bool visual = is_visual || node.name == "visual";
@@ -44,7 +44,7 @@ class MeshLoader {
     bool good = true;
     for (auto it = node.children.begin(); it != node.children.end();) {
       const bool fine = Load(*it, visual);
-      // A picture may go without a shape, the physics may not.
+      // A visual may lose its shape, a collision may not.
       if (!fine && it->name == "visual") {
         it = node.children.erase(it);
         continue;
@@ -72,7 +72,7 @@ class MeshLoader {
   }
 
   bool LoadOne(XmlNode& mesh, bool is_visual) {
-    if (to_come_ > 0) --to_come_;  // a box with a picture becomes one more
+    if (to_come_ > 0) --to_come_;  // textured boxes become additional meshes
     if (mesh.Child("uri") == nullptr) mesh.Add("uri");
     XmlNode& uri = *mesh.Child("uri");
     if (table_.contains(uri.text)) return true;
@@ -89,7 +89,7 @@ class MeshLoader {
     return true;
   }
 
-  /// SDF 1.11's words for how a mesh collides, as ours.
+  /// Translates SDF 1.11's `optimization` of a collision mesh.
   void ReadOptimization(XmlNode& mesh) {
     const std::string word = mesh.Attribute("optimization");
     mesh.Remove("optimization");
@@ -134,7 +134,7 @@ class MeshLoader {
     if (!scale_text.empty()) {
       const std::vector<std::string> words = SplitWords(scale_text);
       for (std::size_t i = 0; i < 3; ++i) {
-        // URDF allows one number; some write a fourth.
+        // URDF allows one number; some models have a fourth.
         const auto value = words.size() == 1                        ? ParsePlain(words[0])
                            : words.size() == 3 || words.size() == 4 ? ParsePlain(words[i])
                                                                     : std::nullopt;
@@ -168,14 +168,14 @@ class MeshLoader {
     }
     const std::string what = file->string() + "|" + FormatNumber(scale.x()) + " " + FormatNumber(scale.y()) +
                              " " + FormatNumber(scale.z()) + "|" + part + (centred ? "|c" : "");
-    is_missing_ = !IsMeshType(*file);  // to us it is
+    is_missing_ = !IsMeshType(*file);  // treat unsupported formats as missing
     const auto known = keys_.find(what);
     if (known != keys_.end() && !is_missing_) return Known(known->second, uri, found);
     keys_.emplace(what, "");
     auto loaded = LoadMesh(*file, scale, part, *resources_, reader_, uri.where, found);
     if (!loaded) return {};
     if (centred) {
-      const MeshData& data = *loaded->data;  // around its middle
+      const MeshData& data = *loaded->data;  // centred at its middle
       loaded = MakeModelMesh({data.vertices, data.triangles, data.color, data.skin});
     }
     return Keep(what, std::move(*loaded), uri, found);
@@ -184,7 +184,7 @@ class MeshLoader {
   std::string Keep(const std::string& what, ModelMesh mesh, const XmlNode& at, Diagnostics& found) {
     const std::string name = at.name == "uri" ? at.text : at.name;
     const std::size_t left = kMaxModelTriangles - triangles_, count = mesh.data->triangles.size();
-    // So that something is left for those that follow.
+    // Reserve triangles for the remaining meshes.
     const std::size_t few = kFewTriangles * to_come_;
     const std::size_t most = left > 2 * few ? left - few : left / (to_come_ + 1);
     if (count > most && most > 0 && !mesh.is_heights) {
@@ -209,13 +209,13 @@ class MeshLoader {
     return key;
   }
 
-  /// What is damaged may take seconds to refuse: once is enough.
+  /// Returns `key`, or reports that the file failed before: rejecting a damaged file may take seconds.
   static std::string Known(const std::string& key, const XmlNode& uri, Diagnostics& found) {
     if (key.empty()) found.Error(uri.where, "'" + uri.text + "' cannot be used, as is said above");
     return key;
   }
 
-  /// Three numbers of a child of `node`; `otherwise` if it has none.
+  /// The three numbers in a child of `node`; `otherwise` if it is missing.
   static std::optional<Vector3> VectorOf(const XmlNode& node, const char* child, const Vector3& otherwise) {
     const std::string text = node.TextOf(child);
     if (text.empty()) return otherwise;
@@ -266,7 +266,7 @@ class MeshLoader {
     return Keep(what, MakeHeights(*heights, columns, rows, *size, *pos), uri, found);
   }
 
-  /// The texture of a visual's <material>; a box or a plane becomes a mesh that has one.
+  /// Reads the texture of a visual's <material>. A textured box or plane becomes a mesh.
   void TakeTexture(XmlNode& visual) {
     texture_ = nullptr;
     XmlNode* material = visual.Child("material");
@@ -275,7 +275,7 @@ class MeshLoader {
     const XmlNode* flow = pbr->Child("metal") != nullptr ? pbr->Child("metal") : pbr->Child("specular");
     const XmlNode* map = flow == nullptr ? nullptr : flow->Child("albedo_map");
     if (map != nullptr && !map->text.empty()) texture_ = TextureOf(*map);
-    const SourceLine where = map == nullptr ? SourceLine() : map->where;  // its element goes
+    const SourceLine where = map == nullptr ? SourceLine() : map->where;  // before its element is removed
     tint_ = {1, 1, 1};
     const std::vector<std::string> diffuse = SplitWords(material->TextOf("diffuse"));
     for (std::size_t c = 0; c < 3 && diffuse.size() >= 3; ++c)
@@ -296,7 +296,7 @@ class MeshLoader {
       return;
     }
     const auto size = VectorOf(shape, "size", Vector3::Ones());
-    if (!size || !(size->minCoeff() > 0)) return;  // said when the box is read
+    if (!size || !(size->minCoeff() > 0)) return;  // reported when the box is read
     const std::string key = Keep("", MakePictureBox(*size), shape, diagnostics_);
     if (key.empty()) return;
     shape.name = "mesh";
@@ -318,7 +318,7 @@ class MeshLoader {
     return texture;
   }
 
-  /// The mesh `key` in the texture at hand.
+  /// Adds a copy of the mesh `key` with the current texture and returns its key.
   std::string Dressed(const std::string& key) {
     std::string dressed = "mesh:" + std::to_string(table_.size() + 1);
     table_.emplace(dressed, InMaterial(table_.at(key), TexturedMaterial(texture_, tint_)));
@@ -331,16 +331,16 @@ class MeshLoader {
   const Resources* resources_;
   MeshTable& table_;
   Diagnostics& diagnostics_;
-  const bool fills_gaps_;                        // a mesh that is not there is no error
-  bool is_missing_ = false;                      // the last mesh, or of a type that nobody reads
-  std::set<std::pair<std::string, bool>> said_;  // what is not there, and whether it is only drawn
-  std::optional<StandIn> stand_in_;              // of the link at hand
+  const bool fills_gaps_;                        // a missing mesh is not an error
+  bool is_missing_ = false;                      // the last mesh is missing or has an unsupported format
+  std::set<std::pair<std::string, bool>> said_;  // reported missing files, and whether only visuals use them
+  std::optional<StandIn> stand_in_;              // of the current link
   FileReader reader_;
   std::map<std::string, std::string> keys_;
   std::size_t triangles_ = 0;
-  std::size_t to_come_ = 0;  // named meshes that are not loaded yet
+  std::size_t to_come_ = 0;  // named meshes not loaded yet
   std::map<std::filesystem::path, std::shared_ptr<const Image>> textures_;
-  std::shared_ptr<const Image> texture_;  // of the visual at hand
+  std::shared_ptr<const Image> texture_;  // of the current visual
   std::array<double, 3> tint_{1, 1, 1};
 };
 

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Without blanks and line ends around it.
+/// `text` without blanks and line ends at both ends.
 std::string WithoutBlanks(const std::string& text) {
   constexpr const char* kBlanks = " \t\r\n";
   const std::size_t begin = text.find_first_not_of(kBlanks);
@@ -48,7 +48,7 @@ class Gatherer {
   }
 
   void Look(const std::string& written, const fs::path& file) {
-    const std::string uri = WithoutBlanks(written);  // as readers name it
+    const std::string uri = WithoutBlanks(written);  // as the readers see it
     std::string why;
     if (uri.empty() || !seen_.insert(uri).second) return;
     const auto found = resources_.Find(uri, file, why);
@@ -69,7 +69,7 @@ class Gatherer {
   std::set<std::string> seen_;
 };
 
-/// `below` and the folders in it, the upper ones first.
+/// `below` and all folders in it, breadth first.
 std::vector<fs::path> AllFolders(const fs::path& below) {
   constexpr std::size_t kMost = 100'000;
   constexpr int kDeepest = 12;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What models of other programs name and is not found, and the folders that hold it (`coopdyn check
+// Finds missing files of models made for other programs, and the folders that hold them (`coopdyn check
 // --search`). Any thread.
 #pragma once
 
@@ -11,15 +11,15 @@
 
 namespace coopdyn {
 
-/// The URIs in the SDF or URDF `file`, and in what it includes, that lead nowhere on `path`, each once; none
-/// of a file that cannot be read.
+/// The URIs in the SDF or URDF `file` and its includes that cannot be resolved on `path`, each once. Empty if
+/// `file` cannot be read.
 std::vector<std::string> MissingUris(const std::filesystem::path& file, const SearchPath& path);
 
 struct FoundFolders {
-  std::vector<std::filesystem::path> folders;  // that a search path needs
+  std::vector<std::filesystem::path> folders;  // to add to a search path
   std::vector<std::string> nowhere;            // URIs that no folder has
 };
-/// Looks for `uris` in `below` and its subfolders, the upper ones first; symbolic links are not followed.
+/// Searches `below` and its subfolders for `uris`, breadth first, without following symbolic links.
 FoundFolders FoldersWith(const std::vector<std::string>& uris, const std::filesystem::path& below);
 
 }  // namespace coopdyn

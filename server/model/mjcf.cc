@@ -37,7 +37,7 @@ void ForgetLines(XmlNode& node) {
   for (XmlNode& child : node.children) ForgetLines(child);
 }
 
-/// Reports the lines `warning: …`. The rest in one line.
+/// Reports the lines `warning: …`. Returns the rest as one line.
 std::string TakeWarnings(std::string_view text, const SourceLine& where, Diagnostics& diagnostics) {
   constexpr std::string_view kWarning = "warning: ";
   constexpr std::size_t kMost = 500;
@@ -67,7 +67,8 @@ bool IsStatic(const XmlNode& model) {
   return model.TextOf("static") == "true";
 }
 
-/// Holds `folder` until the result is closed; -1: somebody else does, or it is not ours.
+/// Locks `folder` until the result is closed. Returns -1 if another process holds the lock, or if the folder
+/// cannot be opened.
 int Lock(const fs::path& folder) {
   const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   if (file < 0 || ::flock(file, LOCK_EX | LOCK_NB) == 0) return file;
@@ -75,7 +76,7 @@ int Lock(const fs::path& folder) {
   return -1;
 }
 
-/// Whether `folder` was made by a MeshFolder of this user: by its name, rights and the mark in it.
+/// True if a MeshFolder of this user made `folder`, by its name, permissions and mark file.
 bool IsMeshFolder(const fs::path& folder) {
   struct stat is {};
   constexpr std::size_t kLetters = 6;  // of mkdtemp()
@@ -85,7 +86,7 @@ bool IsMeshFolder(const fs::path& folder) {
          (is.st_mode & 07777) == 0700 && ::lstat((folder / kMark).c_str(), &is) == 0 && S_ISREG(is.st_mode);
 }
 
-/// Removes folders beside `own` that nobody holds. Young ones may not be held yet.
+/// Removes unlocked folders beside `own`. Keeps young folders, which may not be locked yet.
 void RemoveLeft(const fs::path& own) {
   constexpr auto kYoung = std::chrono::minutes(10);
   std::error_code code;
@@ -139,7 +140,7 @@ std::optional<std::string> TranslateMjcf(const fs::path& file, const SearchPath&
         ", which is not beside coopdyn: install libmujoco-dev and build again (./start), or write SDF "
         "where there is one: coopdyn convert FILE");
   }
-  if (meshes.empty()) return fail("there is no room for its meshes in the folder for temporary files");
+  if (meshes.empty()) return fail("its meshes cannot be stored in the folder for temporary files");
   NoEnd why = NoEnd::kNone;
   const auto end = RunProgram(program, {file.string(), meshes.string(), prefix}, kMostSdfBytes, why);
   if (why == NoEnd::kNoProgram) return fail(program.string() + " cannot be started");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// MuJoCo's model files (MJCF), which the program coopdyn-mjcf writes as SDF. Any thread.
+// Reads MuJoCo's model files (MJCF), which the program coopdyn-mjcf translates into SDF. Any thread.
 #pragma once
 
 #include <filesystem>
@@ -13,42 +13,44 @@
 
 namespace coopdyn {
 
-/// A folder for the meshes of one file, which ends with this object, or soon after a process that is killed.
+/// A temporary folder for one file's meshes, removed with this object. Folders of killed processes are
+/// removed later.
 class MeshFolder {
  public:
-  /// Also removes those of processes that have ended, if they are 10 minutes older.
+  /// Also removes the folders of ended processes, if they are at least 10 minutes older.
   MeshFolder();
   ~MeshFolder();
   MeshFolder(const MeshFolder&) = delete;
   MeshFolder& operator=(const MeshFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }  // empty: there is no room for it
+  const std::filesystem::path& path() const { return path_; }  // empty if it could not be created
 
  private:
   std::filesystem::path path_;
-  int lock_ = -1;  // which the kernel opens when this process ends, however that is
+  int lock_ = -1;  // the kernel releases it when this process ends for any reason
 };
 
-/// Whether `text` has the root element <mujoco>.
+/// True if the root element of `text` is <mujoco>.
 bool IsMjcf(std::string_view text);
-/// What to say of one that came over a socket.
+/// The error for an MJCF file that came over a socket.
 inline constexpr const char* kNoMjcfUploads =
     "MuJoCo's files that are sent are not read here: put the file into a folder and start the daemon with "
     "--scenarios FOLDER, or send what coopdyn convert makes of it";
 
-/// `file` as the text of an SDF world, its meshes in `meshes`, which it calls `prefix` + name. What
-/// coopdyn-mjcf says is reported at `file`. Nothing, with an error, if there is no such program, if it fails,
-/// or if the file is an upload of `path`, as it may name any file of this machine.
+/// Translates `file` into the text of an SDF world. Writes meshes to `meshes`; the text refers to them as
+/// `prefix` + name. Reports coopdyn-mjcf's messages at `file`. Reports an error and returns nullopt if the
+/// program is missing or fails, or if the file is an upload of `path`, because it could name any file of this
+/// machine.
 std::optional<std::string> TranslateMjcf(const std::filesystem::path& file, const SearchPath& path,
                                          const std::filesystem::path& meshes, const std::string& prefix,
                                          Diagnostics& diagnostics);
 
-/// The same to be read: its parts stand at no line.
+/// The same, parsed; its elements have line 0.
 std::optional<XmlNode> ReadMjcf(const std::filesystem::path& file, const SearchPath& path,
                                 const MeshFolder& meshes, Diagnostics& diagnostics);
-/// An SDF with the one model of it that is a robot: the only one that moves, or that has motors.
+/// An SDF with the file's only robot: the only model that moves, or the only one with motors.
 std::optional<XmlNode> ReadMjcfRobot(const std::filesystem::path& file, const SearchPath& path,
                                      const MeshFolder& meshes, Diagnostics& diagnostics);
-/// What such an SDF may name.
+/// The files that such an SDF may name.
 Resources ResourcesOf(const SearchPath& path, const std::filesystem::path& file, const MeshFolder& meshes);
 
 }  // namespace coopdyn

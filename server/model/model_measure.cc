@@ -38,7 +38,7 @@ double Reach(const Shape& shape, const Pose& X_RG) {
   const auto& cylinder = std::get<Cylinder>(shape);
   const Matrix3 R = X_RG.q.toRotationMatrix();
   if (std::abs(R(2, 2)) > 1 - 1e-9) return centre + cylinder.radius_m;
-  // The rims' points, closely enough: 0.1 mm at 1 m.
+  // Sample the rims: the error is 0.1 mm at 1 m.
   constexpr int kPoints = 360;
   for (int i = 0; i < kPoints; ++i) {
     const double angle = 2 * std::numbers::pi * i / kPoints;
@@ -51,7 +51,7 @@ double Reach(const Shape& shape, const Pose& X_RG) {
   return reach;
 }
 
-/// How far a shape reaches along R's z axis: lowest and highest point.
+/// The lowest and highest z of a shape in R.
 std::pair<double, double> HeightsOf(const Shape& shape, const Pose& X_RG) {
   if (const auto* mesh = std::get_if<Mesh>(&shape)) {
     double low = JointModel::kInfinity, high = -low;
@@ -66,7 +66,7 @@ std::pair<double, double> HeightsOf(const Shape& shape, const Pose& X_RG) {
   return {X_RG.p.z() - half_m, X_RG.p.z() + half_m};
 }
 
-/// The shapes that say how large a robot is.
+/// The shapes that determine a robot's size.
 const std::vector<LinkShape>& Body(const LinkModel& link, bool has_collisions) {
   return has_collisions ? link.collisions : link.visuals;
 }
@@ -75,7 +75,7 @@ bool Collides(const RobotModel& robot) {
   return std::ranges::any_of(robot.links, [](const LinkModel& link) { return !link.collisions.empty(); });
 }
 
-/// Lifts a model of another program onto the floor.
+/// Lifts a model onto the floor.
 void Lift(ModelReading& reading, double low_m) {
   RobotModel& robot = reading.robot;
   for (LinkModel& link : robot.links) link.X_RL.p.z() -= low_m;

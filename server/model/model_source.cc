@@ -20,10 +20,10 @@ namespace coopdyn {
 namespace {
 
 constexpr std::string_view kMeshMark = "<!--coopdyn:mesh ";
-constexpr std::string_view kTextureKey = "texture";  // instead of a mesh's key
+constexpr std::string_view kTextureKey = "texture";  // in place of a mesh's key
 constexpr int kMaxIncludes = 1000;
-constexpr int kMaxDepth = 10;                  // of includes in includes
-constexpr std::size_t kMaxIncluded = 100'000;  // elements, of all includes together
+constexpr int kMaxDepth = 10;                  // of nested includes
+constexpr std::size_t kMaxIncluded = 100'000;  // total elements of all includes
 
 std::size_t CountElements(const XmlNode& node) {
   std::size_t count = 1;
@@ -31,15 +31,15 @@ std::size_t CountElements(const XmlNode& node) {
   return count;
 }
 
-/// Writes what `<include>` names in its place.
+/// Replaces each `<include>` by the model that it names.
 class Includer {
  public:
-  /// `leaves_out`: what is not there is left out, with a warning.
+  /// `leaves_out`: leave out missing models with a warning.
   Includer(const Resources* resources, bool leaves_out, Diagnostics& diagnostics)
       : resources_(resources), leaves_out_(leaves_out), diagnostics_(diagnostics) {}
 
   bool has_left_out() const { return leaves_out_ && !missing_.empty(); }
-  /// 'URI' and 2 more.
+  /// The missing models: "'URI' and 2 more".
   std::string left_out() const {
     const std::string more =
         missing_.size() < 2 ? "" : " and " + std::to_string(missing_.size() - 1) + " more";
@@ -71,13 +71,13 @@ class Includer {
  private:
   void Error(const XmlNode& at, std::string text) { diagnostics_.Error(at.where, std::move(text)); }
 
-  /// Gazebo's worlds name these two, which it fetches: nobody needs their files here.
+  /// True for two models that Gazebo's worlds include and download. coopdyn does not need their files.
   static bool IsLightOrFloor(const std::string& uri) {
     const std::string name = ToLower(uri.substr(uri.find_last_of('/') + 1));
     return name == "sun" || name == "ground_plane" || name == "ground plane";
   }
 
-  /// Whether the parts of `model` become parts of the model that includes it.
+  /// True if the parts of `model` become parts of the including model.
   bool IsMerged(const XmlNode& include, const XmlNode& model) {
     if (include.Attribute("merge") != "true" && include.Attribute("merge") != "1") return false;
     const std::string fixed = model.TextOf("static");
@@ -108,7 +108,7 @@ class Includer {
       if (!path) why = "the folder of '" + uri + "' has no model.sdf, model.urdf or model.config";
     }
     if (!path) {
-      // A world may include it a hundred times.
+      // A world may include the same file a hundred times: report it once.
       if (IsLightOrFloor(uri) || !missing_.insert(uri).second) return std::nullopt;
       if (leaves_out_) {
         diagnostics_.Warning(include.where, "<include>: " + why +
@@ -159,13 +159,13 @@ class Includer {
     return made;
   }
 
-  /// A file as SDF, with its own includes.
+  /// A file as SDF, with unexpanded includes.
   struct Included {
     std::optional<XmlNode> root;
     std::size_t elements = 0;
   };
 
-  /// Each file is read once.
+  /// Reads and caches a file.
   const Included& Read(const std::string& file, const XmlNode& include) {
     const auto [known, is_new] = files_.try_emplace(file);
     Included& included = known->second;
@@ -187,7 +187,7 @@ class Includer {
   std::map<std::string, Included> files_;
 };
 
-/// Cuts off the meshes behind a composed text.
+/// Moves the meshes at the end of a composed text to `table`. False if they are damaged.
 bool TakeMeshes(std::string& text, MeshTable& table) {
   const std::size_t start = text.find("\n" + std::string(kMeshMark));
   if (start == std::string::npos) return true;
@@ -307,7 +307,7 @@ void ComposeTree(XmlNode root, const Resources* resources, ModelSource& source, 
   Upgrade(root, root.Attribute("version"));
   root.Set("xmlns:coopdyn", "https://coopdyn.dev/sdf");
   ExpandIncludes(root, resources, diagnostics);
-  root.Child("model")->Remove("placement_frame");  // where it stands is for the scenario to say
+  root.Child("model")->Remove("placement_frame");  // the scenario places the model
   ExpandChains(*root.Child("model"), diagnostics);
   GatherMimics(*root.Child("model"), source.foreign, diagnostics);
   FreeNames(*root.Child("model"), diagnostics);
@@ -329,7 +329,7 @@ void ComposeTree(XmlNode root, const Resources* resources, ModelSource& source, 
 
 std::string WithMeshes(const ModelSource& source) {
   std::string text = source.text, meshes;
-  MeshTextures textures;  // stand before the meshes, which name them
+  MeshTextures textures;  // written before the meshes, which refer to them
   const auto line = [](const std::string& key, const std::string& word) {
     return std::string(kMeshMark) + key + " " + word + "-->\n";
   };

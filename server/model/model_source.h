@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A model's text in one piece, before libsdformat reads it: URDF written as SDF, older SDF as the newest,
-// what <include> names written out, meshes loaded, what only Gazebo understands translated or reported. One
-// thread.
+// Composes a model into one text for libsdformat: translates URDF into SDF, upgrades older SDF, expands
+// <include>, loads meshes, and translates or reports what only Gazebo understands. One thread.
 #pragma once
 
 #include <filesystem>
@@ -23,107 +22,110 @@ namespace coopdyn {
 using MeshTable = std::map<std::string, ModelMesh>;
 
 struct ModelSource {
-  std::string text;               // SDF 1.9; without the data of its meshes
-  std::vector<SourceLine> lines;  // where each line of `text` was written; empty: in `text` itself
+  std::string text;               // SDF 1.9, without mesh data
+  std::vector<SourceLine> lines;  // origin of each line of `text`; empty: `text` itself
   MeshTable meshes;
-  /// Made for other programs: what cannot be used is left out with a warning, and defaults fill the gaps.
+  /// Made for other programs: unusable parts are left out with a warning, and defaults fill gaps.
   bool foreign = false;
-  bool in_world = false;  // a world says where it stands, so its origin stays (coopdyn:in_world)
-  std::filesystem::path parts_folder{};  // where parts of meshes are kept (kept_parts.h)
-  bool lifts = false;                    // what reaches below the floor is put on it (coopdyn:lift)
+  bool in_world = false;  // a world places the model, so its origin must not move (coopdyn:in_world)
+  std::filesystem::path parts_folder{};  // cache of convex parts (kept_parts.h)
+  bool lifts = false;                    // lift a model that reaches below the floor onto it (coopdyn:lift)
 };
 
-/// `resources`: null for a text that came without files. Nothing if the text is hopeless (then reported).
+/// `resources`: null for a text without files. Reports an error and returns nullopt if the text is unusable.
 std::optional<ModelSource> ComposeModel(const std::string& text, const std::string& file,
                                         const Resources* resources, Diagnostics& diagnostics);
 
-/// The same of the SDF `root` that has one <model>; source.foreign is given.
+/// The same for an SDF `root` with one <model>. @pre source.foreign is set
 void ComposeTree(XmlNode root, const Resources* resources, ModelSource& source, Diagnostics& diagnostics);
 
-/// Whether `node` or what is in it has elements of ours; elements called `name`.
+/// True if `node` or a descendant is or has something of coopdyn's own namespace.
 bool HasOwnElements(const XmlNode& node);
+/// True if `node` or a descendant has the element name `name`.
 bool HasAny(const XmlNode& node, std::string_view name);
 
-/// As how many convex parts a mesh collides at most: an attribute of a composed <mesh>, from SDF's
+/// Maximum number of convex parts as which a mesh collides: an attribute of a composed <mesh>, from SDF's
 /// `optimization`.
 inline constexpr const char* kPartsAttribute = "coopdyn:parts";
 inline constexpr int kMostWantedParts = 64;
 
-/// Of a composed <inertial>: the link has the masses of its collisions, each of which has its density as an
-/// attribute, and those that become meshes the volume, the moments for 1 kg, and the z of the centre of mass
-/// of the solid that they stand for.
+/// Attributes of a composed text. kWeighAttribute on <inertial>: the link's mass is that of its collisions.
+/// Each collision then has its density in kDensityAttribute. A collision that became a mesh has in
+/// kSolidAttribute the volume, the moments for 1 kg, and the centre of mass's z of the solid that it
+/// replaces.
 inline constexpr const char* kWeighAttribute = "coopdyn:weigh";
 inline constexpr const char* kDensityAttribute = "coopdyn:density";
 inline constexpr const char* kSolidAttribute = "coopdyn:solid_of";
 
-/// Loads the meshes, heightmaps and textures that `root` names; each is then a mesh called mesh:1, mesh:2, …
+/// Loads the meshes, heightmaps and textures that `root` names as meshes mesh:1, mesh:2, …
 void LoadMeshes(XmlNode& root, const Resources* resources, MeshTable& table, Diagnostics& diagnostics);
 
-/// Writes the `<ellipsoid>`s and `<cone>`s in `model` as meshes; a link whose first shape is one and that has
-/// a mass and no <inertia> gets that of the solid.
+/// Replaces each `<ellipsoid>` and `<cone>` in `model` by a mesh. If it is the first shape of a link with
+/// mass but without <inertia>, the link gets the inertia of the solid.
 void MakeRoundMeshes(XmlNode& model, MeshTable& table, Diagnostics& diagnostics);
 
-/// The text that a recording keeps: read again without files, it gives the same model.
+/// The text for a recording. It can be read without files and gives the same model.
 std::string WithMeshes(const ModelSource& source);
 
-/// The models of `root` (`<world>` or `<sdf>`), with what it includes written out. Of what a world of other
-/// programs includes and is not there, only a warning is left, unless that is all of it.
+/// Expands the includes of `root` (`<world>` or `<sdf>`). Missing files of a world made for other programs
+/// are only warnings, unless all of its includes are missing.
 void ExpandIncludes(XmlNode& root, const Resources* resources, Diagnostics& diagnostics);
-/// The parts of `model` (`<model>`, with the <pose> of its <include>) as those of a model that merges it.
+/// The parts of `model` (`<model>`, with the <pose> of its <include>) as parts of the model that merges it.
 std::vector<XmlNode> PartsToMerge(XmlNode model);
-/// Makes the <pose> of `model` (`<model>`, whose includes are written out) that of its own frame instead of
-/// its placement_frame. One that names nothing is a warning.
+/// Converts the <pose> of `model` (`<model>` with expanded includes) from its placement_frame to its own
+/// frame. Warns if placement_frame names no frame.
 void SettlePlacement(XmlNode& model, Diagnostics& diagnostics);
-/// What `<pose>` says, also in degrees or as a quaternion; nothing for null.
+/// The value of `<pose>`, also in degrees or with a quaternion; the identity for null.
 Pose PoseOf(const XmlNode* pose);
-/// Joints of models in `model` that name its own links become its joints: Gazebo Classic takes them so.
+/// Moves joints of models nested in `model` into `model` if they name its links, as Gazebo Classic does.
 void RaiseJoints(XmlNode& model, Diagnostics& diagnostics);
-/// Minor number of an SDF version 1.x; nothing for anything else.
+/// Minor number of an SDF version 1.x; nullopt for anything else.
 std::optional<int> MinorOf(const std::string& version);
-/// Writes elements of older and newer SDF as those of 1.9. `version`: of the file of `root`.
+/// Rewrites elements of older and newer SDF as SDF 1.9. `version`: that of the file of `root`.
 void Upgrade(XmlNode& root, const std::string& version);
 
-/// Writes what libsdformat does not know of the joints of `model` (`<model>`) in other words: a `<mimic>` as
-/// a `<coopdyn:mimic>` of the model, `<screw_thread_pitch>` as the older `<thread_pitch>`. `is_foreign`:
-/// joints that follow fixed ones become fixed, which is said.
+/// Rewrites joint elements of `model` (`<model>`) that libsdformat does not know: a `<mimic>` becomes a
+/// `<coopdyn:mimic>` of the model, `<screw_thread_pitch>` the older `<thread_pitch>`. `is_foreign`: joints
+/// that follow fixed joints become fixed, with a warning.
 void GatherMimics(XmlNode& model, bool is_foreign, Diagnostics& diagnostics);
 
-/// Writes joints of several axes in `model` (`<model>`) as chains of joints with one axis each:
-/// `<coopdyn:six_axis>`, and SDF's revolute2. Between them stand links without shapes (`coopdyn:carrier`).
+/// Rewrites joints with several axes in `model` (`<model>`), `<coopdyn:six_axis>` and SDF's revolute2, as
+/// chains of joints with one axis each, with links without shapes (`coopdyn:carrier`) between them.
 void ExpandChains(XmlNode& model, Diagnostics& diagnostics);
 bool HasChains(const XmlNode& node);
 
-/// Gives what libsdformat refuses other names: joints that are called like a link or `world` (`coopdyn:name`
-/// has what they are called), and shapes of one name in a link. A link `world` is the world itself.
+/// Renames parts whose names libsdformat rejects: joints named like a link or `world` (`coopdyn:name` keeps
+/// the original name), and shapes of a link with the same name. Treats a link `world` as the world itself.
 void FreeNames(XmlNode& model, Diagnostics& diagnostics);
-/// Gives a sensor that is called like another of its link or joint a name of its own, and says so.
+/// Renames sensors with the same name in a link or joint, and reports them.
 void NumberSensors(XmlNode& model, Diagnostics& diagnostics);
-/// Makes fixed ones of joints whose axis has no direction and whose limits are both 0: so some models hold
-/// sensors of forces.
+/// Fixes joints whose axis has no direction and whose limits are both 0, by which some models attach force
+/// sensors.
 void FixStillJoints(XmlNode& model, Diagnostics& diagnostics);
-/// Takes canonical_link from models in which it names no link: mended, or an error.
+/// Removes a canonical_link that names no link of its model, and reports it: as mended, or if `is_strict` as
+/// an error.
 void CheckCanonicalLink(XmlNode& model, bool is_strict, Diagnostics& diagnostics);
-/// Reports joints that join no links, and names that two have: libsdformat's words have no lines.
+/// Reports joints without valid links, and duplicate names: libsdformat's messages have no line numbers.
 void CheckNames(const XmlNode& model, Diagnostics& diagnostics);
 
-/// `model` (`<model>`) as one model for each body that no joint holds to another: the one with the most
-/// joints first, by its own name, the others called MODEL_LINK. `model` itself if it hangs together.
+/// Splits `model` (`<model>`) into one model for each set of connected bodies. The set with the most joints
+/// is first and keeps the name; the others are named MODEL_LINK. Returns `model` itself if all is connected.
 std::vector<XmlNode> SplitLoose(const XmlNode& model);
 
-/// The SDF of a URDF `robot` (`<robot>`). Reports what it cannot use.
+/// Translates a URDF `robot` (`<robot>`) into SDF. Reports unusable parts.
 XmlNode SdfOfUrdf(const XmlNode& robot, Diagnostics& diagnostics);
 
-/// Makes `model` (`<model>`) one that coopdyn reads: Gazebo's plug-ins become our elements, and the rest that
-/// is not used is left out, each said once. `resources`: where the files are that plug-ins name; may be null.
+/// Adapts `model` (`<model>`) to coopdyn: replaces Gazebo's plugins by coopdyn elements and removes unused
+/// elements, reporting each kind once. `resources`: for files that plugins name; may be null.
 void AdoptModel(XmlNode& model, const Resources* resources, Diagnostics& diagnostics);
 
-/// Whether an element that is not used says what is so anyway, as that a link falls.
+/// True if an unused element states what coopdyn does anyway, such as <gravity>true</gravity>.
 bool IsAsHere(const XmlNode& node);
 
-/// The "r g b a" of a material of Gazebo's that is one colour, as Gazebo/Red; nothing for any other.
+/// "r g b a" of a single-colour Gazebo material such as Gazebo/Red; nullopt for others.
 std::optional<std::string> GazeboColor(const std::string& material);
 
-/// Moves what was found at lines of a composed text to where they were written.
+/// Appends diagnostics found in a composed text, moved to the lines of the original files.
 void AppendMapped(const Diagnostics& found, const std::string& file, const ModelSource& source,
                   Diagnostics& diagnostics);
 

@@ -17,7 +17,7 @@ double LengthFactor(const MuscleModel& muscle, double length_m) {
 
 VelocityFactor VelocityFactorOf(const MuscleModel& muscle, double shortening_m_s) {
   if (!muscle.use_velocity) return {};
-  // Geyer and Herr (2010); 7.56 makes the slope at rest of the right kind (van Soest and Bobbert 1993).
+  // Geyer and Herr (2010); 7.56 gives the slopes at rest the right ratio (van Soest and Bobbert 1993).
   constexpr double kSlopes = 7.56;
   const double most = muscle.max_velocity_m_s, u = std::clamp(shortening_m_s, -most, most);
   if (u >= 0) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Hill-type muscles: what they are, and their two factors. Constant once read; pure.
+// Hill-type muscles: parameters, length factor and velocity factor. Immutable once read; pure.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,18 +12,18 @@ struct MuscleModel {
                   p_to_R = Eigen::Vector3d::Zero();  // in the initial pose
   double max_force_n = 0;
   double optimal_length_m = 0;
-  double width = 0.56;       // of the bell of lengths, in optimal lengths
-  double c = 2.99573227355;  // −ln of the factor at its edge
+  double width = 0.56;       // of the bell curve of the length factor, in optimal lengths
+  double c = 2.99573227355;  // −ln of the length factor at the bell's edge
   double max_velocity_m_s = 0;
-  double eccentric = 1.5;                       // N: the velocity factor of fast lengthening
-  double curvature = 5;                         // K, of the hyperbola
-  bool use_length = true, use_velocity = true;  // else that factor is 1
+  double eccentric = 1.5;                       // N: velocity factor of fast lengthening
+  double curvature = 5;                         // K of the hyperbola
+  bool use_length = true, use_velocity = true;  // false: the factor is 1
 };
 
 /// exp(−c |(l − l_opt) / (width l_opt)|³).
 double LengthFactor(const MuscleModel& muscle, double length_m);
 
-/// Of the speed at which it shortens (negative: it lengthens), and its slope, which is never above 0.
+/// The velocity factor at a shortening speed (negative: lengthening), and its slope, which is at most 0.
 struct VelocityFactor {
   double value = 1, slope = 0;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Names that older SDF and other programs allow and libsdformat does not.
+// Fixes and checks names that older SDF and other programs allow but libsdformat does not.
 #include <algorithm>
 #include <iterator>
 #include <map>
@@ -29,7 +29,7 @@ bool IsPart(const XmlNode& node) {
   return node.name == "link" || node.name == "frame" || node.name == "model";
 }
 
-/// The link `world` is the world, which holds what hangs on it.
+/// Removes the link `world`: the world itself holds everything attached to it.
 void DropWorld(XmlNode& model, Diagnostics& diagnostics) {
   std::erase_if(model.children, [&](const XmlNode& one) {
     if (one.name != "link" || one.Attribute("name") != "world") return false;
@@ -41,13 +41,13 @@ void DropWorld(XmlNode& model, Diagnostics& diagnostics) {
   });
 }
 
-/// Whether the direction of an <axis> is 0 0 0.
+/// True if the direction of an <axis> is 0 0 0.
 bool IsZero(const XmlNode& axis) {
   const std::vector<std::string> xyz = SplitWords(axis.TextOf("xyz"));
   return xyz.size() == 3 && std::ranges::all_of(xyz, [](const auto& x) { return ParsePlain(x) == 0; });
 }
 
-/// Collisions and visuals that have the same name.
+/// Renames collisions and visuals with the same name.
 void NumberShapes(XmlNode& link) {
   for (const char* kind : {"collision", "visual"}) {
     std::set<std::string> taken;
@@ -76,7 +76,7 @@ void CheckJoint(const XmlNode& joint, const std::set<std::string>& names, Diagno
   for (const char* end : {"parent", "child"}) {
     const XmlNode* node = joint.Child(end);
     const std::string name = node == nullptr ? "" : node->text;
-    // Parts of nested models and what SDF itself names are for libsdformat to judge.
+    // Leave parts of nested models and SDF's reserved names to libsdformat.
     if (name.find("::") != std::string::npos || name.starts_with("__") || names.contains(name)) continue;
     if (name == "world" && node->name == "parent") continue;
     diagnostics.Error(
@@ -193,7 +193,7 @@ void FreeNames(XmlNode& model, Diagnostics& diagnostics) {
     if (child.name != "joint" || !child.Has("name")) continue;
     const std::string name = child.Attribute("name");
     if (!taken.contains(name) && !IsReserved(name)) continue;
-    // Everybody but libsdformat goes on calling it so.
+    // Everything but libsdformat uses the original name.
     child.Set("coopdyn:name", name);
     std::string other = FreeName(name.empty() ? "joint" : name, taken);
     while (joints.contains(other)) other = FreeName(other, taken);

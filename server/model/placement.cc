@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// placement_frame: the frame of a model that its <pose> places, instead of the model's own
+// Resolves placement_frame: the frame of a model that its <pose> places, instead of the model's own
 // (http://sdformat.org, Pose frame semantics).
 #include <cmath>
 #include <numbers>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kMostDeep = 100;
 
-/// X_MF of what is called `name` in `model`; nothing if that is nothing, or frames go round in a circle.
+/// X_MF of the frame `name` in `model`; nullopt if it does not exist or frames refer to each other in a loop.
 std::optional<Pose> FrameIn(const XmlNode& model, const std::string& name, int depth = 0) {
   if (name.empty() || name == "__model__") return Pose();
   if (depth > kMostDeep) return std::nullopt;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::array<std::string_view, 5> kPlacing = {"position", "orientation", "quaternion", "size",
                                                       "type"};
-/// They may be left out, and so are made.
+/// Sections that a scenario may omit; created if a drawn key needs one.
 constexpr std::array<std::string_view, 3> kMayBeMade = {"simulation", "floor", "target"};
 
 bool IsRandom(const Section& section) {
@@ -25,7 +25,7 @@ bool IsColor(const std::string& key) {
   return key == "color" || key == "colour";
 }
 
-/// Why `section`.`key` is never drawn; empty: it can be.
+/// Why `section`.`key` cannot be random; empty if it can.
 std::string WhyFixed(const std::string& section, const std::string& key) {
   if (section == "simulation" && key != "gravity" && key != "ambient_light") {
     return "of [SIMULATION] only gravity and ambient_light can be random";
@@ -167,7 +167,7 @@ bool RandomSections::CountOn(const Scenario& scenario, std::uint64_t seed) {
   for (std::size_t place = 0; place < placed_.size(); ++place) {
     const int number = static_cast<int>(place);
     std::string other;
-    // Later ones give way to earlier ones; what moves anyway is in nobody's way.
+    // Later things yield to earlier ones. Things that will be redrawn block nothing.
     const auto is_free = [&](std::size_t i) {
       for (std::size_t k = 0; k < all.size(); ++k) {
         const bool counts =

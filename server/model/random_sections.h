@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// [RANDOM] of a scenario: keys of other sections whose values are drawn from the seed. One thread.
+// [RANDOM] of a scenario: draws values for keys of other sections from the seed. One thread.
 #pragma once
 
 #include <cstdint>
@@ -17,21 +17,21 @@ namespace coopdyn {
 
 class RandomSections {
  public:
-  /// The draws of one section that may stand in something.
+  /// Maximum number of draws for a section that overlaps something.
   static constexpr std::uint32_t kMaxTries = 1000;
-  /// All keys of all [RANDOM].
+  /// Maximum number of keys in all [RANDOM] sections.
   static constexpr std::size_t kMaxKeys = 1000;
 
-  /// Takes each [RANDOM] and [RANDOM_n] of `file` out of `sections`, and reports all that is wrong there.
+  /// Removes each [RANDOM] and [RANDOM_n] of `file` from `sections`, and reports all errors in them.
   RandomSections(std::vector<Section>& sections, std::string file, Diagnostics& diagnostics);
 
   bool empty() const { return keys_.empty(); }
 
-  /// Reads robots and things as `sections` say, without swarms and copies, which find free places by
-  /// themselves. Null with errors, which the caller will find again.
+  /// Reads the robots and things of `sections`, without swarms and copies, which find free places on their
+  /// own. Returns null on errors, which the caller will find again.
   using Read = std::function<std::shared_ptr<const Scenario>(const std::vector<Section>&)>;
-  /// Gives the keys in `sections` their values for `seed`. Places and sizes are drawn again until nothing
-  /// that is drawn stands in anything; reports what does after kMaxTries.
+  /// Sets the keys in `sections` to their values for `seed`. Draws places and sizes again until no drawn
+  /// thing overlaps anything; after kMaxTries reports the thing that still overlaps.
   std::vector<RandomKey> Draw(std::uint64_t seed, std::vector<Section>& sections, const Read& read);
 
  private:
@@ -41,18 +41,18 @@ class RandomSections {
     Entry entry;  // in [RANDOM]
     RandomValue value;
   };
-  /// A section with keys that place it.
+  /// A section whose place or size is drawn.
   struct Placed {
     std::string section;
-    SourceLine of;     // the section
-    SourceLine where;  // its first line in [RANDOM]
+    SourceLine of;     // line of the section
+    SourceLine where;  // line of its first such key in [RANDOM]
     std::uint32_t tries = 0;
   };
 
   void ReadKey(const Entry& entry, std::vector<Section>& sections);
   std::uint32_t TriesOf(const std::string& section) const;
   void Apply(std::uint64_t seed, std::vector<Section>& sections) const;
-  /// Counts on the tries of what stands in something; false if nothing does.
+  /// Increments the tries of each section that overlaps something. False if none does, or after an error.
   bool CountOn(const Scenario& scenario, std::uint64_t seed);
 
   const std::string file_;

@@ -16,16 +16,16 @@ namespace {
 
 constexpr const char* kForms = "uniform LEAST MOST, normal MEAN DEVIATION or choice A B C";
 
-/// The numbers of one component, by counting.
+/// The random numbers of one component, hashed from a counter.
 class Numbers {
  public:
   Numbers(const RandomDraw& draw, std::size_t component) {
     state_ = AbsorbBits(AbsorbBits(0, draw.seed), HashOfBytes(draw.key));
     state_ = AbsorbBits(state_, static_cast<std::uint64_t>(draw.attempt) << 32 | component);
   }
-  /// In (0, 1), never an end.
+  /// A number in the open interval (0, 1).
   double Next() { return UniformOf(AbsorbBits(state_, count_++)); }
-  /// Of mean 0 and standard deviation 1, cut.
+  /// A normal deviate of mean 0 and standard deviation 1, truncated at kMostDeviations.
   double NextNormal() {
     for (;;) {
       const double u = Next(), v = Next();
@@ -46,7 +46,7 @@ std::string NumberText(double value) {
   return {text.data(), end};
 }
 
-/// A number and the unit right behind it, which need not fit any quantity.
+/// A number and the unit directly after it, which may be any word.
 struct Measure {
   double value = 0;
   std::string unit;
@@ -60,7 +60,7 @@ std::optional<Measure> ParseMeasure(std::string_view word) {
   return Measure{*value, std::string(word.substr(last + 1))};
 }
 
-/// The alternatives of a choice: words, or what stands between bars.
+/// The alternatives of a choice: words, or texts separated by bars.
 std::vector<std::string> Alternatives(std::span<const std::string> words) {
   std::string rest;
   for (const std::string& word : words) rest += (rest.empty() ? "" : " ") + word;
@@ -76,7 +76,7 @@ std::vector<std::string> Alternatives(std::span<const std::string> words) {
 
 const std::array<std::string, 3> kWords = {"uniform", "normal", "choice"};
 
-/// What is wrong with the two numbers of `word`; empty: nothing.
+/// The error in the two numbers after `word`; empty if valid.
 std::string WhyNotTwo(const std::string& word, std::span<const std::string> after) {
   const std::string example = word == "uniform" ? "uniform 0.1 0.3" : "normal 0.3 0.05";
   const std::string meaning =

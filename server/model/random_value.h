@@ -11,23 +11,23 @@
 
 namespace coopdyn {
 
-/// What a drawn number depends on, and nothing else.
+/// Everything that a drawn number depends on.
 struct RandomDraw {
   std::uint64_t seed = 1;
   std::string_view key;       // box_1.size
-  std::uint32_t attempt = 0;  // counts on when the things would overlap
+  std::uint32_t attempt = 0;  // incremented while things overlap
 };
 
-/// Words that stay, and components that are drawn.
+/// A value made of fixed words and drawn components.
 class RandomValue {
  public:
-  /// A normal value further from the mean is drawn again, so that each one has bounds.
+  /// Normal values further from the mean are drawn again, so that they are bounded.
   static constexpr double kMostDeviations = 3;
 
-  /// Reads `text`. Nothing, and `error` says what to write instead, if it is none.
+  /// Parses `text`. Returns nullopt if it is invalid; `error` then says what to write instead.
   static std::optional<RandomValue> Parse(std::string_view text, std::string& error);
 
-  /// The value as a file would say it. The same draw gives the same text.
+  /// The drawn value as written in a file. The same draw gives the same text.
   std::string Draw(const RandomDraw& draw) const;
 
  private:
@@ -36,7 +36,7 @@ class RandomValue {
     std::string before;  // `speed=`
     Kind kind = Kind::kPlain;
     std::string text;                  // kPlain
-    double first = 0, second = 0;      // least and most, or mean and standard deviation
+    double first = 0, second = 0;      // minimum and maximum, or mean and standard deviation
     std::string unit;                  // of both
     std::vector<std::string> choices;  // kChoice
   };

@@ -30,13 +30,13 @@ std::optional<fs::path> Canonical(const fs::path& path) {
   return found;
 }
 
-constexpr int kLevels = 4;  // above a model, in which its package is looked for
+constexpr int kLevels = 4;  // levels above a model in which to look for its package
 
 bool IsIn(const fs::path& folder, const fs::path& file) {
   return std::ranges::mismatch(folder, file).in1 == folder.end();
 }
 
-/// Whether it is a package of ROS or a model of Gazebo.
+/// True if the folder is a ROS package or a Gazebo model.
 bool HasMark(const fs::path& folder) {
   std::error_code code;
   return std::ranges::any_of(std::array{"package.xml", "manifest.xml", "model.config"},
@@ -53,8 +53,7 @@ std::optional<fs::path> PackageOf(const fs::path& file) {
   return std::nullopt;
 }
 
-/// Whether the ROS package in `folder` is called `name`: by its package.xml, or by its folder if that says
-/// none.
+/// True if the ROS package in `folder` has the name `name`, by its package.xml or else by its folder.
 bool IsCalled(const fs::path& folder, const std::string& name) {
   Diagnostics ignored;
   const fs::path file = folder / "package.xml";
@@ -68,13 +67,13 @@ bool IsCalled(const fs::path& folder, const std::string& name) {
   return name == (says ? std::string(Trim(said->GetText())) : folder.filename().string());
 }
 
-/// Folders that hold all sorts of things are no packages, whatever a model calls its own.
+/// True for folders directly below / or /home. They hold arbitrary files, so they are never packages.
 bool HoldsAll(const fs::path& folder) {
   const fs::path above = folder.parent_path();
   return above == above.root_path() || above == "/home";
 }
 
-/// What ROS writes as `$(find PKG)/FILE` is package://PKG/FILE.
+/// Converts ROS's `$(find PKG)/FILE` to package://PKG/FILE.
 std::string WithoutFind(const std::string& uri) {
   for (const std::string start :
        {"$(find ", "file://$(find ", "$(find-pkg-share ", "file://$(find-pkg-share "}) {
@@ -86,7 +85,7 @@ std::string WithoutFind(const std::string& uri) {
   return uri;
 }
 
-/// Without spaces and line ends around it.
+/// `uri` without spaces and line ends at both ends.
 std::string Trimmed(const std::string& uri) {
   constexpr const char* kSpaces = " \t\r\n";
   const std::size_t first = uri.find_first_not_of(kSpaces);
@@ -136,8 +135,8 @@ bool Resources::IsInside(const fs::path& file) const {
   return std::ranges::any_of(roots_, [&file](const fs::path& root) { return IsIn(root, file); });
 }
 
-/// A file outside the roots was found as one of a folder that is called as the URI says: what it names lies
-/// in this package, too.
+/// The package of a file outside the roots, which was found in a folder named like the URI's package. Files
+/// that it names are in the same package.
 std::optional<fs::path> Resources::PackageAround(const fs::path& from) const {
   const auto file = Canonical(from);
   if (!file || IsInside(*file) || model_folder_.empty()) return std::nullopt;
@@ -147,7 +146,7 @@ std::optional<fs::path> Resources::PackageAround(const fs::path& from) const {
   return std::nullopt;
 }
 
-/// The places of NAME/FILE, which a file in `folder` names.
+/// Adds the possible places of NAME/FILE, named by a file in `folder`.
 void Resources::AddNamed(const std::string& path, const fs::path& folder, std::vector<Place>& places) const {
   const fs::path name = *fs::path(path).begin();
   const fs::path inner = fs::path(path).lexically_relative(name);
@@ -164,9 +163,9 @@ void Resources::AddNamed(const std::string& path, const fs::path& folder, std::v
   for (fs::path up = folder; up.has_filename(); below = up, up = up.parent_path(), ++level) {
     const bool is_near = level <= kLevels && !HoldsAll(up);
     const auto root = is_near ? Canonical(up) : std::nullopt;
-    if (ToLower(up.filename().string()) == ToLower(name.string())) {  // Fuel writes names in lower case
+    if (ToLower(up.filename().string()) == ToLower(name.string())) {  // Fuel stores names in lower case
       places.push_back({up / inner, root});
-      places.push_back({below / inner, {}});  // as Fuel has it: NAME/VERSION/FILE
+      places.push_back({below / inner, {}});  // Fuel's layout: NAME/VERSION/FILE
     }
     // A neighbour of the package or model.
     const bool is_name = name != "." && name != ".." && name != "/";
@@ -176,7 +175,7 @@ void Resources::AddNamed(const std::string& path, const fs::path& folder, std::v
     }
   }
   if (package_ && IsCalled(*package_, name.string())) places.push_back({*package_ / inner, {}});
-  places.push_back({folder / path, {}});  // as PyBullet has it
+  places.push_back({folder / path, {}});  // as in PyBullet
 }
 
 std::optional<fs::path> Resources::FindFuel(const std::string& uri, std::string& why) const {
@@ -192,7 +191,7 @@ std::optional<fs::path> Resources::FindFuel(const std::string& uri, std::string&
   }
   std::string looked;
   for (const fs::path& cache : fuel_folders_) looked += (looked.empty() ? "" : ", ") + cache.string();
-  // Only what no shell takes for something else.
+  // Only suggest a command if the URL is safe inside shell quotes.
   const bool plain = address->url.find_first_of("'\\") == std::string::npos;
   why = "there is no '" + uri + "' in the cache of Gazebo (looked for in " +
         (looked.empty() ? "no folder, as HOME is not set" : looked) + "): coopdyn fetches nothing; " +
@@ -242,7 +241,7 @@ std::optional<fs::path> Resources::Find(const std::string& written, const fs::pa
       tried.push_back({folder / rest, package});
       for (const fs::path& one : folders_) tried.push_back({one / rest, {}});
       if (package_) tried.push_back({*package_ / rest, {}});
-      if (scheme.empty()) AddNamed(rest, folder, tried);  // a model's bare name, as PX4 has it
+      if (scheme.empty()) AddNamed(rest, folder, tried);  // a model's bare name, as in PX4
     }
   } else {
     return FindFuel(given, why);
@@ -290,7 +289,7 @@ std::optional<fs::path> ModelFileIn(const fs::path& folder) {
         newest = version;
         file = std::string(Trim(sdf->GetText()));
       }
-      // A bare name: a model's folder says nothing about other folders.
+      // Accept only bare names: a model must not refer to other folders.
       const bool bare = !file.empty() && file.find('/') == std::string::npos && file.front() != '.';
       if (bare && fs::is_regular_file(folder / file, code)) return folder / file;
     }

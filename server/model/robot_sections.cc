@@ -15,16 +15,16 @@ namespace coopdyn {
 
 namespace {
 
-constexpr const char* kTransporter = "transporter";  // what a team2 is made of
+constexpr const char* kTransporter = "transporter";  // type of the robots of a team2
 
 // The bar of a team2.
-constexpr double kOverhang_m = 0.15;  // beyond the middle of each support
+constexpr double kOverhang_m = 0.15;  // beyond the centre of each support
 constexpr double kMinBar_m = 0.8, kMaxBar_m = 10;
-// What fits between the pins of the support and is held by them.
+// Cross-sections that the pins of the support can hold.
 constexpr double kMinSection_m = 0.03, kMaxBarWidth_m = 0.052, kMaxBarHeight_m = 0.2;
 constexpr double kMaxBarMass_kg = 20;
 
-/// From leader to helper.
+/// Distance from leader to helper, m.
 double TeamDistance(const WorldObject& bar) {
   return std::get<Box>(bar.shape).size_m.x() - 2 * kOverhang_m;
 }
@@ -93,7 +93,7 @@ std::shared_ptr<const RobotModel> RobotSections::ReadType(SectionReader& reader,
   const std::string type = team ? kTransporter : lower == "single" ? "coopbot" : *word;
   if (broken_types_.contains(type)) return nullptr;
   std::shared_ptr<const RobotModel> model = library_.Get(type, reader.LineOf("type"), diagnostics_, beside_);
-  // What is wrong inside a model's file is said once; an unknown type at every line that names it.
+  // Errors inside a model's file are reported once, an unknown type at every line that names it.
   if (model == nullptr && library_.Has(type, beside_)) broken_types_[type] = true;
   if (model != nullptr) KeepSource(type, *model);
   return model;
@@ -124,7 +124,7 @@ void RobotSections::ReadShared(SectionReader& reader, RobotEntry& entry) {
 void RobotSections::ReadLosses(SectionReader& reader, RobotEntry& entry) {
   constexpr double kMinDeadline_s = 1e-3, kMaxDeadline_s = 1e6;
   entry.deadline_s = reader.Number("deadline", Quantity::kTime, kMinDeadline_s, kMaxDeadline_s);
-  // All but wait.
+  // All policies except wait.
   if (const auto policy = reader.Choice("on_deadline", std::span(kLossPolicyWords).subspan(1))) {
     entry.on_deadline = static_cast<LossPolicy>(*policy + 1);
   }
@@ -135,7 +135,8 @@ void RobotSections::ReadLosses(SectionReader& reader, RobotEntry& entry) {
   Take(reader.Choice<LossPolicy>("on_disconnect", kLossPolicyWords), entry.on_disconnect);
   if (entry.watchdog_s.value_or(0) > 0 && entry.goes_on_alone()) {
     reader.WarningAt("watchdog", std::string("'watchdog' has no effect with 'on_disconnect ") +
-                                     ToString(*entry.on_disconnect) + "', by which the robot goes on alone");
+                                     ToString(*entry.on_disconnect) +
+                                     "', with which the robot continues alone");
   }
 }
 
@@ -294,7 +295,7 @@ void RobotSections::ReadSwarm(SectionReader& reader) {
   bool team = false;
   entry.sockets = false;
   entry.model = ReadType(reader, team);
-  if (team) reader.ErrorAt("type", "a swarm has one robot after the other: write 'type single'");
+  if (team) reader.ErrorAt("type", "a swarm consists of single robots: write 'type single'");
   reader.Require("count", "count 20");
   entry.name = DefaultName(reader.section().word);
   const auto count = reader.WholeNumber("count", 1, kMaxSwarm);
@@ -319,7 +320,7 @@ void RobotSections::ReadSwarm(SectionReader& reader) {
   request.height_m = entry.model->height_m;
   request.spacing_m = spacing.value_or(2.5 * request.radius_m);
   request.area = area.value_or(FloorArea{0, 0, scenario_.floor.length_m, scenario_.floor.width_m});
-  // Another draw for each swarm, or all would stand alike.
+  // A different draw for each swarm; otherwise all would have the same places.
   request.seed = seed.value_or(scenario_.simulation.seed + kGolden * scenario_.swarms.size());
   if (request.spacing_m < 2 * request.radius_m) {
     reader.ErrorAt("spacing", "'spacing' is the distance between the robots' centres: at least " +
@@ -345,7 +346,7 @@ void RobotSections::ReadSwarm(SectionReader& reader) {
     entry.name = name + "_" + std::to_string(i + 1);
     entry.X_WR = {Vector3(places[i].x_m, places[i].y_m, 0), FromRollPitchYaw(0, 0, places[i].heading_rad)};
     Add(entry, reader.LineOf("name"));
-    if (!WhyNoRobotName(entry.name).empty()) return;  // once is enough
+    if (!WhyNoRobotName(entry.name).empty()) return;  // report it once
   }
 }
 

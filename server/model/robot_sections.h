@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// [ROBOT_n] and [SWARM_n] of a scenario.
+// Reads [ROBOT_n] and [SWARM_n] of a scenario.
 #pragma once
 
 #include <cstdint>
@@ -17,45 +17,47 @@
 
 namespace coopdyn {
 
-/// Reads the robots of one scenario, in file order. Everything passed in outlives it. One thread.
+/// Reads the robots of one scenario, in file order. All arguments must outlive it. One thread.
 class RobotSections {
  public:
-  /// `beside`: the scenario's folder, where controllers may lie; nothing if it came by socket.
+  /// `beside`: the scenario's folder, which may hold controllers; nullopt if the scenario came by socket.
   RobotSections(Scenario& scenario, RobotLibrary& library, std::optional<std::filesystem::path> beside,
                 Diagnostics& diagnostics)
       : scenario_(scenario), library_(library), beside_(std::move(beside)), diagnostics_(diagnostics) {}
 
-  /// Adds the robot of a [ROBOT_n], or the two of a team2; the bar on those two, which is to be added.
+  /// Adds the robot of a [ROBOT_n], or the two robots of a team2. Returns the bar on a team2's robots, which
+  /// the caller must add.
   std::optional<WorldObject> ReadRobot(SectionReader& reader);
-  /// Adds the robots of a [SWARM_n]; their places are those left by objects and robots added before, so read
-  /// swarms after everything else and call SortAsInFile() then.
+  /// Adds the robots of a [SWARM_n] at places clear of the objects and robots added before. So read swarms
+  /// after everything else, then call SortAsInFile().
   void ReadSwarm(SectionReader& reader);
-  /// A robot that stands there already: swarms leave it its place, others its name.
+  /// Adds a robot that already exists, whose place and name are taken.
   void AddAround(RobotEntry robot) {
     const SourceLine where = robot.where;
     Add(std::move(robot), where);
   }
-  /// Where the robots read up to now stand.
+  /// The places of the robots read so far.
   std::vector<FloorPlace> TakenPlaces() const;
-  /// Puts the robots into the order of their sections, then numbers them; says where each swarm stands.
+  /// Sorts the robots by section, numbers them, and sets the range of each swarm.
   void SortAsInFile();
 
  private:
-  /// The model of `type`; `team`: two of them. Null with an error.
+  /// The model of the section's `type`. Sets `team` if the type means two robots. Reports an error and
+  /// returns null on failure.
   std::shared_ptr<const RobotModel> ReadType(SectionReader& reader, bool& team);
-  /// The scenario carries the text of the `model` that it asked for as `type`.
+  /// Adds the text of `model`, which the scenario names `type`, to the scenario's sources.
   void KeepSource(const std::string& type, const RobotModel& model);
   void ReadShared(SectionReader& reader, RobotEntry& entry);
-  /// Reports what a robot with a controller cannot have.
+  /// Reports keys that a robot with a controller cannot have.
   void CheckDriver(SectionReader& reader, const RobotEntry& entry);
   void ReadLosses(SectionReader& reader, RobotEntry& entry);
   void ReadWaitsFor(SectionReader& reader, RobotEntry& entry);
-  /// The bar of a team2 whose leader is `leader`, which has no name yet but that of the team.
+  /// The bar of a team2. `leader` still has the team's name.
   std::optional<WorldObject> ReadBar(SectionReader& reader, const RobotEntry& leader);
-  /// `where`: of its name, for messages.
+  /// `where`: line of the robot's name, for messages.
   void Add(RobotEntry entry, const SourceLine& where);
-  /// What a swarm is called, by its name or its section; false, and reported, if a robot or another swarm is
-  /// called so. Swarms are read after all robots but their own.
+  /// Reserves a swarm's name or section name. Reports an error and returns false if a robot or another swarm
+  /// has that name. All robots outside swarms must have been read.
   bool TakeSwarmName(const std::string& name, const SourceLine& where, const std::string& remedy);
 
   Scenario& scenario_;
@@ -63,17 +65,17 @@ class RobotSections {
   const std::optional<std::filesystem::path> beside_;
   Diagnostics& diagnostics_;
   std::unordered_map<std::string, SourceLine> names_;        // of robots, lower case
-  std::unordered_map<std::string, SourceLine> swarm_names_;  // likewise, with what their sections are called
-  std::uint64_t wanted_ = 0;                                 // robots of all swarms up to now
-  std::unordered_map<std::string, bool> broken_types_;       // said what is wrong with them
+  std::unordered_map<std::string, SourceLine> swarm_names_;  // of swarms and their sections, lower case
+  std::uint64_t wanted_ = 0;                                 // robots of all swarms so far
+  std::unordered_map<std::string, bool> broken_types_;       // types whose errors have been reported
 };
 
 inline constexpr const char* kControllerKey = "controller";
 inline constexpr const char* kSupervisorKey = "supervisor";
 
-/// The controller that `key` of the section names, its file found; empty if none, or with errors reported.
-/// `beside`: the scenario's folder; nothing if the text came over a socket, and then only a bare name on
-/// the library's path will do. What a recording names and is not there any more is a warning: its `file` is
+/// The controller that the section's `key` names, and its file. Empty if there is none, or if errors have
+/// been reported. `beside`: the scenario's folder; nullopt if the text came over a socket, which may only use
+/// a bare name on the library's path. A missing controller of a recording is a warning, and its `file` is
 /// empty.
 ControllerChoice ReadController(SectionReader& reader, const std::string& key, const RobotLibrary& library,
                                 const std::optional<std::filesystem::path>& beside);

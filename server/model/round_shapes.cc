@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// <ellipsoid> and <cone>: meshes whose corners lie on their surface, with the inertia of the solid itself.
+// Replaces <ellipsoid> and <cone> by meshes with corners on their surface and the inertia of the solid.
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -14,9 +14,9 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::uint32_t kAround = 24, kUp = 12;  // corners; a hull keeps some 300
+constexpr std::uint32_t kAround = 24, kUp = 12;  // corners; a hull keeps about 300
 
-/// Finite numbers in the text of `node`; nothing if there are not `count`.
+/// The finite numbers in the text of `node`; nullopt unless there are `count`.
 std::optional<std::vector<double>> SomeNumbers(const XmlNode* node, std::size_t count) {
   std::vector<double> numbers;
   for (const std::string& word : SplitWords(node == nullptr ? "" : node->text)) {
@@ -28,12 +28,12 @@ std::optional<std::vector<double>> SomeNumbers(const XmlNode* node, std::size_t 
   return numbers;
 }
 
-/// A solid about the middle of its box.
+/// A solid centred at the middle of its bounding box.
 struct RoundSolid {
   bool is_cone = false;
-  Vector3 half_m;  // of the box
+  Vector3 half_m;  // half extents of the box
 
-  /// Of its centre of mass.
+  /// The centre of mass.
   Vector3 centre() const { return {0, 0, is_cone ? -half_m.z() / 2 : 0}; }
   double volume_m3() const {
     return (is_cone ? 2.0 / 3 : 4.0 / 3) * std::numbers::pi *
@@ -99,7 +99,7 @@ class RoundWriter {
   }
 
  private:
-  /// Nothing for another shape, or one whose sizes are wrong.
+  /// The solid of an <ellipsoid> or <cone>; nullopt for other shapes and wrong sizes.
   static std::optional<RoundSolid> SolidOf(const XmlNode& shape) {
     RoundSolid solid;
     if (shape.name == "ellipsoid") {
@@ -168,7 +168,7 @@ class RoundWriter {
     inertia.Add("izz", FormatNumber(moments.z()));
   }
 
-  /// The centre of mass is that of the shape in `holder`.
+  /// Moves the centre of mass to that of the shape in `holder`.
   static void PlaceAt(const XmlNode& holder, const RoundSolid& solid, XmlNode& inertial) {
     const XmlNode* pose = holder.Child("pose");
     std::vector<double> v(6);

@@ -30,14 +30,13 @@ std::string Counted(std::size_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
-/// "swarm ant", or "3 swarms".
+/// "swarm ant" or "3 swarms".
 std::string Swarms(const Scenario& scenario) {
   const std::size_t count = scenario.swarms.size();
   return count == 1 ? "swarm " + scenario.swarms[0].name : std::to_string(count) + " swarms";
 }
 
-/// How the robots are simulated and driven, as far as it is not the usual: "rolling", "50 controller
-/// diffuse".
+/// How the robots are simulated and driven, without defaults: "rolling", "50 controller diffuse".
 std::vector<std::string> Drives(const std::vector<RobotEntry>& robots) {
   std::map<std::string, std::size_t> fidelities, controllers;
   for (const RobotEntry& robot : robots) {

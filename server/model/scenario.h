@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a scenario says: world, targets, robots, and how time runs. Constant once read; any thread.
+// The content of a scenario: world, targets, robots, and time mode. Immutable once read; thread-safe.
 #pragma once
 
 #include <array>
@@ -25,11 +25,11 @@ inline const std::array<std::string, 3> kModeWords = {"realtime", "lockstep", "f
 enum class LossPolicy { kWait, kHold, kStop, kDrop };
 inline const std::array<std::string, 4> kLossPolicyWords = {"wait", "hold", "stop", "drop"};
 
-/// How a robot's drive is simulated; sensors, modules and commands are the same.
+/// How a robot's drive is simulated. Does not affect sensors, modules and commands.
 enum class Fidelity { kFull, kRolling, kPlanar };
 inline const std::array<std::string, 3> kFidelityWords = {"full", "rolling", "planar"};
 
-// Their words as above; nothing for another word. Case-insensitive.
+// Conversions to and from the words above. Parsing is case-insensitive and returns nullopt for other words.
 const char* ToString(Mode mode);
 const char* ToString(LossPolicy policy);
 const char* ToString(Fidelity fidelity);
@@ -51,20 +51,20 @@ struct ControllerChoice {
   bool empty() const { return name.empty(); }
 };
 
-/// [SIMULATION]; what is not said is empty.
+/// [SIMULATION]; missing keys are nullopt.
 struct SimulationOptions {
   std::optional<Mode> mode;
   std::optional<Nanoseconds> step;
   std::optional<int> substeps;
   std::uint64_t seed = 1;
-  std::uint64_t own_seed = 1;        // what the scenario says, whatever --seed or a reset has made of it
+  std::uint64_t own_seed = 1;        // the scenario's own seed, regardless of --seed and resets
   std::optional<double> speed;       // ≤ 0: no limit
   std::optional<double> duration_s;  // simulated
-  Vector3 g_W{0, 0, -9.81};          // gravity: what falls gains this, m/s²
-  std::optional<double> watchdog_s;  // of robots that say nothing else, as RobotEntry::watchdog_s
+  Vector3 g_W{0, 0, -9.81};          // gravity, m/s²
+  std::optional<double> watchdog_s;  // default of RobotEntry::watchdog_s
   ControllerChoice supervisor;       // a controller of the world
-  bool overlaps = false;             // what starts inside something is no error: it is pushed out
-  /// Names of YARP's readers, or what they begin with ("/my/controller"), for which lockstep waits.
+  bool overlaps = false;             // overlaps at the start are allowed; physics pushes things apart
+  /// Names, or prefixes of names ("/my/controller"), of YARP readers for which lockstep waits.
   std::vector<std::string> waits_for;
 };
 
@@ -79,27 +79,27 @@ struct RobotEntry {
   std::vector<std::string> waits_for;  // names of actuator modules; empty: all of them
   std::optional<double> deadline_s;    // wall clock
   LossPolicy on_deadline = LossPolicy::kHold;
-  /// Empty, the default: lockstep waits; in realtime and free the robot stops if the client had said `hello`,
-  /// else its set-points stay.
+  /// Empty (default): in lockstep, wait; in realtime and free, stop the robot if the client had sent `hello`,
+  /// else keep its set-points.
   std::optional<LossPolicy> on_disconnect;
-  /// Wall clock: in real time a robot stops when its client has been silent for so long; 0: never.
+  /// Wall clock: in real time the robot stops after its client has been silent for this time; 0: never.
   std::optional<double> watchdog_s;
   Fidelity fidelity = Fidelity::kFull;
   ControllerChoice controller;  // empty: clients drive it
   bool sockets = true;
   SourceLine where;
 
-  /// It keeps its set-points when its client is lost.
+  /// True if the robot keeps its set-points when its client disconnects.
   bool goes_on_alone() const {
     return on_disconnect == LossPolicy::kWait || on_disconnect == LossPolicy::kHold;
   }
-  /// The actuator modules that must have a command for each step of lockstep.
+  /// The actuator modules that need a command for each lockstep step.
   std::vector<std::string> awaited_modules() const;
-  /// Takes part in lockstep unless told otherwise.
+  /// True if the robot is a lockstep participant by default.
   bool participates() const { return sync && controller.empty() && !awaited_modules().empty(); }
 };
 
-/// The robots of one [SWARM_n]: `count` of them from robots[first], called NAME_1 to NAME_count.
+/// The robots of one [SWARM_n]: `count` robots from robots[first], named NAME_1 to NAME_count.
 struct SwarmEntry {
   std::string name;
   std::string section;  // swarm1 for [SWARM_1]
@@ -108,7 +108,7 @@ struct SwarmEntry {
   SourceLine where;
 };
 
-/// A key of [RANDOM], with the value that was drawn for the seed.
+/// A key of [RANDOM] and its drawn value.
 struct RandomKey {
   std::string name;          // BOX_1.size
   std::string distribution;  // as written
@@ -116,28 +116,28 @@ struct RandomKey {
 };
 
 struct Scenario {
-  std::string name;                  // file name without folder and extension; "(text)" if none is known
-  std::string file;                  // as found; empty by socket, kPipe by pipe
+  std::string name;                  // file name without folder and extension; "(text)" if unknown
+  std::string file;                  // path as found; empty if by socket, kPipe if by pipe
   std::string text;                  // as read
-  WorldModel world;                  // of [WORLD] file; empty without
-  Floor floor;                       // in force
+  WorldModel world;                  // of the [WORLD] file; empty without
+  Floor floor;                       // the effective floor
   std::vector<WorldObject> objects;  // the world's, then the scenario's own; ids are index + 1
   std::vector<Target> targets;
   std::vector<PointLight> lights;  // the world's, then the scenario's own
-  double ambient_light = 0;        // what a light sensor reads without lamps
+  double ambient_light = 0;        // reading of a light sensor without lamps
   std::vector<RobotEntry> robots;
   std::vector<SwarmEntry> swarms;  // in file order
   std::vector<ScoreEntry> scores;  // in file order
   SimulationOptions simulation;
   std::vector<RandomKey> random;    // in file order; drawn anew for each seed
-  std::vector<SourceText> sources;  // all but `text`, each once
+  std::vector<SourceText> sources;  // all other texts, each once
 };
 
-/// Whether a score counts collisions, so that contacts are measured.
+/// True if a score counts collisions, which requires contact measurements.
 bool CountsCollisions(const Scenario& scenario);
 
-/// A scenario in one line, as `coopdyn check` prints it. For example: 5 robots (coopbot), 12 objects (9
-/// static), 2 targets, floor 20 x 20 m, realtime 10 ms
+/// A one-line summary for `coopdyn check`, e.g.: 5 robots (coopbot), 12 objects (9 static), 2 targets, floor
+/// 20 x 20 m, realtime 10 ms
 std::string Summary(const Scenario& scenario);
 
 }  // namespace coopdyn

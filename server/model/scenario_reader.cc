@@ -23,8 +23,8 @@ namespace coopdyn {
 
 namespace {
 
-/// The name of a scenario that came as a text: of the file that its last line tells, "# file:
-/// lesson.scenario", as the page and `coopdyn load` do; else "(text)".
+/// The name of a scenario that came as a text: that of the file in its last line, "# file: lesson.scenario",
+/// which the page and `coopdyn load` add; else "(text)".
 std::string NameInText(std::string_view text) {
   constexpr std::string_view kMark = "# file: ", kEnds = "\r\n";
   constexpr std::size_t kMaxBytes = 100;
@@ -37,7 +37,7 @@ std::string NameInText(std::string_view text) {
   return name.empty() || name.size() > kMaxBytes || name != Printable(name) ? "(text)" : name;
 }
 
-/// Where a scenario's own files lie; nothing if it came by socket.
+/// The folder of a scenario's own files; nullopt if it came by socket.
 std::optional<std::filesystem::path> FolderOf(const std::string& file, bool by_socket) {
   if (by_socket) return std::nullopt;
   const std::filesystem::path folder = std::filesystem::path(file).parent_path();
@@ -59,7 +59,7 @@ class ScenarioReader {
     if (!by_socket && file != kPipe) scenario_->name = std::filesystem::path(file).stem().string();
   }
 
-  /// What stands there already; before Read().
+  /// Sets the existing world. Call it before Read().
   void Surround(const Scenario& around) {
     scenario_->floor = around.floor;
     scenario_->simulation.seed = around.simulation.seed;
@@ -104,10 +104,10 @@ class ScenarioReader {
   }
 
  private:
-  /// All but swarms and copies, which need places.
+  /// Reads everything except swarms and copies, which need free places.
   bool ReadStanding() {
     FindDegrees();
-    // What others depend on comes first: floor and seed for the swarms, objects and robots for their places.
+    // Dependencies first: swarms need the floor and the seed, and the places of objects and robots.
     ReadFirst("simulation", [this](SectionReader& reader) { ReadSimulation(reader); });
     scenario_->simulation.own_seed = scenario_->simulation.seed;
     if (seed_) scenario_->simulation.seed = *seed_;
@@ -140,7 +140,7 @@ class ScenarioReader {
         });
   }
 
-  /// " (file:line)"; of what is not from a file nothing.
+  /// " (file:line)"; empty if not from a file.
   static std::string At(const SourceLine& where) {
     return where.line == 0 ? "" : " (" + where.file + ":" + std::to_string(where.line) + ")";
   }
@@ -180,7 +180,7 @@ class ScenarioReader {
     read(reader);
   }
 
-  /// `angles` of [SIMULATION]; of [FLOOR] too, so that a .world is a scenario without robots.
+  /// Reads `angles` of [SIMULATION], and of [FLOOR], so that a .world is also a scenario without robots.
   void FindDegrees() {
     for (const char* word : {"floor", "simulation"}) {
       const Section* section = FirstSection(word);
@@ -209,7 +209,7 @@ class ScenarioReader {
     reader.Finish();
   }
 
-  /// gravity 9.81, or as a vector of the world: gravity 0 0 -9.81
+  /// Reads `gravity 9.81`, or as a vector in the world: `gravity 0 0 -9.81`.
   static void ReadGravity(SectionReader& reader, SimulationOptions& options) {
     constexpr double kMaxGravity = 1000;
     const auto numbers =
@@ -227,7 +227,7 @@ class ScenarioReader {
                                     " m/s²: write " + FormatNumber(-down) + " if they should fall down");
   }
 
-  /// waits_for yarp /my/controller …
+  /// Reads `waits_for yarp /my/controller …`.
   static void ReadWaitsFor(SectionReader& reader, SimulationOptions& options) {
     const std::optional<std::string> text = reader.Text("waits_for");
     if (!text) return;
@@ -292,7 +292,8 @@ class ScenarioReader {
     scattered_ = scenario_->world.scattered;
   }
 
-  /// The text of the world `name`: a recording's own, or that of a file. Nothing with an error at `where`.
+  /// The text of the world `name`, embedded in a recording or from a file. Reports an error at `where` and
+  /// returns nullopt on failure.
   std::optional<SourceText> FindWorld(const std::string& name, const SourceLine& where) {
     if (const SourceText* embedded = library_.Embedded("world", name)) return *embedded;
     if (by_socket_ && !IsBareName(name)) {
@@ -336,7 +337,7 @@ class ScenarioReader {
       Target target;
       target.where = entry.In(label_);
       target.color_name = ColorWord(entry);
-      // One entry alone, since the keys of a [TARGET] may repeat.
+      // Read each entry separately, because the keys of a [TARGET] may repeat.
       const Section alone{reader.section().name, "target", entry.line, {entry}};
       SectionReader values(alone, label_, degrees_, diagnostics_);
       const auto p = values.Numbers(entry.key, Quantity::kLength, {2, 3}, "x y, or x y z", -kMaxFileLength_m,
@@ -349,7 +350,7 @@ class ScenarioReader {
     }
   }
 
-  /// The colour that a key of [TARGET] means; empty with an error if none.
+  /// The colour word for a key of [TARGET]. Reports an error and returns an empty text if it is not a colour.
   std::string ColorWord(const Entry& entry) {
     if (NamedColor(entry.key)) return entry.key;
     for (const std::string prefix : {"color_", "colour_"}) {
@@ -366,7 +367,7 @@ class ScenarioReader {
     return {};
   }
 
-  /// Robots and objects.
+  /// Reads robots and objects.
   void ReadPlain(const Section& section) {
     static const std::vector<std::string> kOwn = {"WORLD",   "SIMULATION", "TARGET",  "FLOOR", "ROBOT_1",
                                                   "SWARM_1", "LIGHT_1",    "SCORE_1", "RANDOM"};
@@ -402,7 +403,7 @@ class ScenarioReader {
 
   void AddObject(const WorldObject& object) {
     const auto [first, is_new] = objects_.emplace(ToLower(object.name), object.where);
-    // Twice in one file has been said already, but of the bar of a team.
+    // Duplicates in one file have already been reported, except with a team's bar.
     if (!is_new && bars_.contains(first->first)) {
       const SourceLine& other = first->second;
       diagnostics_.Error(object.where, "'" + object.name + "' is the name of a team's bar and of a thing (" +
@@ -427,7 +428,7 @@ class ScenarioReader {
   std::vector<Section> sections_;
   bool degrees_ = false;
   std::unordered_map<std::string, SourceLine> objects_;  // by name in lower case
-  std::unordered_set<std::string> bars_;                 // of these
+  std::unordered_set<std::string> bars_;                 // names in objects_ of teams' bars
   std::vector<ScatteredObjects> scattered_;              // the world's, then the scenario's own
 };
 

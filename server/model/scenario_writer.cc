@@ -81,7 +81,7 @@ std::string WriteObject(const WorldObject& object) {
   lines.Add("color", object.color);
   if (object.friction != WorldObject().friction) lines.Add("friction", {object.friction});
   if (object.restitution > 0) lines.Add("bounce", {object.restitution});
-  // Of what may roll, none is a value, too.
+  // For shapes that can roll, write 0, too: it is not the default.
   const bool rolls = !object.is_static() && !std::holds_alternative<Box>(object.shape);
   if (rolls || object.rolling_friction_m > 0) lines.Add("rolling_friction", {object.rolling_friction_m});
   const auto add = [&lines](const char* key, const Vector3& v) {
@@ -102,7 +102,7 @@ std::string WriteLight(const PointLight& light) {
   return lines.Take();
 }
 
-/// What stands behind `controller` and `supervisor`.
+/// The value of the keys `controller` and `supervisor`.
 std::string LineOf(const ControllerChoice& controller) {
   std::string line = controller.name;
   for (const auto& [name, value] : controller.options) line += " " + name + "=" + ExactNumber(value);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kUntilExample = "until >= 3, until < 0.5 or until all";
 
-/// It becomes a column, and a field in MATLAB.
+/// True for a valid name: it becomes a table column, and a field in MATLAB.
 bool IsScoreName(const std::string& name) {
   constexpr std::size_t kMaxName = 60;
   const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
@@ -23,7 +23,7 @@ bool IsScoreName(const std::string& name) {
                              [&](char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '_'; });
 }
 
-/// `>= 3`, `all`.
+/// Reads `until`: `>= 3` or `all`.
 std::optional<ScoreUntil> ReadUntil(SectionReader& reader, ScoreKind kind) {
   using Relation = ScoreUntil::Relation;
   const std::optional<std::string> text = reader.Text("until");
@@ -35,7 +35,7 @@ std::optional<ScoreUntil> ReadUntil(SectionReader& reader, ScoreKind kind) {
   if (ToLower(*text) == "all") {
     if (kind != ScoreKind::kReach && kind != ScoreKind::kUpright)
       return wrong("'until all' goes with 'kind reach' and 'kind upright' only");
-    // All are there; all have fallen.
+    // reach: all have arrived; upright: all have fallen.
     if (kind == ScoreKind::kUpright) return ScoreUntil{Relation::kAtMost, 0, false};
     return ScoreUntil{Relation::kAtLeast, 0, true};
   }
@@ -117,7 +117,7 @@ std::optional<ScoreEntry> ReadScore(SectionReader& reader) {
 }
 
 void CheckScores(const Scenario& scenario, Diagnostics& diagnostics) {
-  std::map<std::string, std::size_t> subjects;  // by name: how many it means
+  std::map<std::string, std::size_t> subjects;  // name to number of robots or things
   std::vector<std::string> names, places;
   const auto add = [&](const std::string& name, std::size_t count) {
     if (subjects.emplace(ToLower(name), count).second) names.push_back(name);

@@ -9,10 +9,11 @@
 
 namespace coopdyn {
 
-/// Nothing with an error.
+/// Reports an error and returns nullopt on failure.
 std::optional<ScoreEntry> ReadScore(SectionReader& reader);
 
-/// Reports names in the scores of `scenario`, which has been read, that nothing has, and scores of one name.
+/// Reports unknown names in the scores of `scenario`, and scores with the same name. @pre all of `scenario`
+/// has been read
 void CheckScores(const Scenario& scenario, Diagnostics& diagnostics);
 
 }  // namespace coopdyn

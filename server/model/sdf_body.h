@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The parts of a robot that libsdformat reads: links with their shapes (sdf_links.cc) and masses
-// (sdf_inertia.cc), joints (sdf_joints.cc), and its measures (model_measure.cc). One thread.
+// Reads the parts of a robot that libsdformat parses: links with their shapes (sdf_links.cc) and masses
+// (sdf_inertia.cc), joints (sdf_joints.cc), and dimensions (model_measure.cc). One thread.
 #pragma once
 
 #include <ignition/math/Pose3.hh>
@@ -16,7 +16,7 @@
 
 namespace coopdyn {
 
-/// What the parts have in common while one model is read.
+/// State shared by the readers of one model.
 struct ModelReading {
   std::string file;
   const ModelSource& source;
@@ -30,13 +30,13 @@ struct ModelReading {
   void Error(int line, std::string text) { diagnostics.Error({file, line}, std::move(text)); }
   void Warn(int line, std::string text) { diagnostics.Warning({file, line}, std::move(text)); }
   void Mended(int line, std::string text) { diagnostics.Mended({file, line}, std::move(text)); }
-  /// An error in a model of our own; of one made for other programs a warning, and the reader helps itself:
-  /// `else` says how.
+  /// Reports an error in a coopdyn model. In a model made for other programs reports a warning instead;
+  /// `otherwise` says what the reader does.
   void Complain(int line, const std::string& text, const std::string& otherwise,
                 Diagnostic::Level level = Diagnostic::Level::kMended) {
     source.foreign ? diagnostics.Add({level, {file, line}, text + ": " + otherwise}) : Error(line, text);
   }
-  /// In the frame `relative_to`; reported if it is not finite or far away.
+  /// The pose in the frame `relative_to`. Reports a pose that is not finite or too far away.
   Pose Resolve(const sdf::SemanticPose& pose, const std::string& relative_to, const sdf::ElementPtr& element,
                const std::string& what);
   Pose CheckedPose(const ignition::math::Pose3d& pose, const sdf::ElementPtr& element,
@@ -46,59 +46,61 @@ struct ModelReading {
 int LineOf(const sdf::ElementPtr& element);
 Vector3 ToVector(const ignition::math::Vector3d& v);
 
-/// A model, or one inside it: `prefix` of its names, and where it stands in R.
+/// A model or nested model, the prefix of its names, and its pose in R.
 struct ModelScope {
   const sdf::Model& model;
   const tinyxml2::XMLElement& xml;
   std::string prefix;
   Pose X_RM;
 };
-/// `model`, and those inside it.
+/// `model` and its nested models.
 std::vector<ModelScope> ScopesOf(const sdf::Model& model, const tinyxml2::XMLElement& xml,
                                  ModelReading& reading);
 
-/// Mass, centre of mass and moments of links.
+/// Reads mass, centre of mass and moments of inertia of links.
 class InertiaReader {
  public:
   InertiaReader(const std::vector<ModelScope>& scopes, ModelReading& reading);
-  /// `out` has its name and shapes. `xml`: its element in the composed text; null if there is none.
+  /// Reads the inertia of `link` into `out`, which has its name and shapes. `xml`: the link's element in the
+  /// composed text; null if none.
   void Read(const sdf::Link& link, const tinyxml2::XMLElement* xml, LinkModel& out) const;
 
  private:
-  /// By the densities of its collisions, kg/m³; of a mesh about the middle of its box.
+  /// Computes the inertia from the densities of the collisions, kg/m³; for a mesh about the centre of its
+  /// box.
   void Weigh(const tinyxml2::XMLElement& xml, LinkModel& out) const;
-  /// `is_solid`: its moments are those of its first shape.
+  /// `is_solid`: use the moments of the first shape as a solid.
   void ReadInertial(const sdf::Link& link, bool is_solid, LinkModel& out) const;
 
   ModelReading& reading_;
-  std::set<std::string> welded_;  // links whose mass others have, to which fixed joints hold them
-  std::set<std::string> still_;   // links that are fixed to the world
+  std::set<std::string> welded_;  // links joined by fixed joints to links that have the mass
+  std::set<std::string> still_;   // links fixed to the world
 };
 
 void ReadLinks(const std::vector<ModelScope>& scopes, ModelReading& reading);
 void ReadJoints(const std::vector<ModelScope>& scopes, ModelReading& reading);
 
-/// Fills reading.assembly, before links are welded; and finds the places of its sensors.
+/// Fills reading.assembly, and finds the places of its sensors. Call it before links are welded.
 void ReadAssembly(const std::vector<ModelScope>& scopes, ModelReading& reading);
 
-/// Footprint and height of the collisions. A robot of our own may not reach below the floor; one made for
-/// other programs is lifted, unless a world says where its origin stands.
+/// Computes footprint and height of the collisions. Reports a coopdyn robot that reaches below the floor;
+/// lifts a robot made for other programs, unless a world places its origin.
 void MeasureModel(ModelReading& reading);
-/// The height of the lowest point of what moves, over the floor; infinite if there is nothing.
+/// Height above the floor of the lowest point that moves; infinite if nothing moves.
 double LowestOf(const RobotModel& robot, const Pose& X_WR);
-/// The robot of an SDF that has one <model> made for other programs. `in_world`: a world says where it
-/// stands.
+/// Reads a robot from an SDF `root` with one <model> made for other programs. `in_world`: a world places the
+/// model.
 std::shared_ptr<const RobotModel> ReadRobotModelTree(XmlNode root, const std::string& file,
                                                      const std::string& type, const Resources* resources,
                                                      bool in_world, Diagnostics& diagnostics);
 
-/// Moves links and joints beyond joint `index` along it; false if it closes a loop.
+/// Moves joint `index` by `by`, with the links and joints beyond it. False if the joint closes a loop.
 bool MoveJoint(RobotModel& robot, std::size_t index, double by);
-/// Puts each joint to its `start`, and what follows others with them.
+/// Moves each joint to its `start`, and its followers with it.
 void MoveToStart(ModelReading& reading);
 
-/// What moves collides by convex hulls: a concave mesh by several, of which all but the first stand after the
-/// other collisions of the link.
+/// Replaces the collision meshes of moving links by convex hulls. A concave mesh becomes several; all but the
+/// first are appended to the link's collisions.
 void MakeHulls(ModelReading& reading);
 
 }  // namespace coopdyn

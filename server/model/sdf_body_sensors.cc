@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Our elements for what a robot feels of itself: compass, support, IMU, wrench, contact, battery and
+// Reads coopdyn's elements of proprioceptive sensors: compass, support, IMU, wrench, contact, battery and
 // odometry.
 #include <tinyxml2.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `<coopdyn:channel>`: motors and values that are exchanged in one request.
+// Reads `<coopdyn:channel>`: motors and values that are exchanged in one request.
 #include <tinyxml2.h>
 
 #include <array>
@@ -39,12 +39,12 @@ constexpr std::pair<ControlMode, std::string_view> kModes[] = {
     {ControlMode::kPosition, "position"}, {ControlMode::kDirect, "direct"},
     {ControlMode::kVelocity, "velocity"}, {ControlMode::kEffort, "effort"},
     {ControlMode::kPwm, "pwm"},           {ControlMode::kKeep, "ignored"}};
-/// The mode of a motor that sets the greatest effort of another one.
+/// The mode of a motor that sets the maximum effort of another motor.
 constexpr std::string_view kLimit = "limit";
-/// Of the name of a limiter, after that of its joint.
+/// Suffix of a limiter's name, after the joint's name.
 constexpr const char* kLimiterEnd = " limit";
 
-/// The value of the word that attribute `name` has; nothing, and reported, if it is none of `table`.
+/// The value in `table` of the word in attribute `name`. Reports unknown words and returns nullopt.
 template <typename T, std::size_t N>
 std::optional<T> ReadWord(XmlAttributes& attributes, const std::string& name,
                           const std::pair<T, std::string_view> (&table)[N]) {
@@ -130,7 +130,7 @@ MappedNoise ReadMappedNoise(XmlAttributes& attributes) {
   return noise;
 }
 
-/// Index into `all` of what is called `name`; nothing, and reported, if there is none.
+/// Index into `all` of the item `name`. Reports an error and returns nullopt if unknown.
 template <typename T>
 std::optional<std::size_t> FindNamed(XmlAttributes& attributes, const char* what, const std::string& name,
                                      const std::vector<T>& all) {
@@ -260,13 +260,13 @@ void ReadLimiters(const tinyxml2::XMLElement& model, RobotModel& robot) {
       robot.joints.push_back(std::move(limiter));
     }
   }
-  // No module of a robot can be called so.
+  // The space keeps the name distinct from all module names.
   if (!limiters.empty()) robot.actuators.push_back({"motor limits", std::move(limiters), LimitersModel()});
 }
 
 namespace {
 
-/// Where a joint is among the channels of `robot`, and what drives it; nothing if no module does.
+/// A joint's index among the channels of `robot`, and its actuator; nullopt if no module drives it.
 std::optional<std::pair<std::size_t, const ActuatorModel*>> FindDriven(const RobotModel& robot,
                                                                        const std::string& name) {
   std::size_t next = 0;
@@ -280,7 +280,7 @@ std::optional<std::pair<std::size_t, const ActuatorModel*>> FindDriven(const Rob
   return std::nullopt;
 }
 
-/// It is the angle of a hinge without a motor, and may be beyond a turn.
+/// True if `value` is the angle of a hinge without a motor that may exceed a turn.
 bool CountsTurns(const RobotModel& robot, const ChannelModel::Value& value) {
   if (value.quantity != What::kPosition) return false;
   const JointModel& joint = robot.joints[value.source];

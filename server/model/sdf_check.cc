@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What libsdformat lets pass: unknown and unused elements, words where numbers belong.
+// Checks that libsdformat omits: unknown and unused elements, words in place of numbers.
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace {
 using tinyxml2::XMLAttribute;
 using tinyxml2::XMLElement;
 
-/// Elements that the reader uses, by the element in which they stand.
+/// Elements that the reader uses, by parent element.
 constexpr std::pair<std::string_view, std::string_view> kUsed[] = {
     {"sdf", "model"},
     {"model", "link joint frame model"},
@@ -59,7 +59,7 @@ constexpr std::pair<std::string_view, std::string_view> kUsed[] = {
     {"axis2", "xyz limit dynamics"},
     {"dynamics", "damping friction spring_reference spring_stiffness"},
     {"limit", "lower upper effort velocity"},
-    // Of sensors also what says nothing to a simulator without topics.
+    // For sensors, also elements that are meaningless without topics.
     {"sensor",
      "pose update_rate always_on visualize topic enable_metrics imu ray lidar force_torque contact sonar "
      "camera"},
@@ -140,20 +140,20 @@ class Checker {
     if (name == "sensor" && !IsKnownType(child)) return;
     if (name == "sensor") CheckSensorName(child, where);
     if (nested_pose || IsUsedElement(parent.Name(), name)) {
-      // SDF describes a model inside a model by the outer one.
+      // SDF's schema describes a nested model by the outer one.
       Check(child, path == "model/model" ? description : description->GetElementDescription(name), depth + 1);
     } else if (std::string_view(parent.Name()) == "geometry") {
       diagnostics_.Error(where, "the shape <" + name +
                                     "> is not supported: use <box>, <cylinder>, <sphere>, <capsule>, "
                                     "<ellipsoid>, <cone>, <plane>, <mesh> or <heightmap>");
     } else if (path == "model/static" || path == "sdf/world") {
-      diagnostics_.Error(where, "<" + name + "> does not belong into a robot: remove it");
+      diagnostics_.Error(where, "<" + name + "> does not belong in a robot: remove it");
     } else {
       diagnostics_.LeftOut(where, "<" + name + "> in <" + parent.Name() + ">");
     }
   }
 
-  /// libsdformat says no line.
+  /// Reports duplicate names of sensors: libsdformat's message has no line.
   void CheckSensorName(const XMLElement& sensor, const SourceLine& where) {
     const char* name = sensor.Attribute("name");
     for (const XMLElement* other = sensor.PreviousSiblingElement("sensor");
@@ -165,7 +165,7 @@ class Checker {
     }
   }
 
-  /// Whether it is a sensor that coopdyn has; says so if not.
+  /// True if coopdyn simulates this type of sensor. Reports other types.
   bool IsKnownType(const XMLElement& sensor) {
     const char* text = sensor.Attribute("type");
     const std::string type = text == nullptr ? "" : text;
@@ -255,13 +255,13 @@ class Checker {
           return;
         }
       }
-      const bool is_pose = std::string_view(element.Name()) == "pose";  // an empty one is the identity
+      const bool is_pose = std::string_view(element.Name()) == "pose";  // an empty <pose> is the identity
       if (words.empty() && !is_pose) {
         diagnostics_.Error(where, std::string("<") + element.Name() + "> is empty: write its numbers");
         return;
       }
     }
-    // A pose's attributes say how its text is read.
+    // A pose's attributes determine the form of its text.
     const sdf::ElementPtr read = element.FirstAttribute() == nullptr ? description : description->Clone();
     for (const XMLAttribute* each = element.FirstAttribute(); each != nullptr; each = each->Next()) {
       if (read->HasAttribute(each->Name())) read->GetAttribute(each->Name())->SetFromString(each->Value());
@@ -280,8 +280,8 @@ std::string TooMany(int most, const std::string& what) {
   return "a robot's model has at most " + std::to_string(most) + " " + what + ": make it simpler";
 }
 
-/// Where the first element with more than kMaxElementAttributes is. Before the text is parsed, as tinyxml2
-/// compares each attribute with all before it.
+/// The line of the first element with more than kMaxElementAttributes. Call it before parsing, because
+/// tinyxml2 compares each attribute with all previous ones.
 std::optional<int> LineOfTooManyAttributes(std::string_view text) {
   int line = 1, values = 0;
   bool in_tag = false;
@@ -341,7 +341,7 @@ bool IsModelCount(const XMLElement& root, const std::string& file, Diagnostics& 
     if (is_part && !is_below(++counts[element.Name()], kMaxModelParts, name + "s", element)) return false;
     const XMLElement* parent = element.Parent() == nullptr ? nullptr : element.Parent()->ToElement();
     const bool in_world = parent != nullptr && std::string_view(parent->Name()) == "world";
-    if (in_world) {  // each model of a world has these limits, and all of them together one of their own
+    if (in_world) {  // the limits apply to each model of a world; a separate one to all together
       in_worlds += counts["elements"];
       counts.clear();
       if (!is_below(in_worlds, kMaxWorldElements, "elements", element)) return false;

@@ -34,13 +34,13 @@ void CollectNames(const XMLElement& element, std::set<std::string_view>& names) 
     CollectNames(*child, names);
 }
 
-/// Puts libsdformat's own files together: <element name required ref> with <attribute>s, <element>s and
-/// <include filename required>, which names another file.
+/// Assembles libsdformat's own schema files: <element name required ref> with <attribute>s, <element>s and
+/// <include filename required> for another file.
 class DescriptionMaker {
  public:
   explicit DescriptionMaker(std::set<std::string_view> names) : names_(std::move(names)) {}
 
-  /// A description that has the file `model.sdf` below its root.
+  /// A schema with the file `model.sdf` below its root.
   std::string Make() {
     out_.Parse(kRoot);
     Include("model.sdf", "0", *out_.RootElement());
@@ -57,10 +57,10 @@ class DescriptionMaker {
     if (element != nullptr) Add(*element, required, into);
   }
 
-  /// `required`: null for what `element` says itself.
+  /// `required`: overrides the attribute of `element`; null: keep it.
   void Add(const XMLElement& element, const char* required, XMLElement& into) {
     if (required == nullptr) required = element.Attribute("required");
-    // What is not there and holds one value has a default that libsdformat may ask for.
+    // Only drop groups: a missing single value has a default that libsdformat may read.
     const bool is_group = element.FirstChildElement("element") != nullptr ||
                           element.FirstChildElement("include") != nullptr ||
                           element.Attribute("ref") != nullptr;
@@ -77,7 +77,7 @@ class DescriptionMaker {
            child = child->NextSiblingElement(tag))
         act(*child);
     };
-    // Of these libsdformat takes groups that are not there, too.
+    // Inside these, libsdformat also reads groups that do not occur in the file.
     constexpr std::array<std::string_view, 3> kWhole = {"sensor", "light", "particle_emitter"};
     const bool was_in_whole = in_whole_;
     in_whole_ = in_whole_ || (name != nullptr && std::ranges::count(kWhole, name) > 0);
@@ -90,7 +90,7 @@ class DescriptionMaker {
   }
 
   const std::set<std::string_view> names_;
-  bool in_whole_ = false;  // nothing is left out
+  bool in_whole_ = false;  // inside an element that is copied completely
   tinyxml2::XMLDocument out_;
 };
 
@@ -115,7 +115,7 @@ sdf::SDFPtr WholeDescription(const XMLElement& root) {
 
 sdf::SDFPtr DescriptionFor(const XMLElement& root) {
   const char* version = root.Attribute("version");
-  // An older file is converted first, which brings other names.
+  // An older file is converted first, which introduces other names.
   if (!HasModelsAlone(root) || version == nullptr || version != std::string_view(SDF_VERSION))
     return WholeDescription(root);
   std::set<std::string_view> names;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// By which description libsdformat reads a file: it copies all that it describes for each element of the
-// file.
+// The schema by which libsdformat reads a file. libsdformat copies the schema's element for each element of
+// the file, so a smaller schema is faster.
 #pragma once
 
 #include <tinyxml2.h>
@@ -9,13 +9,12 @@
 
 namespace coopdyn {
 
-/// Of what may stand in a file like `root`: models alone, or worlds and actors, too, which take twice as
-/// long.
+/// The schema for a file like `root`: only models, or also worlds and actors, which takes twice as long.
 sdf::SDFPtr WholeDescription(const tinyxml2::XMLElement& root);
 
-/// The same without optional groups of elements that do not stand in `root`, but for those in sensors and
-/// lights. It reads a right file alike, many times as fast; of a wrong one it does not know what could stand
-/// there.
+/// The same without optional element groups that do not occur in `root`, except those in sensors, lights and
+/// particle emitters. Reads a valid file identically but many times faster. For an invalid file it does not
+/// know which elements are allowed.
 sdf::SDFPtr DescriptionFor(const tinyxml2::XMLElement& root);
 
 }  // namespace coopdyn

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `<coopdyn:drivetrain>` in a <joint>.
+// Reads `<coopdyn:drivetrain>` in a <joint>.
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ PwmRow ReadPwm(const tinyxml2::XMLElement& element, const std::string& file, Dia
   return row;
 }
 
-/// What the rows of a motor tell of the motor as a whole.
+/// Completes the motor's values from its rows.
 void FinishMotor(XmlAttributes& attributes, DriveTrainModel& train) {
   const std::optional<double> constant_nm_a = attributes.Number("torque_constant_nm_a", 1e-9, 1e6);
   const std::optional<double> brake = attributes.Number("brake_nms_rad", 0, kMostOfTrain);

@@ -100,7 +100,7 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-constexpr double kTiny = 1e-6;  // m; contact points of wheels are exact to this
+constexpr double kTiny = 1e-6;  // m, tolerance of the wheels' contact points
 constexpr std::size_t kMaxModules = 100;
 
 class ExtensionReader {
@@ -159,7 +159,7 @@ class ExtensionReader {
   }
 
  private:
-  /// What Gazebo's plug-ins say.
+  /// Reads the elements that replace Gazebo's plugins.
   void Adopt(const XMLElement& model) {
     const XMLElement* drive = model.FirstChildElement("coopdyn:gazebo_drive");
     if (drive != nullptr) AdoptDrive(*drive, file_, robot_, diagnostics_);
@@ -178,7 +178,7 @@ class ExtensionReader {
     }
   }
 
-  /// Of what hangs on the world by joints the pose is that of the first link, not of the world's.
+  /// If the base is an empty link `world`, makes the pose module report the first link on it.
   void TellOfWhatMoves() {
     if (robot_.links.empty()) return;
     const LinkModel& base = robot_.links.front();
@@ -192,7 +192,7 @@ class ExtensionReader {
     }
   }
 
-  /// Of a model without a `<coopdyn:module>`.
+  /// Adds the modules of a model without a `<coopdyn:module>`.
   void AddDefaultModules() {
     if (ActuatorModel* const drive = Drive()) drive->module = "motors";
     robot_.AddSensor(PoseModel::kType, PoseModel());
@@ -215,7 +215,8 @@ class ExtensionReader {
     return std::nullopt;
   }
 
-  /// Radius and contact point of the wheel on `joint`; nothing if it is no wheel of a drive (then reported).
+  /// Radius of the wheel on `joint`, and its contact point. Reports an error and returns nullopt if it is not
+  /// a valid wheel of a drive.
   std::optional<double> CheckWheel(XmlAttributes& attributes, const JointModel& joint, double side) {
     const LinkModel& link = robot_.links[static_cast<std::size_t>(joint.child)];
     if (joint.kind != JointModel::Kind::kHinge || joint.has_stop()) {
@@ -315,7 +316,7 @@ class ExtensionReader {
     steering.joints = {left, right};
     steering.wheelbase_m = joints[0]->p_RJ.x();
     steering.half_track_m = joints[0]->p_RJ.y();
-    double angle_rad = std::numbers::pi / 3;  // more would only drag the wheels along
+    double angle_rad = std::numbers::pi / 3;  // beyond this the wheels only drag
     for (const JointModel* joint : joints) {
       const bool has_motor = joint->max_effort > 0 && std::isfinite(joint->max_effort) &&
                              joint->max_velocity > 0 && std::isfinite(joint->max_velocity);

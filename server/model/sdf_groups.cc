@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Groups of joints: `<coopdyn:group>`.
+// Reads groups of joints: `<coopdyn:group>`.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -22,7 +22,7 @@ std::vector<std::string> NamesOf(const auto& parts) {
   return names;
 }
 
-/// Adds the joint called `name` to the group; reports what keeps it out.
+/// Adds the joint `name` to the group, or reports why that is impossible.
 void AddJoint(XmlAttributes& attributes, const std::string& name, const RobotModel& robot,
               std::vector<int>& joints) {
   const auto found = std::ranges::find(robot.joints, name, &JointModel::name);
@@ -114,7 +114,7 @@ void AdoptGroup(XmlAttributes& attributes, RobotModel& robot) {
 }
 
 void AddDefaultGroup(RobotModel& robot) {
-  // What has no limit in its file, and none by a plug-in.
+  // Clamp limits that neither the file nor a plugin has set.
   for (JointModel& joint : robot.joints) {
     if (std::isfinite(joint.max_effort)) joint.max_effort = std::min(joint.max_effort, kMaxMotorEffort);
     if (std::isfinite(joint.max_velocity))

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How the meshes of links that move collide: by convex solids.
+// Replaces collision meshes of moving links by convex solids.
 #include <algorithm>
 #include <map>
 #include <memory>
@@ -20,11 +20,11 @@ struct Solid {
   Vector3 middle = Vector3::Zero();  // in the frame of the mesh
 };
 
-/// A mesh as few convex solids that look like it.
+/// A mesh approximated by a few convex solids.
 struct Cutting {
   const MeshData* mesh = nullptr;
   int most_parts = 1;
-  std::vector<Solid> solids{};  // none if it is flat
+  std::vector<Solid> solids{};  // empty if the mesh is flat
   bool is_tangled = false;
 };
 
@@ -49,8 +49,8 @@ class HullMaker {
   void Make() {
     Visit([this](LinkModel& link, LinkShape& collision) { Plan(link, collision); });
     if (reading_.diagnostics.has_errors()) return;
-    // The meshes are independent, and each takes tenths of a second; where there are many, they are small.
-    constexpr int kMostCells = 4'000'000, kLeastCells = 40'000;  // of all, of each
+    // Meshes are independent, and each takes tenths of a second. If there are many, they are small.
+    constexpr int kMostCells = 4'000'000, kLeastCells = 40'000;  // in total, per mesh
     const auto concave = static_cast<int>(
         std::ranges::count_if(cuttings_, [](const Cutting& one) { return one.most_parts > 1; }));
     const int cells = std::clamp(kMostCells / std::max(1, concave), kLeastCells, kPartCells);
@@ -72,11 +72,11 @@ class HullMaker {
   }
 
  private:
-  /// The collisions that are meshes of links that move. What `act` adds is not visited.
+  /// Visits the mesh collisions of moving links, except those that `act` adds.
   template <typename Act>
   void Visit(const Act& act) {
     for (std::size_t i = 0; i < robot_.links.size(); ++i) {
-      if (robot_.fixed_base && i == 0) continue;  // its triangles themselves
+      if (robot_.fixed_base && i == 0) continue;  // collides by its triangles
       LinkModel& link = robot_.links[i];
       const std::size_t count = link.collisions.size();
       for (std::size_t c = 0; c < count; ++c) {
@@ -100,7 +100,7 @@ class HullMaker {
                                        "write <static>true</static>");
       return;
     }
-    constexpr int kMostConcave = 100;  // each takes up to some tenths of a second
+    constexpr int kMostConcave = 100;  // each takes up to a few tenths of a second
     if (collision.most_parts > 1 && ++concave_ > kMostConcave) {
       collision.most_parts = 1;
       if (concave_ == kMostConcave + 1) {
@@ -132,7 +132,7 @@ class HullMaker {
         continue;
       }
       piece.piece_of = index;
-      // After all others: sensors know these by their index.
+      // Append, because sensors refer to existing collisions by index.
       link.collisions.push_back(std::move(piece));
     }
     if (!cutting.solids.empty()) return;
@@ -144,8 +144,8 @@ class HullMaker {
   RobotModel& robot_;
   int concave_ = 0;
   std::vector<Cutting> cuttings_;
-  std::map<std::pair<const MeshData*, int>, std::size_t> places_;  // in cuttings_
-  std::vector<std::size_t> cutting_of_;                            // by the collisions of Visit()
+  std::map<std::pair<const MeshData*, int>, std::size_t> places_;  // indices into cuttings_
+  std::vector<std::size_t> cutting_of_;                            // for each collision of Visit()
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The masses and inertias of links, and what stands for those that a model of another program does not say.
+// Reads masses and inertias of links, with defaults for missing ones in models made for other programs.
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 constexpr double kLight_kg = 0.01;  // of a link without a mass
 constexpr double kLeast_kg = 1e-9;
 
-/// Mass for a link of another program's model that says none.
+/// Sets mass and inertia of a link that has none, in a model made for other programs.
 void GiveMass(double mass_kg, LinkModel& out) {
   out.mass_kg = mass_kg;
   out.X_LI = {};
@@ -68,7 +68,7 @@ InertiaReader::InertiaReader(const std::vector<ModelScope>& scopes, ModelReading
     }
   }
   if (!reading.source.foreign) return;
-  // A base without mass has that of what is fixed to it.
+  // A base without mass gets the mass of the links fixed to it.
   for (bool grows = true; grows;) {
     grows = false;
     for (const auto& [parent, child] : pairs) {
@@ -95,7 +95,7 @@ void InertiaReader::Weigh(const tinyxml2::XMLElement& xml, LinkModel& out) const
       return reading_.Error(
           collision == nullptr ? xml.GetLineNum() : collision->GetLineNum(),
           "<density> must be a number above 0 and at most 100000 (kg/m³), not '" + word + "'");
-    std::vector<double> solid;  // it stands for
+    std::vector<double> solid;  // values of the solid that the mesh replaces
     for (const std::string& value : SplitWords(AttributeOf(collision, kSolidAttribute)))
       solid.push_back(ParsePlain(value).value_or(0));
     if (solid.size() == kSolidValues) {
@@ -154,7 +154,7 @@ void InertiaReader::ReadInertial(const sdf::Link& link, bool is_solid, LinkModel
     out.X_LI = X_LI;
     return;
   }
-  // SDF's default is 1 kg m^2, whatever the mass.
+  // SDF's default is 1 kg m², regardless of the mass.
   if (!link.Element()->GetElement("inertial")->HasElement("inertia"))
     return take_solid(what + " needs <inertia>");
   const Vector3 principal = ToVector(matrix.PrincipalMoments());
@@ -164,7 +164,7 @@ void InertiaReader::ReadInertial(const sdf::Link& link, bool is_solid, LinkModel
     const std::string wrong =
         "the inertia of " + what +
         " is not that of a body: moments must be positive, and none above the sum of the other two";
-    // Products that are too large are a slip of somebody's; a moment below 0 is no number to go by.
+    // Products that are too large are a typo; with a negative moment the numbers are unusable.
     const double least = ToVector(matrix.DiagonalMoments()).minCoeff();
     const bool negative = !principal.allFinite() || least < -1e-9 || largest > 1e9;
     if (foreign && !negative) return take_solid(wrong);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Joints of a robot.
+// Reads the joints of a robot.
 #include <spdlog/fmt/fmt.h>
 #include <tinyxml2.h>
 #include <algorithm>
@@ -15,8 +15,8 @@ namespace coopdyn {
 
 namespace {
 
-constexpr double kNoLimit = 1e15;  // a limit from here on means none
-constexpr double kFar = 1e6;       // rad or m: no joint stands further from 0
+constexpr double kNoLimit = 1e15;  // limits from here on mean unlimited
+constexpr double kFar = 1e6;       // rad or m: maximum distance of a joint from 0
 
 using Kind = JointModel::Kind;
 
@@ -29,7 +29,7 @@ class JointReader {
       for (std::size_t i = 0; i < scope.model.JointCount(); ++i) ReadOne(scope, *scope.model.JointByIndex(i));
     }
     if (!reading_.source.foreign && !world_) return;
-    // All that stands in the world is one base.
+    // All links fixed to the world form one base.
     std::optional<int> base;
     for (FixedJoint& fixed : reading_.fixed) {
       if (fixed.parent != FixedJoint::kWorld) continue;
@@ -39,7 +39,7 @@ class JointReader {
   }
 
  private:
-  /// Nothing for what is no joint of a robot.
+  /// nullopt for fixed joints, gearboxes and unknown types.
   static std::optional<Kind> KindOf(sdf::JointType type) {
     switch (type) {
       case sdf::JointType::PRISMATIC:
@@ -58,7 +58,7 @@ class JointReader {
     }
   }
 
-  /// Index of a link; FixedJoint::kWorld: the world; nothing if there is none.
+  /// Index of a link, or FixedJoint::kWorld for the world; nullopt if unknown.
   std::optional<int> FindEnd(const std::string& prefix, const std::string& name) const {
     if (name == "world") return FixedJoint::kWorld;
     const auto& links = reading_.robot.links;
@@ -67,7 +67,7 @@ class JointReader {
     return static_cast<int>(found - links.begin());
   }
 
-  /// A link for joints that hang on the world.
+  /// The link that represents the world as a parent of joints, added on first use.
   int WorldLink(int line) {
     if (world_) return *world_;
     world_ = static_cast<int>(reading_.robot.links.size());
@@ -82,7 +82,7 @@ class JointReader {
     return *world_;
   }
 
-  /// Null if there is none of its name.
+  /// The joint's element; null if none has its name.
   static const tinyxml2::XMLElement* XmlOf(const ModelScope& scope, const sdf::Joint& joint) {
     for (const auto* xml = scope.xml.FirstChildElement("joint"); xml != nullptr;
          xml = xml->NextSiblingElement("joint")) {
@@ -92,7 +92,7 @@ class JointReader {
     return nullptr;
   }
 
-  /// As the model's writer called it.
+  /// The joint's original name.
   static std::string NameOf(const ModelScope& scope, const sdf::Joint& joint) {
     const tinyxml2::XMLElement* const xml = XmlOf(scope, joint);
     const char* const given = xml == nullptr ? nullptr : xml->Attribute("coopdyn:name");
@@ -177,13 +177,13 @@ class JointReader {
     AddToAssembly(name, *to, X_RJ);
   }
 
-  /// Its parent follows in ReadAssembly().
+  /// ReadAssembly() adds the parent later.
   void AddToAssembly(const std::string& name, int child, const Pose& X_RJ) {
     const Pose& X_RF = reading_.robot.links[static_cast<std::size_t>(child)].X_RL;
     reading_.assembly.joints.push_back({name, 0, child, X_RF.Inverse() * X_RJ});
   }
 
-  /// The older <thread_pitch>: rad/m, positive for a left-handed thread.
+  /// Reads the older <thread_pitch>: rad/m, positive for a left-handed thread.
   void ReadPitch(const sdf::Joint& joint, int line, const std::string& what, JointModel& out) {
     const double pitch_rad_m = joint.Element()->HasElement("thread_pitch") ? joint.ThreadPitch() : 0;
     constexpr double kLeast = 1e-6, kMost = 1e9;
@@ -196,7 +196,7 @@ class JointReader {
     out.pitch_m_rad = -1 / pitch_rad_m;
   }
 
-  /// It is no joint of its own: ReadCouplings() makes a coupling of it.
+  /// Reads a gearbox. It is not a joint: ReadCouplings() makes it a coupling.
   void ReadGearbox(const ModelScope& scope, const sdf::Joint& joint, int line, const std::string& what) {
     const sdf::ElementPtr element = joint.Element();
     const auto axis = AxisOf(scope, joint, 0, line, what), axis2 = AxisOf(scope, joint, 1, line, what);
@@ -235,7 +235,7 @@ class JointReader {
     return scope.X_RM.q * direction.normalized();
   }
 
-  /// A ball or universal joint turns freely.
+  /// Warns about unused elements of a ball or universal joint, which turns freely.
   void WarnPassive(const sdf::Joint& joint, const tinyxml2::XMLElement* xml, int line,
                    const std::string& what) {
     if (xml != nullptr && xml->Attribute("coopdyn:armature") != nullptr)
@@ -252,8 +252,8 @@ class JointReader {
     }
   }
 
-  /// The motor's `limit` by <effort> or <velocity>: infinite if nothing, or a negative number, stands there.
-  /// In a model of others one of kNoLimit or more stays until its plug-ins have said theirs.
+  /// Reads the motor's `limit` from <effort> or <velocity>; infinite if missing or negative. In a model made
+  /// for other programs, a limit of kNoLimit or more stays until plugins may set one.
   void ReadMotorLimit(const char* name, double value, double most, const std::string& what, int line,
                       double& limit) {
     limit =
@@ -289,7 +289,7 @@ class JointReader {
     }
   }
 
-  /// What an attribute of a joint says, if it has it.
+  /// The number in an attribute of a joint; nullopt if missing or invalid (then reported).
   std::optional<double> NumberOf(const ModelScope& scope, const sdf::Joint& joint, int line,
                                  const char* attribute, double least, double most, const char* meaning) {
     const tinyxml2::XMLElement* const xml = XmlOf(scope, joint);
@@ -302,7 +302,7 @@ class JointReader {
     return std::nullopt;
   }
 
-  /// `start`: what the model says of it.
+  /// `start`: the model's start position, if it has one.
   void ReadAxis(const sdf::JointAxis& axis, bool endless, const std::optional<double>& start, int line,
                 JointModel& out) {
     const std::string what = "joint '" + out.name + "'";
@@ -334,7 +334,7 @@ class JointReader {
                                       {"friction", &out.friction},
                                       {"spring_stiffness", &out.stiffness}}) {
       const std::string wrong = std::string("<") + name + "> of " + what + " must be a number from 0 to 1e9";
-      if (*value > kMost) {  // as some hold what shall not move
+      if (*value > kMost) {  // used by some models to hold a joint
         reading_.Complain(line, wrong, "it is 1e9");
         *value = kMost;
       } else if (!(*value >= 0)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Links of a robot with mass and shapes.
+// Reads the links of a robot with mass and shapes.
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -25,11 +25,11 @@ Pose ToPose(const ignition::math::Pose3d& pose) {
   return {ToVector(pose.Pos()), Quaternion(q.W(), q.X(), q.Y(), q.Z()).normalized()};
 }
 
-/// A shape, and where it is in the frame that its <pose> gives.
+/// A shape and its pose in the frame of its <pose>.
 struct PlacedShape {
   Shape shape;
   Pose X_PG;
-  std::optional<Color> color;  // its own
+  std::optional<Color> color;  // from a mesh file
 };
 
 class LinkReader {
@@ -71,7 +71,7 @@ class LinkReader {
     }
   }
 
-  /// Their names.
+  /// Reads the collisions and returns their names.
   std::vector<std::string> ReadCollisions(const sdf::Link& link, LinkModel& out) {
     std::vector<std::string> names;
     for (std::size_t c = 0; c < link.CollisionCount(); ++c) {
@@ -109,7 +109,8 @@ class LinkReader {
       const auto placed = ToShape(*visual.Geom(), LineOf(visual.Element()), what, true);
       const Pose X_LG = reading_.Resolve(visual.SemanticPose(), link.Name(), visual.Element(), what);
       Color color = placed && placed->color ? *placed->color : Color();
-      // SDF's default is black, also of a material that is no colour, such as a script of Gazebo.
+      // Require <diffuse>: SDF's default is black, even for a material without a colour such as a Gazebo
+      // script.
       if (visual.Material() != nullptr && visual.Material()->Element()->HasElement("diffuse")) {
         const auto& diffuse = visual.Material()->Diffuse();
         const auto clamp = [](double x) { return std::isfinite(x) ? std::clamp(x, 0.0, 1.0) : 0.0; };
@@ -124,7 +125,7 @@ class LinkReader {
 
   std::optional<PlacedShape> ToShape(const sdf::Geometry& geometry, int line, const std::string& what,
                                      bool is_visual = false) {
-    // Other programs collide with points, and with floors of many kilometres.
+    // Models made for other programs have points, and floors of many kilometres, as collisions.
     bool fine = true, fits = !is_visual && reading_.source.foreign;
     const auto fit = [&](double size) {
       const bool good = size >= kMinLength_m && size <= kMaxSize_m;
@@ -183,7 +184,7 @@ class LinkReader {
     return placed;
   }
 
-  /// Friction of a collision whose shape is turned by `q_CG` in its frame.
+  /// Reads the friction of a collision. `q_CG`: orientation of its shape in its frame.
   void ReadFriction(const sdf::Collision& collision, const Quaternion& q_CG, LinkShape& out) {
     sdf::ElementPtr friction = collision.Element();
     for (const char* name : {"surface", "friction"}) {
@@ -218,7 +219,7 @@ class LinkReader {
         out.friction_frame < 0 ? Vector3(q_CG.conjugate() * along.normalized()) : along.normalized();
   }
 
-  /// The link that carries an <fdir1>, among those of the file; -1: its own.
+  /// Index among the file's links of the link to which an <fdir1> is fixed; -1: its own link.
   int FrameOf(const sdf::ElementPtr& fdir1) {
     for (const char* key : {"gz:expressed_in", "ignition:expressed_in"}) {
       if (!fdir1->HasAttribute(key)) continue;
@@ -231,8 +232,8 @@ class LinkReader {
     return -1;
   }
 
-  /// Of a round patch that is pressed as Hertz says: 3π/16 of its radius (K. L. Johnson (1985), Contact
-  /// Mechanics).
+  /// Reads torsional friction. The lever arm of a Hertzian contact patch is 3π/16 of its radius (K. L.
+  /// Johnson (1985), Contact Mechanics).
   void ReadTorsional(const sdf::ElementPtr& element, LinkShape& out) {
     const double coefficient = element->HasElement("coefficient") ? NotNegative(element, "coefficient") : 1;
     const double radius_m = element->HasElement("patch_radius") ? NotNegative(element, "patch_radius") : 0;
@@ -247,7 +248,7 @@ class LinkReader {
 
   double NotNegative(const sdf::ElementPtr& element, const char* name) {
     const double value = element->Get<double>(name);
-    constexpr double kMost = 1e3;  // nothing slips before; many models write more
+    constexpr double kMost = 1e3;  // effectively no slip; many models have larger numbers
     if (std::isfinite(value) && value >= 0) return std::min(value, kMost);
     reading_.Error(LineOf(element), "<" + std::string(name) + "> must be a number from 0 to 1000");
     return 0;
@@ -269,8 +270,8 @@ class LinkReader {
   }
 
   ModelReading& reading_;
-  std::vector<std::string> names_;  // of all links of the file, in their order
-  std::string prefix_;              // of the names in the model that is read
+  std::vector<std::string> names_;  // of all links of the file, in order
+  std::string prefix_;              // of names in the current model
 };
 
 }  // namespace

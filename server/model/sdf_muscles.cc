@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `<coopdyn:muscle>`.
+// Reads `<coopdyn:muscle>`.
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace coopdyn {
 
 namespace {
 
-/// A link of the model and a point of it, in R.
+/// A link of the model and a point on it, in R.
 struct MuscleEnd {
   int link = 0;
   Vector3 p_R;

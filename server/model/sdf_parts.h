@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The parts of reading a robot's SDF: what libsdformat lets pass (sdf_check.cc), and our own elements in the
-// namespace `coopdyn:` (docs/formats.md): the drive, modules, which visuals take the robot's colour
-// (sdf_extension.cc) and sensors (sdf_sensors.h), and the fixed joints of SDF (sdf_weld.cc). All with lines,
-// from the raw XML.
+// The parts of reading a robot's SDF that use the raw XML, with line numbers: checks that libsdformat omits
+// (sdf_check.cc), coopdyn's own elements in the namespace `coopdyn:` (docs/formats.md), i.e. the drive,
+// modules, visuals in the robot's colour (sdf_extension.cc) and sensors (sdf_sensors.h), and SDF's fixed
+// joints (sdf_weld.cc).
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ class XMLElement;
 
 namespace coopdyn {
 
-/// More than any robot has; what libsdformat takes for a model grows with the square of some of them.
+// Limits beyond any robot's size. libsdformat's time grows with the square of some of these numbers.
 inline constexpr std::size_t kMaxModelBytes = 4u << 20;
 inline constexpr int kMaxModelParts = 300;  // of each kind: links, joints, frames
 inline constexpr int kMaxModelElements = 10'000;
@@ -31,57 +31,55 @@ inline constexpr int kMaxWorldElements = 100'000;
 inline constexpr int kMaxElementAttributes = 64;
 inline constexpr double kMaxMotorEffort = 1e6, kMaxMotorVelocity = 1e4;  // N m or N, rad/s or m/s
 
-/// False, and reported, if the `text` of a model, or one of its elements, is longer than one can be. Before
-/// it is parsed.
+/// Reports an error and returns false if the `text` of a model, or one of its elements, is too long. Call it
+/// before parsing.
 bool IsModelSize(std::string_view text, const std::string& file, Diagnostics& diagnostics);
-/// False, and reported, if there is more of something below `root` than one robot has.
+/// Reports an error and returns false if there are too many parts or elements below `root`.
 bool IsModelCount(const tinyxml2::XMLElement& root, const std::string& file, Diagnostics& diagnostics);
 
-/// Compares the elements below `root` (`<sdf>`) with SDF's own description in `description`. Errors: unknown
-/// elements and attributes, missing required attributes, unreadable or non-finite values, shapes that we
-/// cannot simulate. Warnings: what SDF knows and coopdyn does not use. Elements of other namespaces are left
-/// to their owners.
+/// Compares the elements below `root` (`<sdf>`) with SDF's own schema in `description`. Errors: unknown
+/// elements and attributes, missing required attributes, unreadable or non-finite values, shapes that coopdyn
+/// cannot simulate. Warnings: SDF elements that coopdyn does not use. Ignores elements of other namespaces.
 void CheckSdf(const tinyxml2::XMLElement& root, const sdf::ElementPtr& description, const std::string& file,
               Diagnostics& diagnostics);
 
-/// Whether the reader uses elements `name` in `parent`.
+/// True if the reader uses elements `name` in `parent`.
 bool IsUsedElement(std::string_view parent, const std::string& name);
 
-/// Reads what a drive plug-in of Gazebo says (gazebo.cc): the drive of `robot`, with its module `motors`.
-/// What does not fit is a warning.
+/// Reads the drive of `robot`, with its module `motors`, from the element that replaces a Gazebo drive plugin
+/// (gazebo_plugins.cc). Warns about parts that do not fit.
 void AdoptDrive(const tinyxml2::XMLElement& element, const std::string& file, RobotModel& robot,
                 Diagnostics& diagnostics);
-/// The same of a controller of one joint, which then has a motor.
+/// The same for a controller plugin of one joint, which then has a motor.
 void AdoptJoint(const tinyxml2::XMLElement& element, const std::string& file, RobotModel& robot,
                 Diagnostics& diagnostics);
 
 /// A `<sensor>` of SDF.
 struct SdfSensor {
   std::string name;   // as in the file
-  std::string scope;  // prefix of the names of its model
-  std::string host;   // the link or joint in which it stands, without the prefix, as libsdformat knows it
-  std::string joint;  // as everybody else knows it
+  std::string scope;  // prefix of its model's names
+  std::string host;   // the link or joint that contains it, without prefix, as named for libsdformat
+  std::string joint;  // the joint's original name
   bool on_joint = false;
-  std::string module;  // what its module is to be called
+  std::string module;  // name of its module
   SensorKind kind;
   SensorTiming timing;
   std::vector<std::string> collisions;  // of a contact sensor
   std::string wrench_frame;             // child, parent or sensor
-  Pose X_SC;                            // of a camera in it
+  Pose X_SC;                            // pose of a camera in the sensor
   SourceLine where;
-  std::size_t link = 0;  // of the file
-  Pose X_FS;             // in that link; in its joint
+  std::size_t link = 0;  // index among the file's links
+  Pose X_FS;             // pose in that link, or in the joint
 };
-/// The `<sensor>`s in `model` (`<model>`) and those inside it; what is wrong with them is reported. Their
-/// places are not known yet.
+/// The `<sensor>`s in `model` (`<model>`) and its nested models, still without their places. Reports errors.
 std::vector<SdfSensor> ReadSensorElements(const tinyxml2::XMLElement& model, const std::string& file,
                                           Diagnostics& diagnostics);
-/// What a module is called after something of another program: lower case, other characters as _.
+/// A module name made from a name of another program: lower case, invalid characters become _.
 std::string ModuleName(std::string_view name);
-/// Whether coopdyn has such a `type` of `<sensor>`.
+/// True if coopdyn simulates this `type` of `<sensor>`.
 bool IsUsedSensor(std::string_view type);
 
-/// A fixed joint between two links, or of the world and a link.
+/// A fixed joint between two links, or between the world and a link.
 struct FixedJoint {
   static constexpr int kWorld = -1;
   int parent = 0, child = 0;  // index into links; parent may be kWorld
@@ -89,37 +87,38 @@ struct FixedJoint {
   std::string name{};
 };
 /// SDF's gearbox: the angle of `child` about `axis2_R` is -ratio · the angle of `parent` about `axis_R`, both
-/// against `reference`.
+/// relative to `reference`.
 struct Gearbox {
-  std::string name, parent, child, reference;  // of links
+  std::string name, parent, child, reference;  // the gearbox's name, and names of links
   Vector3 axis_R, axis2_R;
   double ratio = 1;
   int line = 0;
 };
-/// Reads the couplings of `robot`: the `<mimic>`s of `model` (`<model>`), as GatherMimics() writes them, and
-/// `gearboxes`. `robot` has its links, joints and frames. `fixed`: joints that cannot move.
-/// `is_foreign`: what is wrong is left out, with a warning.
+/// Reads the couplings of `robot`: the `<mimic>`s of `model` (`<model>`), as written by GatherMimics(), and
+/// `gearboxes`. `fixed`: joints that cannot move. `is_foreign`: leave out wrong couplings with a warning.
+/// @pre `robot` has its links, joints and frames
 void ReadCouplings(const tinyxml2::XMLElement& model, std::span<const Gearbox> gearboxes,
                    std::span<const FixedJoint> fixed, bool is_foreign, const std::string& file,
                    RobotModel& robot, Diagnostics& diagnostics);
 
-/// Where a model's links and joints stand in its file.
+/// The lines of a model's links and joints in its file.
 struct ModelLines {
   std::vector<int> links, joints;
 };
-/// Adds to the mass of `to` that of a body: `inertia_kg_m2` about its centre of mass, along the axes of X_LI.
+/// Adds a body's mass and inertia to `to`. `inertia_kg_m2`: about the body's centre of mass, along the axes
+/// of X_LI.
 void AddMass(double added_kg, const Vector3& inertia_kg_m2, const Pose& X_LI, LinkModel& to);
-/// The two links of each muscle in `model` (`<model>`), index into the links of `robot`, before they are
-/// welded; what names others is left out.
+/// The two links of each muscle in `model` (`<model>`), as indices into the links of `robot` before welding.
+/// Leaves out muscles with unknown links.
 std::vector<std::pair<int, int>> TiesOf(const tinyxml2::XMLElement& model, const RobotModel& robot);
-/// Makes one link of those that `fixed` holds together, and the base the first of all: what is fixed to the
-/// world, else the first link that is no joint's child. What does not hang together, be it by `ties`, is an
-/// error, in a `foreign` model a warning. `lines`: of `robot` as given.
+/// Merges links that `fixed` joints hold together, and makes the base the first link: the link fixed to the
+/// world, else the first link that is no joint's child. Links that neither joints nor `ties` connect to the
+/// base are an error, or a warning in a `foreign` model. `lines`: of `robot` as passed.
 void WeldLinks(std::span<const FixedJoint> fixed, std::vector<std::pair<int, int>> ties,
                const ModelLines& lines, const std::string& file, RobotModel& robot, bool foreign,
                Diagnostics& diagnostics);
 
-/// A link of the model's file, before fixed joints made it a part of another.
+/// A link of the model's file, before fixed joints merged it into another.
 struct FileLink {
   std::string name;
   std::vector<std::string> collisions{};  // their names
@@ -128,52 +127,52 @@ struct FileLink {
   Vector3 inertia_kg_m2 = Vector3::Zero();
   std::size_t first_collision = 0;  // among LinkModel::collisions of its link
 };
-/// A joint of the model's file, the fixed ones too.
+/// A joint of the model's file, including fixed ones.
 struct FileJoint {
   std::string name;
   int parent = 0, child = 0;  // index into Assembly::links; parent may be FixedJoint::kWorld
   Pose X_FJ;                  // in the child
 };
-/// Of what a robot was put together. robot.frames[i] says where links[i] has gone.
+/// The file's parts from which a robot was assembled. robot.frames[i] is the place of links[i].
 struct Assembly {
   std::vector<FileLink> links;
   std::vector<FileJoint> joints;
   std::vector<SdfSensor> sensors{};  // SDF's own
 };
-/// Says where the collisions of the file's links are in the links of `robot`.
+/// Sets FileLink::first_collision for the links of `assembly`.
 void FindCollisions(const RobotModel& robot, Assembly& assembly);
 
-/// Whether `visual` (`<visual>`) says coopdyn:color="robot". Another value is an error.
+/// True if `visual` (`<visual>`) has coopdyn:color="robot". Reports other values as errors.
 bool TakesRobotColor(const tinyxml2::XMLElement& visual, const std::string& file, Diagnostics& diagnostics);
 
-/// Reads our elements in `model` (`<model>`), and the sensors of `assembly`, into `robot`, whose links and
-/// joints are complete.
+/// Reads coopdyn's elements in `model` (`<model>`) and the sensors of `assembly` into `robot`. @pre its links
+/// and joints are complete
 void ReadExtension(const tinyxml2::XMLElement& model, const std::string& file, const Assembly& assembly,
                    RobotModel& robot, Diagnostics& diagnostics);
 
-/// Reads a `<coopdyn:drivetrain>` of `joint`, whose axis is complete.
+/// Reads a `<coopdyn:drivetrain>` into `joint`. @pre the joint's axis is complete
 void ReadDriveTrain(const tinyxml2::XMLElement& element, const std::string& file, JointModel& joint,
                     Diagnostics& diagnostics);
-/// Reads a `<coopdyn:muscle>` of `robot`, whose joints, links and groups are complete.
+/// Reads a `<coopdyn:muscle>` into `robot`. @pre joints, links and groups of `robot` are complete
 void ReadMuscle(const tinyxml2::XMLElement& element, const std::string& file, RobotModel& robot,
                 Diagnostics& diagnostics);
 
-/// Reads a `<coopdyn:thruster>`, likewise.
+/// Reads a `<coopdyn:thruster>` into `robot`. @pre as for ReadMuscle()
 void ReadThruster(const tinyxml2::XMLElement& element, const std::string& file, RobotModel& robot,
                   Diagnostics& diagnostics);
-/// Makes a thruster of the rotor of a plug-in of Gazebo. What does not fit is a warning.
+/// Makes a thruster from the rotor of a Gazebo plugin. Warns about parts that do not fit.
 void AdoptRotor(const tinyxml2::XMLElement& element, const std::string& file, RobotModel& robot,
                 Diagnostics& diagnostics);
 
-/// The attributes of one XML element, each asked for by name; what nobody asked for is reported. `element`
-/// and `diagnostics` outlive it. One thread.
+/// Reads attributes of one XML element by name, and reports those that were never read. `element` and
+/// `diagnostics` must outlive it. One thread.
 class XmlAttributes {
  public:
   XmlAttributes(const tinyxml2::XMLElement& element, std::string file, Diagnostics& diagnostics);
 
-  /// Its text; nothing if missing.
+  /// The attribute's text; nullopt if missing.
   std::optional<std::string> Text(const std::string& name);
-  /// A finite number in [min, max]; nothing if missing or wrong (then reported).
+  /// A finite number in [min, max]; nullopt if missing or invalid (then reported).
   std::optional<double> Number(const std::string& name, double min, double max);
   std::optional<int> Integer(const std::string& name, int min, int max);
   /// true or false.
@@ -182,9 +181,9 @@ class XmlAttributes {
   std::optional<std::vector<double>> Numbers(const std::string& name, std::size_t count);
 
   void Error(const std::string& text);
-  /// Reports that attribute `name` is needed, if it is missing.
+  /// Reports an error if attribute `name` is missing.
   void Require(const std::string& name);
-  /// Reports the attributes that were never asked for.
+  /// Reports the attributes that were never read.
   void Finish();
   SourceLine where() const;
 
@@ -195,18 +194,18 @@ class XmlAttributes {
   std::vector<std::string> known_;
 };
 
-/// Adds `joint`, which joins nothing, to the actuator of its `kind`, whose module is called `module`.
-/// Reports what keeps it out.
+/// Adds `joint`, a muscle, thruster or limiter, to the actuator of its `kind` with the module name `module`.
+/// Reports an error if that is impossible.
 void AddToModule(XmlAttributes& attributes, JointModel joint, const decltype(ActuatorModel::kind)& kind,
                  const std::string& module, RobotModel& robot);
-/// Reports a name that no module can have.
+/// Reports an invalid module name.
 void CheckModuleName(XmlAttributes& attributes, const std::string& name);
-/// Reads a `<coopdyn:group>`: a control board of `robot`, whose joints, links and drive are complete.
+/// Reads a `<coopdyn:group>`, a control board. @pre joints, links and drive of `robot` are complete
 void ReadGroup(XmlAttributes& attributes, RobotModel& robot, Diagnostics& diagnostics);
-/// Makes a control board of those joints that a `<ros2_control>` commands which no other actuator has.
+/// Makes a control board of the joints that a `<ros2_control>` commands, except joints of other actuators.
 void AdoptGroup(XmlAttributes& attributes, RobotModel& robot);
-/// Gives a robot without groups the group `joints` of all joints with an effort and a velocity that no drive
-/// has, if there are any.
+/// If the robot has no groups, adds the group `joints` of all joints that have an effort and a velocity and
+/// do not belong to a drive, if any.
 void AddDefaultGroup(RobotModel& robot);
 
 }  // namespace coopdyn

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Our elements for sensors of ranges: distance, target, neighbours, lidar and sonar.
+// Reads coopdyn's elements of range sensors: distance, target, neighbours, lidar and sonar.
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace coopdyn {
 
 namespace {
 
-/// What `<coopdyn:distance_sensors>` says for all its sectors, or one sector for itself.
+/// Values of `<coopdyn:distance_sensors>` for all sectors, or of a single sector.
 struct SectorDefaults {
   std::optional<double> radius_m, height_m;
   double opening_rad = 0;
@@ -68,7 +68,7 @@ SectorModel ReadSector(XmlAttributes& attributes, const SectorDefaults& common) 
   return sector;
 }
 
-/// Noise of distance and bearing, which two kinds have.
+/// Reads the noise of distance and bearing, for targets and neighbours.
 template <typename Kind>
 void ReadSightNoise(Kind& sensor, XmlAttributes& attributes) {
   if (auto v = attributes.Number("distance_noise_stddev", 0, kMaxSensorLength_m))
@@ -77,7 +77,7 @@ void ReadSightNoise(Kind& sensor, XmlAttributes& attributes) {
     sensor.bearing_noise_stddev_rad = *v * kRadPerDeg;
 }
 
-/// What `<coopdyn:sonar>` says for all its beams, or one beam for itself.
+/// Reads values of `<coopdyn:sonar>` for all beams, or of a single beam.
 void ReadBeamAttributes(XmlAttributes& attributes, SonarModel::Beam& beam) {
   if (auto v = attributes.Number("opening_deg", 0, 360)) beam.opening_rad = *v * kRadPerDeg;
   ReadNoise(attributes, "", beam.noise);
@@ -127,7 +127,7 @@ void ReadInto(LidarModel& sensor, const SensorSource& source) {
              last = attributes.Number("last_deg", -360, 360);
   if (first.has_value() != last.has_value())
     attributes.Error("needs both 'first_deg' and 'last_deg', or neither: then it looks all round");
-  // All round: the last column is one before the first. One alone looks ahead.
+  // Default all round: the last column is next to the first. A single column looks ahead.
   const bool is_one = sensor.columns == 1;
   sensor.first_azimuth_rad = first.value_or(is_one ? 0 : -180) * kRadPerDeg;
   sensor.last_azimuth_rad = last.value_or(is_one ? 0 : 180 - 360.0 / sensor.columns) * kRadPerDeg;
@@ -165,7 +165,7 @@ void ReadInto(SonarModel& sensor, const SensorSource& source) {
   constexpr double kUsualOpening_deg = 30;
   constexpr double kWidestCone_rad = 170 * kRadPerDeg;
   common.opening_rad = kUsualOpening_deg * kRadPerDeg;
-  common.opening_up_rad = -1;  // as across
+  common.opening_up_rad = -1;  // default: equal to opening_rad
   ReadBeamAttributes(source.attributes, common);
   source.ForEachChild({"coopdyn:beam"}, [&](XmlAttributes& child, std::string_view) {
     SonarModel::Beam beam = common;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A robot's text through libsdformat; its parts in sdf_body.h, our own elements in sdf_parts.h.
+// Reads a robot's text with libsdformat. For its parts see sdf_body.h, for coopdyn's own elements
+// sdf_parts.h.
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -66,7 +67,7 @@ class RobotReader {
  private:
   void Error(int line, std::string text) { diagnostics_.Error({file_, line}, std::move(text)); }
 
-  /// ODE's own stops end at ±180 degrees; only control boards count further.
+  /// Reports and removes stops beyond ±180 degrees, ODE's limit, of hinges that no actuator drives.
   void CheckStops(ModelReading& reading) {
     for (std::size_t i = 0; i < robot_->joints.size(); ++i) {
       JointModel& joint = robot_->joints[i];
@@ -84,7 +85,7 @@ class RobotReader {
     }
   }
 
-  /// A drive train is that of a motor which clients can command.
+  /// Reports drive trains of joints without a control board.
   void CheckTrains(const ModelReading& reading) {
     for (std::size_t i = 0; i < robot_->joints.size(); ++i) {
       const JointModel& joint = robot_->joints[i];
@@ -99,7 +100,7 @@ class RobotReader {
   }
 
   const tinyxml2::XMLElement* Parse() {
-    // It was parsed before, as it was written.
+    // The original text has already been parsed; this is the composed one.
     if (document_.Parse(source_.text.c_str(), source_.text.size()) != tinyxml2::XML_SUCCESS) {
       Error(document_.ErrorLineNum(), std::string("not well-formed XML (") + document_.ErrorName() + ")");
       return nullptr;
@@ -109,18 +110,18 @@ class RobotReader {
   }
 
   const sdf::Model* Load(const tinyxml2::XMLElement& root, sdf::Root& loaded) {
-    // libsdformat's console is the process's, and everything it says comes back as errors too.
+    // libsdformat prints to the process's console; all its messages are also returned as errors.
     sdf::Console::Instance()->SetQuiet(true);
     sdf::SDFPtr description = DescriptionFor(root);
     Diagnostics found;
     CheckSdf(root, description->Root(), file_, found);
-    if (!found.all().empty()) {  // what could stand there belongs to the words
+    if (!found.all().empty()) {  // messages list the allowed elements: check again with the whole schema
       description = WholeDescription(root);
       CheckSdf(root, description->Root(), file_, diagnostics_);
     }
     if (const auto* model = root.FirstChildElement("model"))
       sensors_ = ReadSensorElements(*model, file_, diagnostics_);
-    // A text with mistakes would be taken for URDF next, whose parser prints to the console.
+    // libsdformat would try a text with errors as URDF, whose parser prints to the console.
     if (diagnostics_.has_errors()) return nullptr;
     sdf::Errors errors;
     const sdf::ParserConfig config;
@@ -129,7 +130,7 @@ class RobotReader {
       errors.insert(errors.end(), more.begin(), more.end());
     }
     for (const sdf::Error& error : errors) {
-      // ReadLinks() helps itself.
+      // ReadLinks() handles this.
       if (source_.foreign && error.Code() == sdf::ErrorCode::LINK_INERTIA_INVALID) continue;
       constexpr std::size_t kMaxShown = 300;
       std::string text = error.Message().substr(0, kMaxShown);

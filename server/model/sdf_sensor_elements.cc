@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// SDF's <sensor>s: what they say, in sensor_models.h's words. Their places follow in sdf_sensor_places.cc.
+// Reads SDF's <sensor>s into the models of sensor_models.h. For their places see sdf_sensor_places.cc.
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -18,13 +18,13 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-/// The values of the elements in one `<sensor>`; what is wrong is reported with its line.
+/// Reads values of the elements in one `<sensor>`. Reports errors with their lines.
 class ElementValues {
  public:
   ElementValues(const XMLElement& sensor, const std::string& file, Diagnostics& diagnostics)
       : sensor_(sensor), file_(file), diagnostics_(diagnostics) {}
 
-  /// The child of `parent` at the end of `path`, "scan/horizontal"; null if there is none.
+  /// The descendant of `parent` at `path`, e.g. "scan/horizontal"; null if none.
   static const XMLElement* Find(const XMLElement* parent, std::string_view path) {
     while (parent != nullptr && !path.empty()) {
       const std::string name(path.substr(0, path.find('/')));
@@ -62,7 +62,7 @@ class ElementValues {
     const XMLElement* host = Find(parent, path);
     const XMLElement* noise = host == nullptr ? nullptr : host->FirstChildElement("noise");
     if (noise == nullptr) return out;
-    // An attribute in the noise of values, an element in that of scans and pictures.
+    // The type is an attribute in the noise of values, but an element in that of scans and images.
     const char* attribute = noise->Attribute("type");
     const std::string type = ToLower(attribute != nullptr ? attribute : TextOf(noise, "type", "gaussian"));
     constexpr double kMost = 1e9;
@@ -77,7 +77,7 @@ class ElementValues {
     if (type == "gaussian_quantized") out.resolution = Number(noise, "precision", 0, 0, kMost);
     return out;
   }
-  /// Of x, y and z.
+  /// The noises of x, y and z.
   std::array<ValueNoise, 3> Noises(const XMLElement* parent, const std::string& path) {
     return {Noise(parent, path + "/x"), Noise(parent, path + "/y"), Noise(parent, path + "/z")};
   }
@@ -149,7 +149,7 @@ LidarModel ToLidar(ElementValues& values) {
     const double factor = values.Number(element, path + "/resolution", 1, 1e-3, 1e3);
     return std::max(1, static_cast<int>(std::round(std::min(samples * factor, 1e9))));
   };
-  constexpr int kUsualColumns = 640;  // SDF's
+  constexpr int kUsualColumns = 640;  // SDF's default
   lidar.columns = count("scan/horizontal", kUsualColumns);
   lidar.rows = count("scan/vertical", 1);
   const auto angle = [&](const char* path) {
@@ -175,7 +175,7 @@ LidarModel ToLidar(ElementValues& values) {
     values.Error(values.sensor(), "needs <range><max>, in m");
     return lidar;
   }
-  // Some models write a huge number for no limit.
+  // Some models have a huge number for unlimited.
   lidar.max_range_m = values.Number(element, "range/max", 1, 0, 1e12);
   lidar.max_range_m = std::min(lidar.max_range_m, kMaxSensorLength_m);
   lidar.noise = values.Noise(element, "");
@@ -210,7 +210,7 @@ CameraModel ToCamera(ElementValues& values, const XMLElement* element, bool is_d
   camera.height = values.Integer(element, "image/height", camera.height, 1, 1'000'000);
   const XMLElement* clip = ElementValues::Find(element, "depth_camera/clip");
   if (clip == nullptr || !is_depth) clip = ElementValues::Find(element, "clip");
-  constexpr double kUsualNear_m = 0.1, kUsualFar_m = 100, kDepthFar_m = 10;  // SDF's
+  constexpr double kUsualNear_m = 0.1, kUsualFar_m = 100, kDepthFar_m = 10;  // SDF's defaults
   const bool own = clip != nullptr && clip != ElementValues::Find(element, "clip");
   camera.near_m = values.Number(clip, "near", kUsualNear_m, 0, kMaxSensorLength_m);
   camera.far_m = values.Number(clip, "far", own ? kDepthFar_m : kUsualFar_m, 0, 1e12);
@@ -254,7 +254,7 @@ class ElementReader {
     const bool on_joint = std::string_view(host.Name()) == "joint";
     const char* type_text = element.Attribute("type");
     const std::string type = type_text == nullptr ? "" : type_text;
-    if (!IsUsedSensor(type)) return;  // said before
+    if (!IsUsedSensor(type)) return;  // reported before
     ElementValues values(element, file_, diagnostics_);
     SdfSensor out;
     out.name = values.name();

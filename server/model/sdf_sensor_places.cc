@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where SDF's <sensor>s are, and their modules.
+// Finds the places of SDF's <sensor>s, and adds their modules.
 #include <algorithm>
 #include <sdf/sdf.hh>
 #include <utility>
@@ -12,7 +12,7 @@ namespace coopdyn {
 
 namespace {
 
-/// Where libsdformat says that `sensor` is, in its link or joint.
+/// The pose of `sensor` in its link or joint, from libsdformat.
 Pose PlaceOf(const SdfSensor& sensor, const std::vector<ModelScope>& scopes, ModelReading& reading) {
   const auto scope = std::ranges::find(scopes, sensor.scope, &ModelScope::prefix);
   if (scope == scopes.end()) return {};
@@ -26,7 +26,7 @@ Pose PlaceOf(const SdfSensor& sensor, const std::vector<ModelScope>& scopes, Mod
     if (link != nullptr) found = link->SensorByName(sensor.name);
   }
   if (found == nullptr) return {};
-  // libsdformat does not look up frames for sensors of joints.
+  // libsdformat does not resolve frames for sensors of joints.
   if (sensor.on_joint) {
     if (!found->PoseRelativeTo().empty())
       reading.Warn(sensor.where.line,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The table of the sensors, and what all of them have in common.
+// The table of coopdyn's sensor elements, and their common parts.
 #include "server/model/sdf_sensors.h"
 
 #include <tinyxml2.h>
@@ -25,17 +25,17 @@ SensorKind ReadKind(const SensorSource& source) {
   return sensor;
 }
 
-/// How a kind of sensor is written.
+/// The SDF form of a kind of sensor.
 struct Words {
   std::string_view type;     // of its module
-  std::string_view element;  // that describes it; empty: there is nothing to say
-  std::string_view needed;   // an element to write, if it is needed
+  std::string_view element;  // the element that describes it; empty: none
+  std::string_view needed;   // an example element, if one is required
   SensorKind (*read)(const SensorSource& source);
-  SensorKind usual;  // without an element
+  SensorKind usual;  // default without an element
   bool has_timing = true;
 };
 
-/// The table of the sensors: a new kind is one line here, at its place in SensorKind.
+/// The table of the sensors. A new kind needs one line here, in the order of SensorKind.
 std::span<const Words> Table() {
   static const std::array kTable = {
       Words{DistanceModel::kType, "coopdyn:distance_sensors", "<coopdyn:distance_sensors>",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The sensors of one robot: our own elements (the table in sdf_sensors.cc; by kind in sdf_range_sensors.cc,
-// sdf_spot_sensors.cc and sdf_body_sensors.cc) and SDF's <sensor> (sdf_sensor_elements.cc,
-// sdf_sensor_kinds.cc). One thread.
+// Reads the sensors of one robot: coopdyn's own elements (table in sdf_sensors.cc; by kind in
+// sdf_range_sensors.cc, sdf_spot_sensors.cc and sdf_body_sensors.cc) and SDF's <sensor>
+// (sdf_sensor_elements.cc, sdf_sensor_places.cc). One thread.
 #pragma once
 
 #include <functional>
@@ -20,7 +20,7 @@ inline constexpr double kMaxSensorLength_m = 1e5;
 inline constexpr int kMaxLidarRays = 1'000'000;
 inline constexpr double kMaxSensorRate_hz = 1e6, kMaxSensorDelay_s = 100;
 
-/// One element of ours, and whom to tell what is wrong with it.
+/// One of coopdyn's own sensor elements, with its context.
 struct SensorSource {
   const tinyxml2::XMLElement& element;
   XmlAttributes& attributes;
@@ -28,23 +28,23 @@ struct SensorSource {
   const RobotModel& robot;
   const Assembly& assembly;
   Diagnostics& diagnostics;
-  SensorTiming& timing;  // a preset may have one
+  SensorTiming& timing;  // output: some presets set it
   mutable bool has_read_children = false;
 
-  /// Index into robot.frames of the link `name`; nothing with an error at `from`.
+  /// Index into robot.frames of the link `name`. Reports an error at `from` and returns nullopt if unknown.
   std::optional<std::size_t> FindLink(XmlAttributes& from, const std::string& name) const;
-  /// Where `from` says by `link` and `pose` (in the link) that something is; the chassis by default.
+  /// The place given by the attributes `link` (default: the chassis) and `pose` (in the link) of `from`.
   Mount ReadMount(XmlAttributes& from) const;
-  /// Calls `read` for each child called one of `names`; any other is an error.
+  /// Calls `read` for each child whose name is in `names`. Reports other children as errors.
   void ForEachChild(std::initializer_list<std::string_view> names,
                     const std::function<void(XmlAttributes& child, std::string_view name)>& read) const;
 };
 
-/// The noise of a value by the attributes `prefix`noise_stddev, noise_uniform, bias_mean, bias_stddev and
-/// resolution; what is not said stays.
+/// Reads the noise of a value from the attributes `prefix`noise_stddev, noise_uniform, bias_mean, bias_stddev
+/// and resolution; missing attributes leave `noise` unchanged.
 void ReadNoise(XmlAttributes& attributes, const std::string& prefix, ValueNoise& noise);
 
-// What an element says of a sensor: one for each kind.
+// Read an element into a sensor model, one for each kind.
 void ReadInto(DistanceModel& sensor, const SensorSource& source);
 void ReadInto(TargetModel& sensor, const SensorSource& source);
 void ReadInto(PoseModel& sensor, const SensorSource& source);
@@ -63,34 +63,33 @@ void ReadInto(BatteryModel& sensor, const SensorSource& source);
 void ReadInto(OdometryModel& sensor, const SensorSource& source);
 void ReadInto(ChannelModel& sensor, const SensorSource& source);
 
-/// What has to hold of a sensor however it was written; else what to write. Empty if it is good.
+/// Checks conditions that hold for both kinds of elements. Returns what to write instead; empty if valid.
 std::string WrongIn(const LidarModel& sensor);
 std::string WrongIn(const CameraModel& sensor);
 
-/// `X_FS` on robot.frames[frame].
+/// The mount at `X_FS` on robot.frames[frame].
 Mount MountOn(const RobotModel& robot, std::size_t frame, const Pose& X_FS);
-/// The parts of a contact sensor that are collisions of robot.frames[frame]; with a `name` the one called so
-/// alone.
+/// The collisions of robot.frames[frame] as parts of a contact sensor; if `name` is given, only that one.
 std::vector<ContactModel::Part> CollisionsOf(const RobotModel& robot, const Assembly& assembly,
                                              std::size_t frame, std::string_view name = {});
 
-/// Adds the limiters that the channels in `model` (`<model>`) name; its other joints and muscles are
-/// complete.
+/// Adds the limiters that the channels in `model` (`<model>`) name. @pre all other joints and muscles are
+/// complete
 void ReadLimiters(const tinyxml2::XMLElement& model, RobotModel& robot);
-/// Finds the modules and the motors that a channel of `robot` names, once all are there.
+/// Looks up the modules and motors that a channel of `robot` names. Call it when `robot` has all of them.
 void Connect(ChannelModel& channel, const RobotModel& robot, const std::string& file,
              Diagnostics& diagnostics);
 
-/// The orientation in which a wrench is measured.
+/// The frame in whose axes a wrench is measured.
 enum class WrenchFrame { kChild, kParent, kSensor };
 std::optional<WrenchFrame> ParseWrenchFrame(std::string_view word);
-/// Puts `wrench` between the ends of its joint: its mount, its part and what hangs on that. `X_JS`: of the
-/// sensor in the joint. What is wrong with the joint; empty if nothing.
+/// Sets the mount of `wrench` at its joint, its part, and the links beyond it. `X_JS`: pose of the sensor in
+/// the joint. Returns the error message; empty if the joint is suitable.
 std::string AttachWrench(const RobotModel& robot, const Assembly& assembly, WrenchFrame frame,
                          const Pose& X_JS, WrenchModel& wrench);
 
-/// Reads the sensors of one robot: elements such as `<coopdyn:compass>` say what they are like, and a
-/// `<coopdyn:module>` gives each its socket. The arguments outlive it. One thread.
+/// Reads the sensors of one robot: elements such as `<coopdyn:compass>` describe sensors, and a
+/// `<coopdyn:module>` gives each its socket. The arguments must outlive it. One thread.
 class SensorReader {
  public:
   SensorReader(const std::string& file, RobotModel& robot, const Assembly& assembly, Diagnostics& diagnostics)
@@ -99,19 +98,19 @@ class SensorReader {
   /// The names of all elements that describe a sensor.
   static std::vector<std::string> Elements();
 
-  /// Reads such an element; false if `element` is none. All come before the first module.
+  /// Reads an element that describes a sensor; false if `element` does not. Read all before the first module.
   bool Read(const tinyxml2::XMLElement& element);
-  /// Gives the robot the sensor of a module, as the element with the module's name says, else the one
-  /// without a name.
+  /// Adds the sensor of a module to the robot, described by the element with the module's name, else by the
+  /// element without a name.
   void AddModule(XmlAttributes& attributes, const std::string& type, const std::string& name);
-  /// Gives the robot the sensors of SDF, each with a module of its own.
+  /// Adds SDF's own sensors to the robot, each with its own module.
   void AddElements(bool foreign);
-  /// Reports the elements that no module has used.
+  /// Reports elements that no module has used.
   void Finish();
 
  private:
   struct Described {
-    std::string name;  // of the module; empty: any that has none of its own
+    std::string name;  // of the module; empty: for all modules without their own element
     SensorKind kind;
     SensorTiming timing;
     SourceLine where;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Our elements for sensors of light: infrared, light and camera.
+// Reads coopdyn's elements of optical sensors: infrared, light and camera.
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -13,9 +13,9 @@ namespace coopdyn {
 
 namespace {
 
-/// Sharp GP2D12: volts. From 10 cm on 33.6 / (cm + 4), which meets both typical values of its data sheet, 0.4
-/// V at 80 cm and 2.0 V more at 10 cm; nearer it falls again, here by estimated values. A new one comes each
-/// 38.3 ms.
+/// Sharp GP2D12, in volts. From 10 cm on 33.6 / (cm + 4), which meets both typical values of its data sheet,
+/// 0.4 V at 80 cm and 2.0 V more at 10 cm. Nearer than 10 cm the output falls again, here by estimated
+/// values. A new value is available every 38.3 ms.
 void ReadPreset(InfraredModel& sensor, SensorTiming& timing) {
   for (const auto& [distance_m, value_v] :
        {std::pair(0.0, 0.3), {0.02, 1.0}, {0.04, 1.8}, {0.06, 2.35}, {0.08, 2.5}}) {
@@ -25,13 +25,14 @@ void ReadPreset(InfraredModel& sensor, SensorTiming& timing) {
     sensor.curve.push_back({cm * 0.01, 33.6 / (cm + 4), 0});
   }
   sensor.max_range_m = 0.8;
-  sensor.dark = 0.25;  // the least that the data sheet allows at 80 cm
+  sensor.dark = 0.25;  // minimum at 80 cm in the data sheet
   sensor.noise.resolution = 0.02;
   timing.rate_hz = 1 / 0.0383;
 }
 
-/// Sharp DM2Y3A003K0F, approximate: no data of it are public. A wide beam of five from 40 cm to 3 m, of eight
-/// bits, 102 / m, falling again nearer than 40 cm; a new value once all five have been taken.
+/// Sharp DM2Y3A003K0F, approximate because its data are not public. A wide beam of five rays from 40 cm to 3
+/// m, with eight bits, 102 / m, falling again nearer than 40 cm. A new value is available after all five rays
+/// have been measured.
 void ReadWidePreset(InfraredModel& sensor, SensorTiming& timing) {
   for (const auto& [distance_m, value] : {std::pair(0.0, 50.0), {0.1, 100}, {0.2, 170}, {0.3, 235}})
     sensor.curve.push_back({distance_m, value, 0});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `<coopdyn:thruster>`, and the rotors of Gazebo's plug-ins.
+// Reads `<coopdyn:thruster>`, and the rotors of Gazebo's plugins.
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -72,7 +72,7 @@ void AdoptRotor(const tinyxml2::XMLElement& element, const std::string& file, Ro
   const std::string link_name = attributes.Text("link").value_or("");
   const auto given = std::ranges::find(robot.joints, joint_name, &JointModel::name);
   const bool turns = given != robot.joints.end() && given->has_axis();
-  // Along z of its link, or else along the axis of its joint.
+  // The thrust is along z of its link, else along the axis of its joint.
   const std::string carrier =
       link_name.empty() && turns ? robot.links[static_cast<std::size_t>(given->child)].name : link_name;
   const auto frame = std::ranges::find(robot.frames, carrier, &FrameModel::name);
@@ -89,7 +89,7 @@ void AdoptRotor(const tinyxml2::XMLElement& element, const std::string& file, Ro
     return leave("its greatest thrust is not between 0 and 1e6 N, or its moment beyond 1000 N m per N");
   JointModel thruster;
   thruster.kind = JointModel::Kind::kForce;
-  // It pushes what holds the rotor: along its axis that is the same.
+  // Push the rotor's holder, which is equivalent because the force is along the rotor's axis.
   thruster.parent = thruster.child = turns ? given->parent : frame->link;
   thruster.axis_R = link_name.empty() ? given->axis_R : Vector3(frame->X_RF.q * Vector3::UnitZ());
   thruster.p_RJ = frame->X_RF.p;
@@ -97,7 +97,7 @@ void AdoptRotor(const tinyxml2::XMLElement& element, const std::string& file, Ro
   thruster.torque_per_force_m = reaction_m;
   thruster.name = carrier;
   while (std::ranges::count(robot.joints, thruster.name, &JointModel::name) > 0) thruster.name += "_thrust";
-  // The propeller turns freely: no motor of it does anything.
+  // The propeller turns freely: disable its motor.
   if (turns && !robot.IsDriven(static_cast<int>(given - robot.joints.begin()))) given->max_effort = 0;
   AddToModule(attributes, std::move(thruster), ThrustersModel(), "thrusters", robot);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Elements of older and of the newest SDF as those of SDF 1.9.
+// Rewrites elements of older and newer SDF as SDF 1.9.
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,7 +11,7 @@ namespace coopdyn {
 
 namespace {
 
-/// The noise of an <imu> as SDF 1.5 has it: one for the turn rates, one for the accelerations.
+/// Rewrites the noise of an <imu> in SDF 1.5, which has one for the turn rates and one for the accelerations.
 void UpgradeImu(XmlNode& imu) {
   const XmlNode* noise = imu.Child("noise");
   if (noise == nullptr) return;
@@ -29,7 +29,7 @@ void UpgradeImu(XmlNode& imu) {
   }
 }
 
-/// Writes `inf` as `most`.
+/// Replaces `inf` by `most`.
 void WriteEndless(XmlNode& node, const std::string& most) {
   std::string text = ToLower(node.text);
   const std::string sign = text.starts_with('-') ? "-" : "";
@@ -37,7 +37,7 @@ void WriteEndless(XmlNode& node, const std::string& most) {
   if (text == "inf" || text == "infinity") node.text = sign + most;
 }
 
-/// <inertial auto="true"> of SDF 1.11: the densities of the link's collisions as attributes of theirs.
+/// Rewrites <inertial auto="true"> of SDF 1.11: moves the densities of the link's collisions to attributes.
 void UpgradeInertia(XmlNode& link) {
   XmlNode* const inertial = link.Child("inertial");
   if (inertial == nullptr || !inertial->Has("auto")) return;
@@ -74,7 +74,7 @@ std::optional<int> MinorOf(const std::string& version) {
 void Upgrade(XmlNode& node, const std::string& version) {
   if (node.name == "imu") UpgradeImu(node);
   if (node.name == "link") UpgradeInertia(node);
-  // Without end: further than any sensor sees.
+  // Infinite ranges become further than any sensor sees.
   if (XmlNode* max = node.name == "range" ? node.Child("max") : nullptr; max != nullptr)
     WriteEndless(*max, "100000");
   if (node.name == "limit") {

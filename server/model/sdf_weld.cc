@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Fixed joints: the links that they hold together are one link of the robot.
+// Merges links that fixed joints hold together into one link of the robot.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <optional>
@@ -12,7 +12,7 @@ namespace coopdyn {
 
 namespace {
 
-/// Gives `to` the mass and the shapes of `from`.
+/// Adds the mass and the shapes of `from` to `to`.
 void Merge(const LinkModel& from, LinkModel& to) {
   const Pose X_TF = to.X_RL.Inverse() * from.X_RL;
   const auto add = [&X_TF](const std::vector<LinkShape>& shapes, std::vector<LinkShape>& all) {
@@ -72,7 +72,7 @@ class Welder {
   std::string Link(std::size_t link) const { return "link '" + robot_.links[link].name + "'"; }
   void Error(int line, std::string text) { diagnostics_.Error({file_, line}, std::move(text)); }
 
-  /// By link: what a fixed joint holds it to.
+  /// For each link, the parent of its fixed joint.
   std::vector<int> Holders(std::span<const FixedJoint> fixed) {
     std::vector<int> holders(robot_.links.size(), kNobody);
     for (const FixedJoint& joint : fixed) {
@@ -84,7 +84,7 @@ class Welder {
     return holders;
   }
 
-  /// The link of which `link` becomes a part; nothing in a loop.
+  /// The link into which `link` is merged; nullopt in a loop.
   static std::optional<int> RootOf(int link, const std::vector<int>& holders) {
     for (std::size_t steps = 0; steps <= holders.size(); ++steps) {
       const int holder = holders[Index(link)];
@@ -114,7 +114,7 @@ class Welder {
     }
   }
 
-  /// Keeps the links that are their own roots, the base first.
+  /// Keeps only root links, the base first.
   void Keep(const std::vector<int>& roots, int base) {
     std::vector<LinkModel> kept;
     std::vector<int> lines, numbers(roots.size());
@@ -132,7 +132,7 @@ class Welder {
     Renumber(numbers);
   }
 
-  /// Every link hangs on joints that lead to the first, also by a closed loop.
+  /// Checks that joints or ties connect every link to the first one.
   void CheckJoints() {
     std::vector<std::uint8_t> reached(robot_.links.size());
     reached[0] = 1;
@@ -166,8 +166,8 @@ class Welder {
                             ": they move on their own, and the robot's pose is that of " + Link(0));
   }
 
-  ModelLines lines_;                       // of robot_'s links and joints
-  std::vector<std::pair<int, int>> ties_;  // links that a muscle joins
+  ModelLines lines_;                       // of the robot's links and joints
+  std::vector<std::pair<int, int>> ties_;  // links connected by muscles
   const std::string& file_;
   const bool foreign_;
   RobotModel& robot_;

@@ -23,7 +23,7 @@ namespace {
 std::string Exact(double value) {
   char text[40];
   const auto end = std::to_chars(text, text + sizeof(text), value, std::chars_format::fixed, 12);
-  if (end.ec != std::errc()) return FormatNumber(value);  // too large to be anywhere, as its reader says
+  if (end.ec != std::errc()) return FormatNumber(value);  // the scenario reader reports such a large number
   std::string out(text, end.ptr);
   out.erase(out.find_last_not_of('0') + 1);
   if (out.ends_with('.')) out.pop_back();
@@ -33,7 +33,7 @@ std::string Exact(const Vector3& v) {
   return Exact(v.x()) + " " + Exact(v.y()) + " " + Exact(v.z());
 }
 
-/// Roll, pitch, yaw about the fixed axes.
+/// Roll, pitch and yaw about the fixed axes.
 std::string Angles(const Quaternion& q) {
   return Exact(ToRollPitchYaw(q));
 }
@@ -45,7 +45,7 @@ class WorldConverter {
 
   std::optional<SdfWorld> Convert(XmlNode root) {
     XmlNode* world = root.Child("world");
-    // Several models in a file are a world, too, and so are several bodies in a model.
+    // Several models in a file, or several loose bodies in a model, are a world, too.
     if (world == nullptr && IsOneRobot(root)) return OneRobot();
     if (world == nullptr && CountModels(root) > 0) world = &root;
     if (root.name != "sdf" || world == nullptr) {
@@ -65,7 +65,7 @@ class WorldConverter {
       if (child.name == "model" || child.name == "frame") frames_.emplace(child.Attribute("name"), &child);
     }
     for (const XmlNode& child : world->children) {
-      if (child.name == "model" && !HasAny(child, "link")) {  // Gazebo's worlds have some to hold plug-ins
+      if (child.name == "model" && !HasAny(child, "link")) {  // Gazebo's worlds use these to hold plugins
         diagnostics_.Mended(child.where,
                             "model '" + child.Attribute("name") + "' has no link: it is left out");
       } else if (child.name == "model") {
@@ -75,7 +75,7 @@ class WorldConverter {
       } else if (child.name == "scene" && child.Child("ambient") != nullptr) {
         ReadAmbient(child);
       } else if (child.name == "plugin" && needless_.Take(child)) {
-        // Told below.
+        // Reported below.
       } else if (child.name == "plugin") {
         LeaveOutPlugin(child, 1, diagnostics_);
       } else if (child.name != "physics" && child.name != "gravity" && child.name != "frame") {
@@ -98,7 +98,7 @@ class WorldConverter {
                     std::move(models_), std::move(places_)};
   }
 
-  /// Whether all that `root` has is one model, one robot.
+  /// True if `root` contains only one model, which is one robot.
   static bool IsOneRobot(const XmlNode& root) {
     if (root.name != "sdf" || CountModels(root) != 1) return false;
     const XmlNode* model = root.Child("model");
@@ -106,14 +106,14 @@ class WorldConverter {
            SplitLoose(*model).size() == 1;
   }
 
-  /// Those that stand beside each other in `root`, written out or included.
+  /// The number of models directly in `root`, including <include>s.
   static std::ptrdiff_t CountModels(const XmlNode& root) {
     return std::ranges::count(root.children, "model", &XmlNode::name) +
            std::ranges::count(root.children, "include", &XmlNode::name);
   }
 
  private:
-  /// A file with a model alone is a scenario with that robot.
+  /// The scenario of a file with a single model: one robot.
   SdfWorld OneRobot() const {
     return {"[ROBOT_1]\ntype \"" + file_.filename().string() + "\"\nposition 0 0\n", {}, {}};
   }
@@ -142,7 +142,7 @@ class WorldConverter {
     }
   }
 
-  /// The numbers in `text`; those that are none are 0.
+  /// The first `count` numbers in `text`; 0 for missing and invalid ones.
   static std::vector<double> NumbersIn(const std::string& text, std::size_t count) {
     std::vector<double> values;
     for (const std::string& word : SplitWords(text)) values.push_back(ParsePlain(word).value_or(0));
@@ -160,7 +160,7 @@ class WorldConverter {
       const std::vector<double> c = NumbersIn(light.TextOf("diffuse"), 3);
       color = Exact(Vector3(c[0], c[1], c[2]).cwiseMin(1).cwiseMax(0));
     }
-    // What it gives at 1 m.
+    // Attenuation at 1 m.
     double fade = 1;
     if (const XmlNode* attenuation = light.Child("attenuation")) {
       const auto part = [&](const char* key, double otherwise) {
@@ -196,7 +196,7 @@ class WorldConverter {
     if (name.empty() || !((name[0] >= 'a' && name[0] <= 'z') || (name[0] >= 'A' && name[0] <= 'Z')))
       name = "m" + name;
     name.resize(std::min<std::size_t>(name.size(), 50));
-    // These are no things.
+    // Names that begin like these would be other sections.
     for (const char* word : {"world", "simulation", "target", "floor", "robot", "swarm", "light"}) {
       if (ToLower(name).starts_with(word)) name = "m_" + name;
     }
@@ -208,7 +208,7 @@ class WorldConverter {
     return unique;
   }
 
-  /// The model, or each of its bodies if no joint holds them together.
+  /// Adds the model, or each of its bodies if no joints connect them.
   void AddBodies(const XmlNode& model) {
     const std::vector<XmlNode> bodies =
         HasOwnElements(model) ? std::vector<XmlNode>{model} : SplitLoose(model);
@@ -271,7 +271,7 @@ class WorldConverter {
                                            FormatNumber(std::round(below_m * 1e4) / 1e4) +
                                            " m below the floor: it is put on the floor");
     }
-    models_.emplace(name, read);  // a thing, too, may be a robot's type
+    models_.emplace(name, read);  // a thing may also serve as a robot's type
     places_.emplace(name, given.where);
     if (are_things) return AddThings(*read, name, X_WR);
     robots_ += "\n[ROBOT_" + std::to_string(++robot_count_) + "]\ntype " + type + "\nname " + name +
@@ -279,7 +279,7 @@ class WorldConverter {
     if (!read->has_actuators() && read->sensors.size() <= 1) robots_ += "sockets no\n";
   }
 
-  /// A static horizontal plane at z = 0 is the floor.
+  /// True if the model is a static horizontal plane at z = 0, which becomes the floor.
   bool IsGround(const XmlNode& model, const Pose& X_WM) {
     const XmlNode* link = model.Child("link");
     const XmlNode* collision = link == nullptr ? nullptr : link->Child("collision");
@@ -300,7 +300,7 @@ class WorldConverter {
     return true;
   }
 
-  /// What stands still and is made of simple shapes, or is one simple shape, needs no model.
+  /// True if no model is needed: it is static and made of simple shapes, or is a single simple shape.
   static bool AreThings(const RobotModel& model) {
     const bool senses = std::ranges::any_of(
         model.sensors, [](const SensorModel& one) { return !std::holds_alternative<PoseModel>(one.kind); });
@@ -313,7 +313,7 @@ class WorldConverter {
     });
     if (!simple || link.collisions.empty() || (!model.fixed_base && link.collisions.size() != 1))
       return false;
-    // A mesh that is drawn needs the model.
+    // Visual meshes need the model.
     return std::ranges::none_of(link.visuals, [](const LinkShape& one) { return one.shape.index() > 2; });
   }
 
@@ -348,11 +348,11 @@ class WorldConverter {
   Diagnostics& diagnostics_;
   NeedlessPlugins needless_;
   std::string simulation_, floor_, things_, lights_, robots_;
-  std::map<std::string, std::shared_ptr<const RobotModel>> models_;  // by their new names
+  std::map<std::string, std::shared_ptr<const RobotModel>> models_;  // by new name
   std::map<std::string, SourceLine> places_;
   std::map<std::string, const XmlNode*> frames_;  // models and frames of the world
   std::set<std::string> names_;
-  std::map<std::string, int> numbers_;  // which the next of these names gets
+  std::map<std::string, int> numbers_;  // next suffix, by name
   int model_count_ = 0, robot_count_ = 0, light_count_ = 0;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// SDF worlds as scenarios. One thread.
+// Reads SDF worlds as scenarios. One thread.
 #pragma once
 
 #include <filesystem>
@@ -14,16 +14,16 @@ namespace coopdyn {
 
 /// A world as a scenario.
 struct SdfWorld {
-  std::string scenario;  // its text: what stands still and is simple becomes things, the rest robots
+  std::string scenario;  // its text: simple static models become things, all others robots
   std::map<std::string, std::shared_ptr<const RobotModel>>
-      models;                                // of robots and things, by their names in the world
-  std::map<std::string, SourceLine> places;  // where each robot and thing was written, by name
+      models;                                // of robots and things, by name in the world
+  std::map<std::string, SourceLine> places;  // line of each robot and thing, by name
 };
 
-/// Whether `text` is one model, no world, as far as it can be read.
+/// True if `text` is a single model, not a world, as far as it can be read.
 bool IsOneSdfModel(const std::string& text);
 
-/// Reads the world in `file`. Nothing with errors.
+/// Reads the world in `file`; nullopt if it has errors.
 std::optional<SdfWorld> ReadSdfWorld(const std::filesystem::path& file, const SearchPath& path,
                                      Diagnostics& diagnostics);
 

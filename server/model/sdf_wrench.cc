@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where a force and torque sensor sits: what of the robot hangs on its joint.
+// Attaches force and torque sensors: finds the parts of the robot beyond the sensor's joint.
 #include <Eigen/Dense>
 #include <algorithm>
 
@@ -10,7 +10,7 @@ namespace coopdyn {
 
 namespace {
 
-/// Those of the file's links that hang on links[from] without joint `cut`.
+/// The file's links that remain connected to links[from] without joint `cut`.
 std::vector<bool> SideOf(const Assembly& assembly, int from, std::size_t cut) {
   std::vector<bool> side(assembly.links.size());
   side[static_cast<std::size_t>(from)] = true;
@@ -28,7 +28,7 @@ std::vector<bool> SideOf(const Assembly& assembly, int from, std::size_t cut) {
   return side;
 }
 
-/// Mass, its centre and its moments of the file's links `in` that are parts of link `of`.
+/// Mass, centre of mass and moments of the file's links `in` that are parts of link `of`.
 WrenchModel::Part PartOf(const RobotModel& robot, const Assembly& assembly, const std::vector<bool>& in,
                          int of) {
   const LinkModel& link = robot.links[static_cast<std::size_t>(of)];
@@ -36,7 +36,7 @@ WrenchModel::Part PartOf(const RobotModel& robot, const Assembly& assembly, cons
   WrenchModel::Part part;
   part.link = of;
   Vector3 moment = Vector3::Zero();
-  std::vector<std::pair<const FileLink*, Pose>> bodies;  // and X_LI
+  std::vector<std::pair<const FileLink*, Pose>> bodies;  // each with X_LI
   bool all = true;
   for (std::size_t i = 0; i < assembly.links.size(); ++i) {
     if (robot.frames[i].link != of) continue;
@@ -87,7 +87,7 @@ std::optional<WrenchFrame> ParseWrenchFrame(std::string_view word) {
 
 void FindCollisions(const RobotModel& robot, Assembly& assembly) {
   std::vector<std::size_t> taken(robot.links.size());
-  // A link's own come first, then those of what was welded to it, as in the file.
+  // A link's own collisions come first, then those of links welded to it, in file order.
   for (const bool own : {true, false}) {
     for (std::size_t i = 0; i < assembly.links.size(); ++i) {
       const auto link = static_cast<std::size_t>(robot.frames[i].link);

@@ -23,7 +23,7 @@ bool IsFile(const fs::path& path) {
   return fs::is_regular_file(path, code);
 }
 
-/// Calls visit(path) for all that is in each subfolder of each folder.
+/// Calls visit(path) for all entries of each subfolder of each folder.
 template <typename Visit>
 void ForAll(const std::vector<fs::path>& folders, std::initializer_list<const char*> subs, Visit visit) {
   for (const fs::path& folder : folders) {
@@ -36,8 +36,7 @@ void ForAll(const std::vector<fs::path>& folders, std::initializer_list<const ch
   }
 }
 
-/// `file`, or the file beside it that is called the same but for upper and lower case, as Windows would find
-/// it.
+/// `file`, or a file in its folder whose name differs only in case, as on Windows.
 std::optional<fs::path> ExistingFile(const fs::path& file) {
   if (IsFile(file)) return file;
   const std::string wanted = ToLower(file.filename().string());
@@ -51,7 +50,7 @@ std::optional<fs::path> ExistingFile(const fs::path& file) {
   return found;
 }
 
-/// The first of these files that is there.
+/// The first of these files that exists.
 std::optional<fs::path> FirstFile(const std::vector<fs::path>& folders,
                                   std::initializer_list<const char*> subs, const fs::path& name) {
   for (const fs::path& folder : folders) {
@@ -63,7 +62,7 @@ std::optional<fs::path> FirstFile(const std::vector<fs::path>& folders,
   return std::nullopt;
 }
 
-/// The names of the files with this extension, sorted, without it.
+/// The names of files with this extension, sorted, without the extension.
 std::vector<std::string> Stems(const std::vector<fs::path>& folders, std::initializer_list<const char*> subs,
                                const char* extension) {
   std::set<std::string> names;
@@ -73,7 +72,7 @@ std::vector<std::string> Stems(const std::vector<fs::path>& folders, std::initia
   return {names.begin(), names.end()};
 }
 
-/// Much else ends in .xml, too.
+/// True if the file's content is an experiment: many other files end in .xml, too.
 bool IsExperimentFile(const fs::path& path) {
   constexpr std::size_t kHead = 16'384;
   std::error_code code;
@@ -96,7 +95,7 @@ std::optional<fs::path> ExistingFile(const std::vector<fs::path>& folders,
   return std::nullopt;
 }
 
-/// `\` means `/`; a drive's letter goes.
+/// Replaces `\` by `/` and removes a drive letter.
 std::string WithSlashes(std::string name, bool& absolute) {
   std::replace(name.begin(), name.end(), '\\', '/');
   const bool drive = name.size() >= 2 && name[1] == ':' &&
@@ -105,7 +104,7 @@ std::string WithSlashes(std::string name, bool& absolute) {
   return drive ? name.substr(2) : name;
 }
 
-/// `name` with each of `extensions`, or as it is if it has one of them.
+/// `name` with each of `extensions`; only `name` if it already has one of them.
 std::vector<std::string> WithExtensions(const std::string& name,
                                         std::initializer_list<std::string_view> extensions) {
   for (const std::string_view extension : extensions) {
@@ -122,7 +121,7 @@ bool IsBareWord(const std::string& type) {
              std::string::npos;
 }
 
-/// Where a controller's file may lie besides in `controllers`, in the order in which they are tried.
+/// Folders, in order, in which a controller may be, directly or in a subfolder `controllers`.
 std::vector<fs::path> ControllerFolders(const SearchPath& path, const fs::path& beside) {
   std::vector<fs::path> folders = path.folders;
   if (!beside.empty()) folders.insert(folders.begin(), beside);
@@ -151,7 +150,7 @@ std::optional<fs::path> SearchPath::FindScenario(const std::string& name) const 
   bool absolute = false;
   const std::string file = WithSlashes(name, absolute);
   if (file.empty()) return std::nullopt;
-  // Who writes a path may call the file as he likes.
+  // A path may have any extension.
   if (file.find('/') != std::string::npos) {
     if (auto found = ExistingFile(file)) return found;
   }
@@ -266,7 +265,7 @@ std::string TypeFromAnywhere(const RobotModel& model) {
     const std::string part = ModelOfWorldType(model.type);
     return part.empty() ? file.string() : WorldModelType(file, part);
   }
-  // A robot on the search path is called as its folder.
+  // The type of a robot on the search path is its folder's name.
   const std::string in_world = ShortWorldModelType(file, "");
   if (!model.type.starts_with(in_world) || file.parent_path().filename() == model.type) return model.type;
   return WorldModelType(file, model.type.substr(in_world.size()));
@@ -274,7 +273,7 @@ std::string TypeFromAnywhere(const RobotModel& model) {
 
 namespace {
 
-/// The file that a type written as a path means.
+/// The file of a type that is a path.
 fs::path ModelPath(const std::string& type, const fs::path& beside) {
   bool absolute = false;
   fs::path path = (beside / WithSlashes(type, absolute)).lexically_normal();
@@ -308,7 +307,7 @@ std::shared_ptr<const RobotModel> RobotLibrary::Get(const std::string& type, con
   if (const auto known = models_.find(key); known != models_.end()) return known->second;
   const std::string part = is_path ? ModelOfWorldType(key) : "";
   const fs::path world = part.empty() ? fs::path() : fs::path(key.substr(0, key.rfind('#')));
-  // A model with errors is not kept: mended, it loads.
+  // Do not cache a model with errors: it must load after it has been fixed.
   std::shared_ptr<const RobotModel> model;
   if (const SourceText* source = Embedded(kRobot, type)) {
     model = ReadRobotModelText(source->text, source->file, type, diagnostics, nullptr, path_.parts_folder);

@@ -15,7 +15,7 @@ namespace coopdyn {
 
 namespace {
 
-/// The one spelling under which a key is known.
+/// The canonical spelling of a key.
 std::string_view Canonical(std::string_view key) {
   return key == "colour" ? "color" : key;
 }
@@ -121,10 +121,10 @@ class SectionsReader {
   const std::string& file_;
   Diagnostics& diagnostics_;
   std::vector<Section> sections_;
-  std::unordered_map<std::string, int> lines_;  // of the sections by word
+  std::unordered_map<std::string, int> lines_;  // of sections, by word
   int line_ = 0;
-  std::size_t count_ = 0;  // of lines that say something
-  bool outside_ = false;   // said that something stands before the first section
+  std::size_t count_ = 0;  // number of non-empty lines
+  bool outside_ = false;   // has reported a line before the first section
 };
 
 }  // namespace

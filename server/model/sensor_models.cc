@@ -14,6 +14,8 @@ namespace {
 std::size_t Count(const auto& /*kind*/) {
   return 0;
 }
+// Number of measured values of each kind.
+
 /// Acceleration of the sensor's origin without gravity, in S: 3.
 std::size_t Count(const ImuModel& /*kind*/) {
   return 3;
@@ -26,16 +28,16 @@ std::size_t Count(const WrenchModel& /*kind*/) {
 std::size_t Count(const BatteryModel& /*kind*/) {
   return 2;
 }
-/// x, y, heading, forward speed, turn rate; then the ways of the left and the right wheel that count, rad: 7.
+/// x, y, heading, forward speed, turn rate; then the counted travel of the left and the right wheel, rad: 7.
 std::size_t Count(const OdometryModel& /*kind*/) {
   return 7;
 }
-/// The energies and the memories of the filters of its values.
+/// The energies, angles and filter states of its values.
 std::size_t Count(const ChannelModel& model) {
   return model.cells();
 }
 
-// How long they are if that is the same each time, 0 if not.
+// Length of a reading of each kind; 0 if it varies.
 
 std::size_t ReadingCount(const DistanceModel& model) {
   return model.sectors.size();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Sensors in a few words. Any thread.
+// Short descriptions of sensors. Any thread.
 #pragma once
 
 #include <string>
@@ -8,8 +8,7 @@
 
 namespace coopdyn {
 
-/// What a sensor of `robot` is like, for example "360 rays, 0.12 to 3.5 m, 5 Hz"; empty if there is nothing
-/// to say.
+/// A short description of a sensor of `robot`, e.g. "360 rays, 0.12 to 3.5 m, 5 Hz"; may be empty.
 std::string Describe(const SensorModel& sensor, const RobotModel& robot);
 
 }  // namespace coopdyn

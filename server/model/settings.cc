@@ -11,10 +11,10 @@ namespace {
 
 constexpr std::string_view kWord = "set";
 constexpr std::string_view kHead = "\n[SET]\n";
-constexpr std::string_view kName = "# file: ";  // of a text's last line
+constexpr std::string_view kName = "# file: ";  // may begin a text's last line
 constexpr std::string_view kFlag = "--set ";
 constexpr std::string_view kRobots = "robots";  // every [ROBOT_n] and [SWARM_n]
-/// Sections that may be left out, and so are made.
+/// Sections that a scenario may omit; created if a setting needs one.
 constexpr std::array<std::string_view, 4> kOptional = {"SIMULATION", "FLOOR", "TARGET", "RANDOM"};
 
 std::string Label(const Entry& setting) {
@@ -24,7 +24,7 @@ std::string Label(const Entry& setting) {
   return std::string(kFlag) + name + "=" + setting.value;
 }
 
-/// Where the last line begins that names the file of a text; its end if there is none.
+/// Position of the last line if it names the text's file; else the end of the text.
 std::size_t BeforeName(const std::string& text) {
   const std::size_t end = text.find_last_not_of("\r\n");
   if (end == std::string::npos) return text.size();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Joints of several axes, written as chains of joints with one axis each: <coopdyn:six_axis>, and SDF's
-// revolute2.
+// Rewrites joints with several axes, <coopdyn:six_axis> and SDF's revolute2, as chains of joints with one
+// axis each.
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -29,7 +29,7 @@ XmlNode NodeAt(const XmlNode& at, std::string name, std::string text = {}) {
   return node;
 }
 
-/// The number that the text of the element at the end of `path` is; nothing if there is none above 0.
+/// The number in the element at `path`; nullopt unless it is above 0.
 std::optional<double> ValueAt(const XmlNode& link, std::initializer_list<const char*> path) {
   const XmlNode* node = &link;
   for (const char* name : path) {
@@ -45,7 +45,7 @@ class ChainWriter {
   ChainWriter(XmlNode& model, Diagnostics& diagnostics) : model_(model), diagnostics_(diagnostics) {}
 
   void Expand() {
-    // What is written is put in place at the end: the list of the model's parts must not change before.
+    // Insert generated parts at the end: the list of the model's parts must not change before.
     for (XmlNode& child : model_.children) {
       if (child.name == "coopdyn:six_axis") ExpandSixAxis(child);
       if (child.name == "joint" && child.Attribute("type") == "revolute2") ExpandRevolute2(child);
@@ -53,7 +53,7 @@ class ChainWriter {
     std::vector<XmlNode> all;
     for (XmlNode& child : model_.children) {
       if (child.name == "link") {
-        // Before the link that hangs on them: the last link of a chain stays the last one.
+        // Before the link that they carry, so that the last link of a chain stays last.
         for (auto& [link, carrier] : carriers_) {
           if (link == child.Attribute("name")) all.push_back(std::move(carrier));
         }
@@ -87,8 +87,8 @@ class ChainWriter {
     }
   }
 
-  /// The links between the axes weigh a millionth of what hangs on them: joints are solved in their own
-  /// coordinates, so they need next to no mass, and none of it counts.
+  /// A link between two axes. It weighs a millionth of the link that it carries, which has no effect because
+  /// joints are solved in their own coordinates.
   XmlNode CarrierOf(const XmlNode& link, const std::string& name, const XmlNode& pose) const {
     constexpr double kShare = 1e-6, kUsual_kg = 0.1, kRadius2_m2 = 1e-4;
     const double mass_kg = kShare * ValueAt(link, {"inertial", "mass"}).value_or(kUsual_kg);
@@ -109,7 +109,7 @@ class ChainWriter {
     return carrier;
   }
 
-  /// `pose`: of all axes.
+  /// `pose`: common pose of all axes.
   void WriteChain(const XmlNode& at, const std::string& parent, const XmlNode& link, const XmlNode& pose,
                   std::vector<ChainPart> parts) {
     const std::string child = link.Attribute("name");
@@ -133,7 +133,7 @@ class ChainWriter {
     }
   }
 
-  /// The `<axis>` along `direction` with what `given` says.
+  /// The `<axis>` along `direction` with the attributes of `given`.
   XmlNode AxisOf(const XmlNode& given, const std::string& direction) {
     static const std::vector<std::string> kKnown = {"name",       "xyz",         "lower",   "upper",
                                                     "stiffness",  "rest",        "damping", "friction",
@@ -211,7 +211,7 @@ class ChainWriter {
     const auto turns = [](const XmlNode& axis) { return axis.Attribute("name").size() == 2; };
     const auto is_free = [&](const XmlNode* axis) { return turns(*axis) && axis->attributes.size() == 1; };
     std::vector<ChainPart> parts;
-    const XmlNode* middle = nullptr;  // the second of three turns
+    const XmlNode* middle = nullptr;  // the second of three rotations
     for (std::size_t i = 0, turn = 0; i < axes.size(); ++i) {
       if (i + 3 <= axes.size() && std::all_of(axes.begin() + static_cast<std::ptrdiff_t>(i),
                                               axes.begin() + static_cast<std::ptrdiff_t>(i) + 3, is_free)) {
@@ -238,12 +238,12 @@ class ChainWriter {
     return axis.Has("xyz") ? axis.Attribute("xyz") : name == 'x' ? "1 0 0" : name == 'y' ? "0 1 0" : "0 0 1";
   }
 
-  /// Its first axis belongs to the parent, its second one to the child; with a <coopdyn:suspension> the child
-  /// also slides along the first.
+  /// Expands a revolute2, whose first axis is fixed to the parent and whose second axis to the child. With a
+  /// <coopdyn:suspension> the child also slides along the first axis.
   void ExpandRevolute2(XmlNode& node) {
     const XmlNode* const link = FindLink(node.TextOf("child"));
     const XmlNode *const first = node.Child("axis"), *const second = node.Child("axis2");
-    if (link == nullptr || first == nullptr || second == nullptr) return;  // said when joints are read
+    if (link == nullptr || first == nullptr || second == nullptr) return;  // reported when joints are read
     const XmlNode given = std::exchange(node, NodeAt(node, "coopdyn:expanded"));
     const std::string name = given.Attribute("name");
     XmlNode pose = NodeAt(given, "pose", "0 0 0 0 0 0");
@@ -272,7 +272,7 @@ class ChainWriter {
 
   XmlNode& model_;
   Diagnostics& diagnostics_;
-  std::vector<std::pair<std::string, XmlNode>> carriers_;  // with the link that hangs on them
+  std::vector<std::pair<std::string, XmlNode>> carriers_;  // each with the name of the link that it carries
   std::vector<XmlNode> joints_;
 };
 

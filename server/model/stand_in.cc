@@ -21,7 +21,7 @@ std::optional<StandIn> StandIn::Of(const XmlNode& link) {
   constexpr double kThinnest_m = 1e-3, kLongest_m = 10;
   const Vector3 squares = 6 / *mass_kg * Vector3(*yy + *zz - *xx, *zz + *xx - *yy, *xx + *yy - *zz);
   Vector3 size = squares.cwiseMax(0).cwiseSqrt().cwiseMax(kThinnest_m).cwiseMin(kLongest_m);
-  // Inertias that somebody made up may give a box of metres to some grams: lighter than air.
+  // Invented inertias may give a box of metres for some grams, lighter than air.
   constexpr double kLightest_kg_m3 = 1;
   const double density_kg_m3 = *mass_kg / size.prod();
   if (density_kg_m3 < kLightest_kg_m3)

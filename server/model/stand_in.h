@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What collides instead of the meshes of a link that are not there. One thread.
+// The shape that collides in place of a link's missing meshes. One thread.
 #pragma once
 
 #include <optional>
@@ -8,13 +8,14 @@
 
 namespace coopdyn {
 
-/// The box of a link's mass and moments.
+/// A box with a link's mass and moments of inertia.
 class StandIn {
  public:
-  /// Nothing for a link without these.
+  /// The box of `link`; nullopt if the link has no mass or moments.
   static std::optional<StandIn> Of(const XmlNode& link);
 
-  /// Makes `collision` this box; false if it goes, as its link has that box already.
+  /// Gives `collision` this box. False if the link already has the box; the caller must then remove
+  /// `collision`.
   bool PutInto(XmlNode& collision);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The pose in which a robot starts, where its joints may not stand at 0.
+// Computes the start pose of a robot, in which joints may not be at 0.
 #include <algorithm>
 #include <utility>
 
@@ -11,7 +11,7 @@ namespace coopdyn {
 
 namespace {
 
-/// The links that hang on `link` by joints other than `joint`, itself included.
+/// The links connected to `link` by joints other than `joint`, including `link`.
 std::vector<bool> LinksBeyond(const RobotModel& robot, std::size_t joint, int link) {
   std::vector<bool> beyond(robot.links.size());
   beyond[static_cast<std::size_t>(link)] = true;
@@ -32,7 +32,7 @@ bool MoveJoint(RobotModel& robot, std::size_t index, double by) {
   const JointModel joint = robot.joints[index];
   std::vector<bool> beyond = LinksBeyond(robot, index, joint.child);
   if (beyond[static_cast<std::size_t>(joint.parent)]) return false;
-  // The base stays.
+  // The base must not move: move the other side.
   if (beyond[0]) {
     beyond = LinksBeyond(robot, index, joint.parent);
     by = -by;

@@ -18,10 +18,10 @@ namespace coopdyn {
 
 namespace {
 
-constexpr double kGap_m = 0.01;  // between a robot and what is not of its swarm
+constexpr double kGap_m = 0.01;  // between a robot and anything outside its swarm
 constexpr int kTriesPerRobot = 2000;
 
-/// Places hashed by cells, to find those near a point.
+/// A spatial hash of places, to find those near a point.
 class PlaceHash {
  public:
   explicit PlaceHash(double cell_m) : cell_m_(cell_m) {}
@@ -31,7 +31,7 @@ class PlaceHash {
     cells_[Key(Cell(x), Cell(y))].push_back({x, y, keep_m});
   }
 
-  /// Whether (x, y) is at least its own distance away from every place added.
+  /// True if (x, y) is at least each added place's own distance away from it.
   bool IsFree(double x, double y) const {
     const auto reach = static_cast<std::int64_t>(std::ceil(largest_ / cell_m_));
     for (std::int64_t i = Cell(x) - reach; i <= Cell(x) + reach; ++i) {
@@ -88,7 +88,7 @@ class Obstacles {
  private:
   std::span<const WorldObject> objects_;
   double keep_m_;
-  std::vector<std::size_t> indices_;  // of the boxes' objects
+  std::vector<std::size_t> indices_;  // index of each box's object
   std::vector<Aabb2> boxes_;
   UniformGrid grid_;
 };
@@ -166,7 +166,7 @@ std::string DoNotFit(const SwarmRequest& request, std::size_t fit, const std::st
 
 namespace {
 
-/// The copies of one section; empty with an error at its line if they do not fit.
+/// The copies of one section. Reports an error at its line and returns none if they do not fit.
 std::vector<WorldObject> PlaceCopies(const ScatteredObjects& things, const Scenario& scenario,
                                      std::span<const FloorPlace> taken, Diagnostics& diagnostics) {
   const Vector3 half = HalfExtents(things.object.shape, things.object.X_WO.q);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Texts that people wrote with any editor: any line ends, byte order marks, UTF-8 or Latin-1. Pure but for
-// ReadTextFile and the two of pipes.
+// Decodes texts from any editor: any line ends, byte order marks, UTF-8 or Latin-1. Pure except for
+// ReadTextFile(), IsPipe() and ReadPipe().
 #pragma once
 
 #include <optional>
@@ -11,31 +11,31 @@
 
 namespace coopdyn {
 
-/// The largest file that a reader takes.
+/// Maximum size of a file.
 inline constexpr std::size_t kMaxTextBytes = 16u << 20;
 
-/// `bytes` as UTF-8 without byte order mark; what is not UTF-8 is taken for Latin-1. An error at `where` if
-/// it is UTF-16 or holds NUL.
+/// `bytes` as UTF-8 without byte order mark. Treats a text that is not UTF-8 as Latin-1. Reports an error at
+/// `where` if the text is UTF-16 or contains NUL.
 std::optional<std::string> DecodeText(std::string_view bytes, const SourceLine& where,
                                       Diagnostics& diagnostics);
 
-/// The text of a file, decoded. Errors are reported at `where` (the place that names the file).
+/// The decoded text of a file. Reports errors at `where` (the place that names the file).
 std::optional<std::string> ReadTextFile(const std::string& file, const SourceLine& where,
                                         Diagnostics& diagnostics);
 
-/// Whether a text begins with '<', as XML does, behind spaces and empty lines.
+/// True if a text begins with '<', as XML does, after spaces and empty lines.
 bool IsXml(std::string_view text);
 
-/// Takes the first line off `text`; lines end in \n, \r\n or \r.
+/// Removes the first line from `text` and returns it. Lines end in \n, \r\n or \r.
 std::string_view TakeLine(std::string_view& text);
 
-/// How messages call a text that came through a pipe; as a name, standard input.
+/// The file name in messages about a text from a pipe. As an argument: standard input.
 inline constexpr const char* kPipe = "-";
 
-/// Whether `name` is a text that comes once and lies nowhere: "-", or a pipe such as the shell's <(COMMAND).
+/// True if `name` can be read only once: "-", or a pipe such as the shell's <(COMMAND).
 bool IsPipe(const std::string& name);
 
-/// All that comes through a pipe, decoded; waits for its writer. Nothing is an error.
+/// The decoded content of a pipe. Blocks until its writer ends. Reports an empty text as an error.
 std::optional<std::string> ReadPipe(const std::string& name, Diagnostics& diagnostics);
 
 }  // namespace coopdyn

@@ -15,10 +15,10 @@ namespace coopdyn {
 
 namespace {
 
-constexpr std::size_t kMaxTextureBytes = 8u << 20;  // recordings carry the file
+constexpr std::size_t kMaxTextureBytes = 8u << 20;  // recordings contain the file
 constexpr const char* kTexture = "texture";
 
-/// Two by two squares, or the lines of a grid, in `color` and a darker one.
+/// Two by two squares, or grid lines, in `color` and a darker shade.
 std::shared_ptr<const Image> MakePattern(bool checker, const Color& color) {
   constexpr int kSide = 64, kLine = 2;
   constexpr double kDark = 0.55;
@@ -126,7 +126,7 @@ Texture Textures::Read(SectionReader& reader, const Color& color) {
   }
   if (texture.image == nullptr) return texture;
   texture.width_m = size ? (*size)[0] : 1;
-  // Without its height a picture keeps its form.
+  // Without a height, keep the picture's aspect ratio.
   texture.height_m =
       size && size->size() == 2 ? (*size)[1] : texture.width_m * texture.image->height / texture.image->width;
   return texture;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The pictures on the floor and the things of one scenario: from files, or made. One thread.
+// The textures of the floor and things of one scenario, from files or generated. One thread.
 #pragma once
 
 #include <map>
@@ -17,23 +17,23 @@ namespace coopdyn {
 
 class Textures {
  public:
-  /// Of the scenario or world in `file`, which the scenario calls `world` (empty: of the scenario itself).
-  /// `beside`: files lie beside it too; else only bare names on the search path will do. `library` outlives
-  /// it: what a recording carries comes first.
+  /// Textures of the scenario or world in `file`. `world`: the world's name in the scenario; empty: the
+  /// scenario itself. `beside`: also allow files beside `file`; else only bare names on the search path.
+  /// `library` must outlive it; a recording's embedded textures come first.
   Textures(const RobotLibrary& library, const std::string& file, const std::string& world, bool beside);
-  /// Without files: patterns alone.
+  /// Without files: only patterns.
   Textures() = default;
 
-  /// The texture that `texture` and `texture_size` say, on what has `color`; none without the key, and with
-  /// an error.
+  /// The texture given by `texture` and `texture_size`, for a thing of colour `color`. None without these
+  /// keys or on an error.
   Texture Read(SectionReader& reader, const Color& color);
 
-  /// The files that were read, as a recording carries them.
+  /// The files read so far, in the form in which recordings store them.
   const std::vector<SourceText>& sources() const { return sources_; }
 
  private:
   struct Loaded {
-    std::shared_ptr<const Image> image;  // null: it cannot be read
+    std::shared_ptr<const Image> image;  // null if it cannot be read
     std::shared_ptr<const SourceText> source;
   };
   Loaded Load(const std::string& name, std::string& why);
@@ -47,9 +47,9 @@ class Textures {
   std::vector<SourceText> sources_;
 };
 
-/// The picture of the texture called `name` on what has `color`, if it needs no file; else null.
+/// The picture of the pattern `name` for a thing of colour `color`; null if the texture needs a file.
 std::shared_ptr<const Image> PatternOf(const std::string& name, const Color& color);
-/// That of an embedded file; null if it is damaged.
+/// The picture of an embedded file; null if it is damaged.
 std::shared_ptr<const Image> EmbeddedTexture(const SourceText& source);
 
 }  // namespace coopdyn

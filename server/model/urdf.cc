@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// URDF as SDF, element by element, so that messages have the lines of the URDF.
+// Translates URDF into SDF element by element, so that messages have the lines of the URDF.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -30,7 +30,7 @@ class UrdfConverter {
       if (child.name == "gazebo") extras_[child.Attribute("reference")].push_back(&child);
     }
     RefuseLoops();
-    // A frame of SDF is called by one name; the joint keeps its own beside it.
+    // In SDF, links and joints share one namespace. The joint's original name is stored separately.
     for (const XmlNode& child : robot_.children) {
       if (child.name != "joint") continue;
       std::string id = child.Attribute("name");
@@ -41,7 +41,7 @@ class UrdfConverter {
       if (child.name == "joint") joints_.insert(child.Attribute("name"));
     }
     ReportExtras();
-    // Many models call the world so, to fix their base in it.
+    // Many models have a link `world` to fix their base to the world.
     links_.erase("world");
     FindFreeRoots();
     if (!HasOwnElements(robot_)) sdf.Set("coopdyn:foreign", "true");
@@ -80,7 +80,7 @@ class UrdfConverter {
   void Note(const XmlNode& at, std::string text) { diagnostics_.Note(at.where, std::move(text)); }
   void Error(const XmlNode& at, std::string text) { diagnostics_.Error(at.where, std::move(text)); }
 
-  /// A link stands where the joint above it puts it, so no link may hang on itself.
+  /// Reports loops of links: each link is placed by its parent joint.
   void RefuseLoops() {
     for (const auto& [link, joint] : parents_) {
       std::string above = TextOfEnd(*joint, "parent");
@@ -97,7 +97,7 @@ class UrdfConverter {
     }
   }
 
-  /// An empty link on which a robot floats is the world by another name.
+  /// Finds empty root links on which a robot floats: they represent the world.
   void FindFreeRoots() {
     for (const XmlNode& child : robot_.children) {
       const std::string name = child.Attribute("name");
@@ -114,12 +114,12 @@ class UrdfConverter {
   }
   bool IsWorld(const std::string& link) const { return link == "world" || free_roots_.contains(link); }
 
-  /// A link whose joint is no joint of SDF's stands where that joint puts it in its parent.
+  /// True for joint types that SDF lacks. The child then only gets the joint's pose in the parent.
   static bool IsDropped(const XmlNode& joint) {
     return joint.Attribute("type") == "floating" || joint.Attribute("type") == "planar";
   }
 
-  /// Joints that controllers of ROS command get motors; if there are several <ros2_control>, each is a group.
+  /// Adds motors to joints that ROS controllers command. With several <ros2_control>, each becomes a group.
   void AddCommanded(const XmlNode& given, XmlNode& model) {
     std::string names;
     for (const XmlNode& child : given.children) {
@@ -165,7 +165,7 @@ class UrdfConverter {
     const std::string name = link.Attribute("name");
     out.Set("name", name);
     if (const auto parent = parents_.find(name); parent != parents_.end()) {
-      // A link's frame is that of the joint that holds it.
+      // In URDF, a link's frame is that of its parent joint.
       XmlNode& pose = out.Add("pose", "0 0 0 0 0 0");
       const std::string above = TextOfEnd(*parent->second, "parent");
       if (IsDropped(*parent->second)) pose.text = PoseOf(*parent->second);
@@ -234,7 +234,7 @@ class UrdfConverter {
     return found == extras_.end() ? std::vector<const XmlNode*>() : found->second;
   }
 
-  /// What is used of a <gazebo reference="link">.
+  /// True for the elements of a <gazebo reference="link"> that coopdyn uses.
   static bool IsUsedExtra(const XmlNode& inner) {
     if (inner.name == "material") return GazeboColor(inner.text).has_value();
     if (inner.name == "visual") return DiffuseOf(inner) != nullptr;
@@ -246,11 +246,11 @@ class UrdfConverter {
     return material == nullptr ? nullptr : material->Child("diffuse");
   }
 
-  /// Says what is not used of the <gazebo> elements, each kind once.
+  /// Reports unused elements of <gazebo>, each kind once.
   void ReportExtras() {
     std::map<std::string, std::pair<const XmlNode*, int>> left_out;
     for (const auto& [reference, extras] : extras_) {
-      if (reference.empty()) continue;  // they are the model's
+      if (reference.empty()) continue;  // belong to the model
       for (const XmlNode* extra : extras) {
         if (!links_.contains(reference) && !joints_.contains(reference)) {
           Note(*extra, "<gazebo reference=\"" + reference + "\"> names no link or joint of this robot");
@@ -270,7 +270,7 @@ class UrdfConverter {
     }
   }
 
-  /// The colour that a <gazebo reference> gives counts before the material's, as in Gazebo.
+  /// Adds the visual's colour. As in Gazebo, that of a <gazebo reference> has precedence over the material's.
   void AddMaterial(const XmlNode& visual, const std::string& link, XmlNode& out) {
     for (const XmlNode* extra : ExtrasOf(link)) {
       for (const XmlNode& inner : extra->children) {
@@ -295,7 +295,7 @@ class UrdfConverter {
     made.Add("diffuse", color->Attribute("rgba"));
   }
 
-  /// <gazebo reference="link"><mu1>…
+  /// Adds the friction of <gazebo reference="link"><mu1>….
   void AddFriction(const std::string& link, XmlNode& collision) {
     for (const XmlNode* extra : ExtrasOf(link)) {
       const std::string mu = extra->TextOf("mu1").empty() ? extra->TextOf("mu") : extra->TextOf("mu1");
@@ -317,7 +317,7 @@ class UrdfConverter {
              "joint '" + name + "' of type floating is left out: a robot that is not fixed floats anyway");
       return std::nullopt;
     }
-    if (type == "spherical") type = "ball";  // Bullet's word
+    if (type == "spherical") type = "ball";  // Bullet's name
     if (type == "planar") return Planar(joint);
     XmlNode out = At("joint", joint);
     out.Set("name", ids_.at(&joint));
@@ -329,14 +329,14 @@ class UrdfConverter {
       Error(joint,
             "joint '" + name + "' needs <" + end + " link=\"…\"/> that names a link, not '" + link + "'");
     }
-    // Its frame is written relative to the parent's.
+    // URDF gives a joint's frame relative to the parent's.
     out.Add("pose", PoseOf(joint)).Set("relative_to", parent == "world" ? "__model__" : parent);
     out.Add("parent", parent);
     out.Add("child", child);
     if (type != "fixed" && type != "ball") out.children.push_back(Axis(joint));
     if (const XmlNode* mimic = joint.Child("mimic")) out.children.push_back(Mimic(*mimic));
     for (const XmlNode* extra : ExtrasOf(name)) {
-      if (links_.contains(name)) break;  // they are the link's
+      if (links_.contains(name)) break;  // belong to the link of that name
       for (const XmlNode& inner : extra->children) {
         if (inner.name == "sensor") out.children.push_back(inner);
       }
@@ -344,7 +344,7 @@ class UrdfConverter {
     return out;
   }
 
-  /// Two ways in the plane and a turn about its normal.
+  /// Replaces a planar joint by two sliders in the plane and a hinge about its normal.
   XmlNode Planar(const XmlNode& joint) {
     const std::string name = joint.Attribute("name");
     Mended(joint, "joint '" + name + "' of type planar is three: '" + name + ".x', '" + name + ".y' and '" +
@@ -390,7 +390,7 @@ class UrdfConverter {
         if (joint.Attribute("type") == "continuous" && (key == "lower" || key == "upper")) continue;
         made.Add(key, value);
       }
-      // URDF's default is 0, SDF's none.
+      // URDF's default limit is 0; SDF has no default limit.
       if (joint.Attribute("type") != "continuous") {
         for (const char* key : {"lower", "upper"}) {
           if (!limit->Has(key)) made.Add(key, "0");
@@ -404,7 +404,7 @@ class UrdfConverter {
     return out;
   }
 
-  /// As SDF 1.11 has it.
+  /// A <mimic> in the form of SDF 1.11.
   static XmlNode Mimic(const XmlNode& mimic) {
     XmlNode out = At("mimic", mimic);
     out.Set("joint", mimic.Attribute("joint"));
@@ -417,11 +417,11 @@ class UrdfConverter {
   const XmlNode& robot_;
   Diagnostics& diagnostics_;
   std::map<std::string, const XmlNode*> materials_;
-  std::map<std::string, const XmlNode*> parents_;  // joints by their child
-  std::map<const XmlNode*, std::string> ids_;      // of joints
+  std::map<std::string, const XmlNode*> parents_;  // joints, by child link
+  std::map<const XmlNode*, std::string> ids_;      // names of joints in the SDF
   std::map<std::string, std::vector<const XmlNode*>> extras_;
   std::set<std::string> links_, joints_;
-  std::set<std::string> free_roots_;  // links that are the world
+  std::set<std::string> free_roots_;  // links that represent the world
 };
 
 }  // namespace

@@ -40,7 +40,7 @@ std::string UnitsOf(Quantity quantity) {
 std::string Quote(std::string_view word) {
   constexpr std::size_t kMaxShown = 60;
   std::string shown(word.substr(0, kMaxShown));
-  // Not in the middle of a UTF-8 character.
+  // Do not cut a UTF-8 character.
   while (word.size() > kMaxShown && !shown.empty() &&
          (static_cast<unsigned char>(shown.back()) & 0x80) != 0) {
     shown.pop_back();
@@ -48,7 +48,7 @@ std::string Quote(std::string_view word) {
   return "'" + shown + (word.size() > kMaxShown ? "…'" : "'");
 }
 
-/// Both ways to read a comma without a space, e.g. `0,5`.
+/// The error for a comma without a space, e.g. `0,5`, with both possible corrections.
 std::string CommaError(std::string_view word) {
   std::string spaced, with_point;
   int commas = 0;

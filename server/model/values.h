@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Numbers, units and words as people write them in files. Pure functions; any thread; independent of the
-// locale.
+// Parses and formats numbers with units in user files. Pure; any thread; locale-independent.
 #pragma once
 
 #include <optional>
@@ -13,20 +12,20 @@
 
 namespace coopdyn {
 
-/// What a number measures: which units may stand right behind it.
+/// The quantity that a number measures, which determines its allowed units.
 enum class Quantity { kPlain, kLength, kAngle, kMass, kTime, kAny };
 
-/// A number in SI units, or what is wrong with it.
+/// A number in SI units, or an error.
 struct ParsedNumber {
   double value = 0;
   bool has_unit = false;
-  std::string error;  // empty: fine
+  std::string error;  // empty if valid
 };
 
 /// Reads `word` as a finite number with an optional unit of `quantity`: `90deg`, `20cm`, `0.5kg`, `10ms`.
 ParsedNumber ParseNumber(std::string_view word, Quantity quantity);
 
-/// The finite number that `word` is, without unit; nothing if it is none.
+/// Reads `word` as a finite number without unit; nullopt if it is not one.
 std::optional<double> ParsePlain(std::string_view word);
 
 /// `value` for people: up to 12 digits, without trailing zeros.

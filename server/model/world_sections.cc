@@ -19,7 +19,7 @@ constexpr double kMaxFriction = 1e3, kMaxLightPower = 1e6;
 
 const std::array<std::string, 3> kTypes = {"box", "cylinder", "sphere"};
 
-/// Whether `a` and `b` are the same size but for rounding.
+/// True if `a` and `b` are equal up to rounding.
 bool Same(double a, double b) {
   return std::abs(a - b) <= 1e-9 * std::abs(a);
 }
@@ -52,7 +52,8 @@ std::optional<Shape> ReadShape(SectionReader& reader, std::size_t type) {
   return Sphere{(*size)[0] / 2};
 }
 
-/// Of a thing that moves and says none: 0.5 % of its radius, so that a ball of any size rolls as far.
+/// The default rolling friction of a moving thing: 0.5 % of its radius, so that balls of all sizes roll
+/// equally far.
 double UsualRollingFriction_m(const Shape& shape) {
   constexpr double kShare = 0.005;
   if (const auto* sphere = std::get_if<Sphere>(&shape)) return kShare * sphere->radius_m;
@@ -60,7 +61,7 @@ double UsualRollingFriction_m(const Shape& shape) {
   return 0;
 }
 
-/// x y z of `key`, no longer than `most`.
+/// The vector x y z of `key`, of length at most `most`.
 std::optional<Vector3> ReadMotion(SectionReader& reader, const std::string& key, Quantity quantity,
                                   const std::string& unit, double most) {
   const auto numbers = reader.Numbers(key, quantity, {3}, "x y z in " + unit, -most, most);
@@ -72,10 +73,10 @@ std::optional<Vector3> ReadMotion(SectionReader& reader, const std::string& key,
   return std::nullopt;
 }
 
-/// How a thing touches others, and how it moves at the start. `object` has its shape and mass.
+/// Reads a thing's contact properties and initial motion. @pre `object` has its shape and mass
 void ReadTouchAndMotion(SectionReader& reader, WorldObject& object) {
   constexpr double kMaxSpeed_m_s = 90,
-                   kMaxTurnRate_rad_s = 900;  // a little above these physics freezes a body
+                   kMaxTurnRate_rad_s = 900;  // physics freezes a body slightly above these
   Take(reader.Number("friction", Quantity::kPlain, 0, kMaxFriction), object.friction);
   Take(reader.Number("bounce", Quantity::kPlain, 0, 1), object.restitution);
   if (!object.is_static()) object.rolling_friction_m = UsualRollingFriction_m(object.shape);
@@ -176,7 +177,7 @@ ObjectSection ReadObject(SectionReader& reader, std::span<const std::string> oth
   reader.Require("size", "size 1 0.5 0.3");
   const bool many = reader.Has("count");
   if (!many) reader.Require("position", "position 2 0");
-  // Without its type a size cannot be judged.
+  // A size can only be checked if the type is known.
   const std::optional<Shape> shape = type ? ReadShape(reader, *type) : std::nullopt;
   if (!type) reader.Has("size");
   const auto position = reader.Numbers("position", Quantity::kLength, {2, 3}, "x y, or x y z of the centre",
@@ -205,7 +206,7 @@ ObjectSection ReadObject(SectionReader& reader, std::span<const std::string> oth
                      "'area x y length width' if given");
     }
   }
-  // In the section of another kind that was misspelt, every key would be unknown: one diagnostic is enough.
+  // If the section's name is misspelt, every key would be unknown: one diagnostic is enough.
   if (has_type || near.empty()) reader.Finish();
   if (!shape) return {};
   if (many) {

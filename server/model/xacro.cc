@@ -13,7 +13,7 @@ namespace coopdyn {
 
 namespace {
 
-/// xacro says last in which files it was; before that, what is wrong.
+/// The error in xacro's output: it precedes the list of files.
 std::string WhatFailed(const ProgramEnd& end) {
   constexpr std::string_view kMark = "error:";
   const std::size_t start = end.error.find(kMark);

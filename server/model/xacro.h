@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// URDF that is written with xacro, expanded by the user's own program `xacro`. Any thread.
+// Expands URDF written with xacro, by the user's own program `xacro`. Any thread.
 #pragma once
 
 #include <filesystem>
@@ -13,15 +13,17 @@ namespace coopdyn {
 
 struct SearchPath;
 
-/// Whether `text` has elements of xacro, or `file` ends in .xacro. What xacro has written keeps the comments.
+/// True if `text` has xacro elements outside comments, or `file` ends in .xacro. xacro's output keeps
+/// comments.
 bool IsXacro(std::string_view text, const std::filesystem::path& file);
 
-/// What to say of a file that came over a socket.
+/// The error for an xacro file that came over a socket.
 inline constexpr const char* kNoXacroUploads =
     "xacro that is sent is not expanded here: send what 'xacro FILE' writes";
 
-/// What `xacro FILE` writes. Nothing, with an error at `file`, if there is no such program, it fails, takes
-/// longer than a minute, or if the file is an upload of `path`, as it may name any file of this machine.
+/// The output of `xacro FILE`. Reports an error at `file` and returns nullopt if the program is missing,
+/// fails, or writes nothing for a minute or too much, or if the file is an upload of `path`, because it could
+/// name any file of this machine.
 std::optional<std::string> ExpandXacro(const std::filesystem::path& file, const SearchPath& path,
                                        Diagnostics& diagnostics);
 

@@ -70,7 +70,7 @@ void Print(const XmlNode& node, std::string& out, std::vector<SourceLine>& lines
   out += "</" + node.name + ">\n";
 }
 
-/// A text of the same lines without `<?xml … ?>`.
+/// `text` with each `<?xml … ?>` blanked, so that lines keep their numbers.
 std::string WithoutDeclaration(std::string text) {
   for (std::size_t start = text.find("<?xml"); start != std::string::npos;
        start = text.find("<?xml", start)) {
@@ -131,7 +131,7 @@ std::optional<XmlNode> ParseXml(const std::string& text, const std::string& file
   tinyxml2::XMLDocument document;
   document.Parse(text.c_str(), text.size());
   if (document.ErrorID() == tinyxml2::XML_ERROR_PARSING_DECLARATION) {
-    // Older programs took a declaration that stands behind a comment.
+    // Older programs accept a declaration after a comment.
     const std::string without = WithoutDeclaration(text);
     document.Parse(without.c_str(), without.size());
   }

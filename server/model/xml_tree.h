@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// XML as values that remember where they were written, so that a model put together from several files can
-// still say file and line. One thread.
+// XML nodes that remember file and line, so that a model composed from several files can still report them.
+// One thread.
 #pragma once
 
 #include <optional>
@@ -25,19 +25,20 @@ struct XmlNode {
   bool Has(std::string_view key) const;
   void Set(const std::string& key, std::string value);
   void Remove(std::string_view key);
-  /// The first child called so; null if there is none.
+  /// The first child named `child`; null if none.
   const XmlNode* Child(std::string_view child) const;
   XmlNode* Child(std::string_view child);
-  /// Text of the first child called so; empty if there is none.
+  /// Text of the first child named `child`; empty if none.
   std::string TextOf(std::string_view child) const;
-  /// Appends a child that was written where this one was.
+  /// Appends a child with this node's file and line.
   XmlNode& Add(std::string child, std::string content = {});
 };
 
-/// What a model may have before it is read (sdf_parts.h). Nothing, and reported, for anything else.
+/// Parses a model's XML. Reports an error and returns nullopt if it is malformed or exceeds the limits of
+/// sdf_parts.h.
 std::optional<XmlNode> ParseXml(const std::string& text, const std::string& file, Diagnostics& diagnostics);
 
-/// Every tag starts a line of its own; `lines[n]` is where line n + 1 was written.
+/// Prints `root` with each tag on its own line; `lines[n]` is the origin of line n + 1.
 std::string PrintXml(const XmlNode& root, std::vector<SourceLine>& lines);
 
 }  // namespace coopdyn

@@ -43,7 +43,7 @@ void ReadWrapper(const std::vector<std::string>& words, YarpIni& ini) {
   }
 }
 
-/// The device called so, in `own` or else in another file.
+/// The device `name` in `own`, else in another file; null if none.
 const YarpIni::Device* FindDevice(std::span<const YarpIni> inis, const YarpIni& own, const std::string& name,
                                   bool& is_coupled) {
   const auto find = [&](const YarpIni& ini) -> const YarpIni::Device* {
@@ -55,7 +55,7 @@ const YarpIni::Device* FindDevice(std::span<const YarpIni> inis, const YarpIni& 
   for (const YarpIni& ini : inis) {
     if (const auto* device = find(ini)) return device;
   }
-  // Files with one device may call it otherwise.
+  // A file with a single device may name it differently.
   is_coupled = own.is_coupled;
   return own.networks.size() == 1 && own.devices.size() == 1 ? &own.devices.front() : nullptr;
 }
@@ -73,7 +73,7 @@ std::vector<std::string> JointsOfBoard(std::span<const YarpIni> inis, const Yarp
     const YarpIni::Device* device = FindDevice(inis, ini, network, is_coupled);
     if (device == nullptr) continue;
     const auto range = ini.ranges.find(network);
-    // A coupled device has more joints than the board shows: those that couple are there themselves.
+    // A coupled device has more joints than the board shows: use all of them.
     const bool has_all = is_coupled || range == ini.ranges.end() || range->second.first > range->second.last;
     const std::size_t count = device->joints.size();
     const std::size_t from = has_all ? 0 : std::min(count, static_cast<std::size_t>(range->second.first));
@@ -103,7 +103,7 @@ YarpIni ParseYarpIni(std::string_view text) {
     if (words.front().starts_with('[')) {
       const std::size_t open = line.find('[') + 1;
       const std::vector<std::string> name = WordsOfLine(line.substr(open, line.find(']') - open));
-      // [include "FILE"] stands anywhere and ends no section; such files say the robot's name alone.
+      // [include "FILE"] may occur anywhere and ends no section; such files only contain the robot's name.
       if (!name.empty() && name.front() == "include") continue;
       section = name.empty() ? "" : name.front();
       ini.is_coupled = ini.is_coupled || section == "COUPLING";

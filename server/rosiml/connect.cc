@@ -14,7 +14,7 @@ namespace coopdyn::rosiml {
 
 namespace {
 
-constexpr double kTiny = 1e-7;  // m, and of directions
+constexpr double kTiny = 1e-7;  // tolerance of lengths (m) and of unit vectors
 
 std::size_t Index(int i) {
   return static_cast<std::size_t>(i);
@@ -46,7 +46,7 @@ class Connector {
  private:
   bool IsStill(int body) const { return movable_.bodies[Index(body)].mass_kg <= 0; }
 
-  /// The bodies that joints and muscles join to `first`, in the file's order.
+  /// The bodies connected to `first` by joints and muscles, in file order.
   std::vector<int> Together(int first) {
     std::vector<int> found = {first};
     std::vector<bool> seen(movable_.bodies.size());
@@ -85,7 +85,7 @@ class Connector {
     if (roots.empty()) roots.push_back(first);
     Walk(roots, model);
     for (const int body : bodies) {
-      if (!is_reached_[Index(body)]) Walk({body}, model);  // it hangs on a muscle alone
+      if (!is_reached_[Index(body)]) Walk({body}, model);  // only a muscle connects it
     }
     if (X_WR) {
       OrderWheels(*X_WR, model);
@@ -98,7 +98,7 @@ class Connector {
     return model;
   }
 
-  /// Uses the joints of `body` with the world.
+  /// Links `body` to the world by its joints with the world. False if it has none.
   bool BindToWorld(int body, Model& model) {
     bool is_bound = false;
     for (const std::size_t j : joints_of_[Index(body)]) {
@@ -110,7 +110,7 @@ class Connector {
     return is_bound;
   }
 
-  /// Turns all joints away from the roots.
+  /// Adds the bodies and joints that are reachable from `roots`, directing each joint away from them.
   void Walk(const std::vector<int>& roots, Model& model) {
     std::size_t i = model.bodies.size();
     model.bodies.insert(model.bodies.end(), roots.begin(), roots.end());
@@ -121,7 +121,7 @@ class Connector {
         if (is_used_[j]) continue;
         is_used_[j] = true;
         const Joint& joint = movable_.joints[j];
-        if (joint.destination == Joint::kWorld) continue;  // of what stands still anyway
+        if (joint.destination == Joint::kWorld) continue;  // the body is already fixed
         const int child = joint.source == parent ? joint.destination : joint.source;
         const bool child_is_source = joint.source == child;
         model.links.push_back({static_cast<int>(j), parent, child, child_is_source != joint.counts_source});
@@ -131,7 +131,7 @@ class Connector {
     }
   }
 
-  /// The radius of a wheel on `joint`; 0 if it is none.
+  /// The wheel radius of `body` on `joint`; 0 if it is not a wheel.
   double WheelRadius(const Body& body, const Joint& joint) const {
     if (body.parts.size() != 1) return 0;
     const Pose X_WG = body.X_WB * body.parts.front().X_BG;
@@ -144,8 +144,8 @@ class Connector {
     return cylinder != nullptr && along ? cylinder->radius_m : 0;
   }
 
-  /// Where the frame of a robot with two wheels is; its base becomes the only root. Nothing if it has no
-  /// drive.
+  /// Returns the frame of a robot with a two-wheel drive and makes its base the only root. Returns nullopt if
+  /// the robot has no such drive.
   std::optional<Pose> FindDrive(const std::vector<int>& bodies, std::vector<int>& roots) {
     std::vector<std::size_t> wheels;
     for (std::size_t j = 0; j < movable_.joints.size(); ++j) {
@@ -166,7 +166,7 @@ class Connector {
       const double radius_m = WheelRadius(left_body, a);
       if (radius_m <= 0 || std::abs(WheelRadius(right_body, b) - radius_m) > kTiny) continue;
       const Vector3 p_left = CentreOf(left_body), p_right = CentreOf(right_body), way = p_left - p_right;
-      // A positive speed drives forward: the axis, as the first joint counts, points left.
+      // A positive speed must drive forward: the axis, with the first joint's sign, points left.
       const bool is_along = (left == a.source) == a.counts_source;
       const Vector3 y = (is_along ? 1 : -1) * (a.X_WJ.q * Vector3::UnitX());
       if (way.norm() < 1e-3 || (way - way.dot(y) * y).norm() > kTiny) continue;
@@ -174,7 +174,7 @@ class Connector {
       if (b_axis.cross(y).norm() > kTiny) continue;
       Vector3 p = (p_left + p_right) / 2;
       p.z() -= radius_m;
-      if (p.z() > Lowest(bodies) + kTiny) continue;  // it stands on something else
+      if (p.z() > Lowest(bodies) + kTiny) continue;  // the robot does not stand on its wheels
       roots = {base};
       wheels_ = wheels;
       return Pose{p, FromRollPitchYaw(0, 0, portable::Atan2(-y.x(), y.y()))};
@@ -200,7 +200,7 @@ class Connector {
     model.wheels = found;
   }
 
-  /// Of what moves.
+  /// The lowest z of the shapes of `bodies`, without meshes; 0 if there are none.
   double Lowest(const std::vector<int>& bodies) const {
     double low = std::numeric_limits<double>::infinity();
     for (const int body : bodies) {
@@ -222,12 +222,12 @@ class Connector {
     });
   }
 
-  /// Under its base, turned like the movable or, without a pose of its own, its only body.
+  /// The model's frame: below its base, with the heading of the robot or, if it is not a robot, of the base.
   Pose FrameOf(const Model& model, bool is_fixed) const {
     const Body& base = movable_.bodies[Index(model.bodies.front())];
     const double heading = Heading(movable_.is_robot ? movable_.X_WM.q : base.X_WB.q);
     Vector3 p = base.X_WB.p;
-    // How far a mesh reaches down stands in its file, which nobody has read yet: it stays where it is.
+    // A mesh's extent is unknown until its file is read: do not move the model.
     p.z() = is_fixed || HasMesh(model.bodies) ? 0 : Lowest(model.bodies);
     return {p, FromRollPitchYaw(0, 0, heading)};
   }
@@ -238,7 +238,7 @@ class Connector {
     if (model.X_WR.p.z() < -kLittle_m) {
       diagnostics_.Warning({file_, movable_.line}, "'" + Printable(movable_.name) + "' stands " +
                                                        Exact(std::round(-model.X_WR.p.z() * 1e6) / 1e3) +
-                                                       " mm in the ground: it is put on the ground");
+                                                       " mm in the ground: it is lifted onto the ground");
     }
     model.lift_m = -model.X_WR.p.z();
   }
@@ -257,8 +257,8 @@ class Connector {
   const Movable& movable_;
   const std::string& file_;
   Diagnostics& diagnostics_;
-  std::vector<std::uint8_t> is_reached_;  // of each body
-  std::vector<std::uint8_t> is_used_;     // of each joint
+  std::vector<std::uint8_t> is_reached_;  // for each body
+  std::vector<std::uint8_t> is_used_;     // for each joint
   std::vector<std::vector<std::size_t>> joints_of_{movable_.bodies.size()};
   std::vector<std::size_t> wheels_;  // the joints of the drive
 };

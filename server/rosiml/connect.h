@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// From bodies and joints to robots as coopdyn has them: a tree with a base, its frame on the floor, and two
-// wheels that make a drive. Pure; any thread.
+// Turns bodies and joints into coopdyn's models: a tree with a base, its frame on the floor, and two wheels
+// that form a drive. Pure; any thread.
 #pragma once
 
 #include <array>
@@ -14,26 +14,26 @@
 
 namespace coopdyn::rosiml {
 
-/// Bodies that hang together.
+/// A connected set of bodies.
 struct Model {
-  /// A joint of the movable, from the body nearer to the base to the other.
+  /// A joint of the movable, directed away from the base.
   struct Link {
-    int joint = 0;
+    int joint = 0;                          // index into Movable::joints
     int parent = Joint::kWorld, child = 0;  // index into Movable::bodies
-    bool is_turned = false;  // its axis points the other way, so that positions count as they should
+    bool is_turned = false;                 // reverse the axis, so that positions have the right sign
   };
 
   std::vector<int> bodies;  // the base first
   std::vector<Link> links;
-  std::vector<int> still;                    // bodies that are fixed to the world
+  std::vector<int> still;                    // bodies fixed to the world
   std::optional<std::array<int, 2>> wheels;  // left and right, index into `links`
-  std::vector<bool> is_base;                 // of each body of the movable: fixed joints hold it to the base
-  Pose X_WR;                                 // of the robot's frame: x forward, z up, its origin on the floor
-  double lift_m = 0;                         // it stands so much higher than the file says
+  std::vector<bool> is_base;                 // for each body of the movable: fixed joints hold it to the base
+  Pose X_WR;                                 // the robot's frame: x forward, z up, origin on the floor
+  double lift_m = 0;                         // height added to the file's pose
 };
 
-/// The first is that of the first body, or of the drive. What stands in the floor is lifted onto it, and
-/// said.
+/// Returns the models of `movable`, that of the first body first. Lifts a model that stands in the ground
+/// onto it, with a warning.
 std::vector<Model> Connect(const Movable& movable, const std::string& file, Diagnostics& diagnostics);
 
 }  // namespace coopdyn::rosiml

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What an experiment says, whatever its grammar: SI units, poses in the world.
+// The content of an experiment in either grammar, in SI units and world poses.
 #pragma once
 
 #include <map>
@@ -15,26 +15,26 @@ namespace coopdyn::rosiml {
 /// A shape of a rigid body.
 struct Part {
   Shape shape = Sphere{};
-  Pose X_BG;  // in its body
+  Pose X_BG;  // pose in its body
   double mass_kg = 0;
-  std::string colour;  // "r g b"; empty: its body's
+  std::string colour;  // "r g b"; empty: the body's colour
   int line = 0;
-  std::string mesh_file{};  // of a Mesh, whose data nobody has read yet
+  std::string mesh_file{};  // file of a Mesh whose data is still unread
 };
 
 struct Body {
   std::string name;
   Pose X_WB;
   std::vector<Part> parts;
-  double mass_kg = 0;  // of all its parts; 0: it stands fixed
+  double mass_kg = 0;  // of all parts; 0: fixed to the world
   double friction = 0;
   double restitution = 0;
-  std::optional<Vector3> centre_of_mass;  // instead of that of its parts
+  std::optional<Vector3> centre_of_mass;  // overrides that of the parts
   std::string colour;
   int line = 0;
 };
 
-/// What sensors and joints name: a body, or a part of it.
+/// A body or part that sensors and joints refer to by name.
 struct Named {
   std::string name;
   int body = 0;  // index into Movable::bodies
@@ -42,15 +42,15 @@ struct Named {
   int line = 0;
 };
 
-/// What drives a complex hinge; on the joint's side, but for what is said of the motor's shaft.
+/// The drive train of a complex hinge. Values are on the joint's side unless they are of the motor shaft.
 struct DriveTrain {
   struct Pwm {
-    double duty = 1, no_load_speed_rad_s = 0, stall_torque_nm = 0, stall_current_a = 0;  // of the shaft
+    double duty = 1, no_load_speed_rad_s = 0, stall_torque_nm = 0, stall_current_a = 0;  // of the motor shaft
     int line = 0;
   };
   std::vector<Pwm> pwm;
   double ratio = 1, efficiency = 1;
-  std::optional<double> rotor_inertia_kg_m2, stiffness_nm_rad;  // none: the usual rotor; a rigid coupling
+  std::optional<double> rotor_inertia_kg_m2, stiffness_nm_rad;  // nullopt: default rotor; rigid coupling
   double backlash_deg = 0, damping_nms_rad = 0, preload_nm = 0;
   double static_friction_nm = 0, dynamic_friction_nm = 0;
   std::optional<double> stiction_speed_rad_s;
@@ -64,22 +64,22 @@ struct Joint {
   std::string name;
   Kind kind = Kind::kHinge;
   int source = 0, destination = kWorld;  // index into Movable::bodies
-  Pose X_WJ;                             // its axis is x
-  /// Its position counts how the source moves against the destination, not the other way round.
+  Pose X_WJ;                             // the joint's axis is x
+  /// The position is that of the source relative to the destination, not vice versa.
   bool counts_source = true;
   bool is_driven = false;
   bool is_wheel = false;  // driven by velocity
   double max_effort = 0, max_velocity = 0;
-  std::optional<std::pair<double, double>> limit;  // least and most position, rad or m
+  std::optional<std::pair<double, double>> limit;  // minimum and maximum position, rad or m
   double friction = 0, damping = 0, stiffness = 0, rest = 0;
-  std::optional<DriveTrain> drive_train;  // then it has no friction besides
-  /// Of a kSixAxis, from the source on: hinges and sliders called x, y, z, rx, ry, rz, along the axes of
-  /// X_WJ.
+  std::optional<DriveTrain> drive_train;  // includes all friction of the joint
+  /// For kSixAxis only, starting at the source: hinges and sliders named x, y, z, rx, ry, rz, along the axes
+  /// of X_WJ.
   std::vector<Joint> axes{};
   int line = 0;
 };
 
-/// Hill's: pulls a point of one body towards a point of another.
+/// A Hill-type muscle that pulls a point of one body towards a point of another.
 struct Muscle {
   std::string name;
   int source = 0, destination = 0;  // index into Movable::bodies
@@ -97,7 +97,7 @@ struct Thruster {
   int body = 0;  // index into Movable::bodies
   int axis = 0;  // 0 x, 1 y, 2 z
   bool turns = false;
-  double most = 0;  // N, N m
+  double most = 0;  // maximum, N or N m
   int line = 0;
 };
 
@@ -108,25 +108,25 @@ struct Sensor {
   std::string name;
   Kind kind = Kind::kProximity;
   int body = 0;
-  Pose X_WS;  // it looks along x
+  Pose X_WS;  // the sensor looks along x
   double range_m = 0;
-  double opening_deg = 0;  // of the whole cone or fan; across
+  double opening_deg = 0;  // full horizontal angle of the cone or fan
   double opening_up_deg = 0;
-  Pattern pattern = Pattern::kCross;  // of a proximity sensor: the middle and the rim, side by side, all
+  Pattern pattern = Pattern::kCross;  // proximity: rays in the middle and on the rim; side by side; full cone
   int rays = 1;
   double noise = 0;
-  std::string colour;  // "r g b", of a light sensor; empty: it sees all and has no limit
-  std::string model;   // of a Sharp, as coopdyn calls it
+  std::string colour;  // "r g b" of a light sensor; empty: sees all colours, without a limit
+  std::string model;   // coopdyn's name of a Sharp sensor
   int width = 320, height = 240;
   int line = 0;
 };
 
-/// From a value inside the simulator to the one that clients exchange.
+/// Maps a value inside the simulator to the value that clients exchange.
 struct Mapped {
   std::optional<std::pair<double, double>> internal = {}, external = {};
   std::string noise = {};  // uniform or gaussian; empty: none
   double noise_mean = 0, noise_sigma = 0;
-  std::string filter = {};  // of a sensor's value: mean, median or low_pass; empty: none
+  std::string filter = {};  // sensors only: mean, median or low_pass; empty: none
   int filter_steps = 1;
   double filter_time_s = 0;
 };
@@ -134,8 +134,8 @@ struct Mapped {
 /// A value that a client sets.
 struct MotorValue {
   std::string name;
-  int joint = 0;          // index into Movable::joints; -1: it is a muscle or a thruster
-  std::string axis = {};  // of a joint that has several
+  int joint = 0;          // index into Movable::joints; -1 for a muscle or a thruster
+  std::string axis = {};  // for a joint with several axes
   std::string mode;       // velocity, direct, effort, pwm, limit
   Mapped mapped = {};
   int line = 0;
@@ -143,49 +143,49 @@ struct MotorValue {
   int thruster = -1;  // index into Movable::thrusters
 };
 
-/// Values that a client gets, of one sensor.
+/// Values of one source that a client reads. At most one index is set; none: a value of the world.
 struct SensorValue {
   std::string name;
-  int sensor = -1;        // index into Movable::sensors, or
-  int joint = -1;         // into Movable::joints, or
-  std::string axis = {};  // of a joint that has several
-  int muscle = -1;        // into Movable::muscles, or
-  int body = -1;          // into Movable::bodies, at X_WN; none of them: of the world
+  int sensor = -1;        // index into Movable::sensors
+  int joint = -1;         // index into Movable::joints
+  std::string axis = {};  // for a joint with several axes
+  int muscle = -1;        // index into Movable::muscles
+  int body = -1;          // index into Movable::bodies; the place is X_WN
   Pose X_WN = {};
-  std::vector<std::string> of = {};  // position, vx, …; of a sensor nothing
-  bool in_body = false;              // velocities along its own axes
+  std::vector<std::string> of = {};  // position, vx, …; empty for a sensor
+  bool in_body = false;              // velocities along the body's own axes
   bool auxiliary = false;
   Mapped mapped = {};
   int line = 0;
 };
 
-/// What each reset draws: x, y, z, gamma (degrees), mass, friction, power or value, from the least to the
-/// most.
+/// The minimum and maximum of the values that each reset draws: x, y, z, gamma (degrees), mass, friction,
+/// power or value.
 struct Random {
   std::map<std::string, std::pair<double, double>> ranges;
   int line = 0;
 };
 
-/// A robot, or what stands or lies about: bodies and what joins them.
+/// A robot or object: bodies, with joints and muscles between them.
 struct Movable {
   std::string name;
-  Pose X_WM;  // its own pose
+  Pose X_WM;  // the movable's own pose
   std::vector<Body> bodies;
   std::vector<Named> names;
   std::vector<Joint> joints;
   std::vector<Muscle> muscles;
   std::vector<Thruster> thrusters;
   std::vector<Sensor> sensors;
-  std::vector<MotorValue> motors;   // what a client exchanges, in this order
-  std::vector<SensorValue> values;  // likewise
+  std::vector<MotorValue> motors;   // values that a client sets, in exchange order
+  std::vector<SensorValue> values;  // values that a client reads, in exchange order
   int exchange_steps = 1;
-  int port = 0;             // where its client looks for it; 0: it does not say
-  std::vector<int> aborts;  // contact sensors that end a try
-  std::string controller;   // "NAME key=value …"; empty: clients drive it
+  int port = 0;             // TCP port that its client expects; 0 if unspecified
+  std::vector<int> aborts;  // contact sensors that end a trial
+  std::string controller;   // "NAME key=value …"; empty: clients drive the robot
   std::string colour;
   Random random;
   bool is_robot = false;
-  bool is_sound = true;  // without mistakes
+  bool is_sound = true;  // without errors in the file
   int line = 0;
 };
 
@@ -200,16 +200,16 @@ struct Light {
   bool is_sound = true;
 };
 
-/// A line of a section: its key with its value.
+/// A line of a section: key and value.
 struct Setting {
   std::string text;
   int line = 0;
 };
 
-/// What a run is worth.
+/// A score of the run.
 struct Score {
-  std::vector<std::string> of;    // names of movables and things; none: all robots
-  std::string target;             // of a thing or a light
+  std::vector<std::string> of;    // names of movables and things; empty: all robots
+  std::string target;             // name of a thing or a light
   std::vector<std::string> keys;  // the other lines of its section
   bool is_sound = true;
   int line = 0;
@@ -218,7 +218,7 @@ struct Score {
 struct Experiment {
   std::vector<Setting> simulation, floor;  // lines of these sections
   std::optional<std::pair<double, double>> floor_size;
-  Random ambient;  // its value
+  Random ambient;  // ambient light: key "value"
   std::vector<Light> lights;
   std::vector<Movable> things, robots;
   std::vector<Score> scores;

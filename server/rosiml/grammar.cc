@@ -18,7 +18,7 @@ namespace {
 /// One word of a row.
 struct Word {
   std::string name;
-  std::string kind;  // of a child; or the type of an attribute
+  std::string kind;  // kind of a child, or type of an attribute
   bool is_needed = false, is_single = false, is_silent = false, is_not_yet = false;
 };
 
@@ -107,7 +107,7 @@ class Checker {
   }
 
  private:
-  /// Writes out &ROW.
+  /// Expands each &ROW.
   void Insert(std::vector<Word> ParsedRule::*words, ParsedRule& rule) const {
     std::vector<Word> all;
     for (const Word& word : rule.*words) {
@@ -142,7 +142,7 @@ class Checker {
     found.label = is_attribute ? "'" + word + "' of <" + at.Name() + ">" : "<" + word + ">";
   }
 
-  /// The nearest word that may stand there instead, or nothing.
+  /// Reports an unknown element. Returns the most similar word that is allowed there; empty if none.
   std::string ErrorOfUnknown(const Element& child, const ParsedRule& rule) {
     const std::vector<std::string> names = NamesOf(rule.children);
     const std::string meant = Nearest(child.Name(), names), home = HomeOf(child.Name());
@@ -152,7 +152,7 @@ class Checker {
     return meant;
   }
 
-  /// The only element that may have this child, or nothing.
+  /// The only element that may have this child; empty if there is none or several.
   std::string HomeOf(std::string_view child) const {
     std::vector<std::string> homes;
     for (const auto& [kind, rule] : rules_) {
@@ -177,7 +177,7 @@ class Checker {
       seen.insert(one->Name());
       if (const std::string wrong = WrongWith(one->Value(), word->kind); !wrong.empty())
         Error(element, "'" + word->name + "'" + in + " " + wrong + ", not '" + Shown(one->Value()) + "'");
-      // What is off is not missed.
+      // A disabled feature needs no warning.
       if (word->is_not_yet && std::string_view(one->Value()) != "false")
         NoteNotYet(element, word->name, true);
     }
@@ -187,7 +187,7 @@ class Checker {
     }
   }
 
-  /// Only comments and elements stand between tags.
+  /// Reports anything but comments and elements between tags.
   void CheckTexts(const Element& element) {
     for (const tinyxml2::XMLNode* node = element.FirstChild(); node != nullptr; node = node->NextSibling()) {
       const bool is_text = node->ToText() != nullptr, is_unknown = node->ToUnknown() != nullptr;
@@ -200,7 +200,7 @@ class Checker {
     }
   }
 
-  /// What a value of this type must be; empty: it is.
+  /// Says what a value of this type must be; empty if `text` is valid.
   static std::string WrongWith(std::string_view text, std::string_view type) {
     if (type == "s") return Trim(text).empty() ? "must not be empty" : "";
     if (type == "b")

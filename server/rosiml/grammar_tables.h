@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// What may stand where, as data. Pure; any thread.
+// Both grammars as data: the attributes and children that each element may have. Pure; any thread.
 //
-// An attribute is NAME:TYPE, a child NAME or NAME=KIND, the row that says more of it. Behind the name: ! it
-// is needed, and of children ! and ? that it stands there once. In front of it: - it changes nothing here, ~
-// it is not simulated yet. Types: s text, n a number, + above 0, 0 at least 0, i a whole number, b true or
-// false, c a colour RRGGBB, r one number or the least and the most, or the words themselves a|b (_ is a
-// space). Behind n, i and + may stand what else the number must lie between, as in i1..1000. &ROW stands for
-// all that this row has. Limits are those of models and scenarios (server/model).
+// An attribute is NAME:TYPE. A child is NAME or NAME=KIND, where KIND names the row that describes it. NAME!
+// is required, and NAME! and NAME? allow a child only once. -NAME is allowed but has no effect, ~NAME is not
+// simulated yet. Types: s text, n number, + number above 0, 0 number at least 0, i integer, b true or false,
+// c colour RRGGBB, r one number or a minimum and a maximum, or the allowed words a|b (_ is a space). A range
+// may follow n, i and +, as in i1..1000. &ROW inserts the words of that row. Limits match those of models and
+// scenarios (server/model).
 #pragma once
 
 #include <span>
@@ -17,12 +17,12 @@
 namespace coopdyn::rosiml {
 
 struct Rule {
-  std::string_view kind;  // the element's name, or what a row calls it
+  std::string_view kind;  // the element's name, or the KIND that rows give it
   std::string_view attributes;
   std::string_view children;
 };
 
-/// What is to be said of a word with ~ in front.
+/// The warning for a word marked ~: "WORD is not simulated yet: what".
 struct NotYet {
   std::string_view word;
   std::string_view what;

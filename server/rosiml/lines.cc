@@ -33,7 +33,7 @@ std::string RollPitchYaw(const Quaternion& q) {
   const Matrix3 R = q.normalized().toRotationMatrix();
   const double pitch = portable::Atan2(-R(2, 0), portable::Hypot(R(0, 0), R(1, 0)));
   double roll = 0, yaw = 0;
-  if (portable::Hypot(R(2, 1), R(2, 2)) < 1e-9) {  // upright: roll and yaw turn about one axis
+  if (portable::Hypot(R(2, 1), R(2, 2)) < 1e-9) {  // gimbal lock: roll and yaw share an axis
     yaw = portable::Atan2(-R(0, 1), R(1, 1));
   } else {
     roll = portable::Atan2(R(2, 1), R(2, 2));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A text that is written line by line, with the line of the XML that each came from. Pure; any thread.
+// A generated text that records the XML line behind each of its lines. Pure; any thread.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace coopdyn::rosiml {
 
 struct MadeText {
   std::string text;
-  std::vector<int> lines;  // lines[n] is where line n + 1 was written
+  std::vector<int> lines;  // lines[n] is the XML line of line n + 1
 
   void Add(int line, std::string_view what) {
     text += what;
@@ -21,20 +21,20 @@ struct MadeText {
   }
 };
 
-/// The shortest decimal number that is this one; 0 for -0.
+/// The shortest decimal that reads back as `value`; 0 for -0.
 std::string Exact(double value);
-/// A whole number with all its digits.
+/// An integer with all its digits.
 std::string Whole(double value);
-/// To 1e-12: what is 0 but for rounding reads as 0.
+/// Rounded to 1e-12, so that rounding errors print as 0.
 std::string Rounded(double value);
-/// x y z, rounded so.
+/// "x y z", each Rounded().
 std::string Places(const Vector3& v);
-/// roll pitch yaw, in radians, about the fixed axes x, y, z.
+/// "roll pitch yaw" about the fixed axes x, y, z, rad.
 std::string RollPitchYaw(const Quaternion& q);
-/// x y z roll pitch yaw
+/// "x y z roll pitch yaw".
 std::string Places(const Pose& pose);
 
-/// `name` with only letters, digits, _ and -, a letter first; at most `most` characters.
+/// `name` reduced to at most `most` letters, digits, _ and -, starting with a letter.
 std::string Simple(std::string_view name, std::size_t most);
 
 }  // namespace coopdyn::rosiml

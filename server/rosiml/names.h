@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Names as coopdyn's files can have them: the simple form of what the experiment says, none twice. One
-// thread.
+// Turns an experiment's names into unique names that are valid in coopdyn's files. One thread.
 #pragma once
 
 #include <functional>
@@ -18,21 +17,21 @@ namespace coopdyn::rosiml {
 
 class Names {
  public:
-  /// `taken`: names that are no names of these things.
+  /// `taken`: reserved names.
   Names(std::initializer_list<const char*> taken) : taken_(taken.begin(), taken.end()) {}
 
-  /// `name`, or NAME_2 and so on; case makes no difference.
+  /// A unique form of `name`: NAME, NAME_2 and so on. Case-insensitive.
   std::string New(std::string_view name);
 
  private:
-  std::set<std::string> taken_;      // in lower case
-  std::map<std::string, int> last_;  // the number that was given last, by the simple name in lower case
+  std::set<std::string> taken_;      // lower case
+  std::map<std::string, int> last_;  // last number used, by simple name in lower case
 };
 
-/// A module's name: a-z, 0-9 and _, a letter first.
+/// `name` as a module name: a-z, 0-9 and _, starting with a letter.
 std::string ModuleName(std::string_view name);
 
-/// DidYouMean() of the first hundreds of what is called so; nothing once more is wrong than is told.
+/// DidYouMean() among the names of the first 300 `things`. Empty once further errors would not be reported.
 template <typename Things, typename Name>
 std::string MeantOf(std::string_view word, const Things& things, Name name, const Diagnostics& diagnostics) {
   constexpr std::size_t kMost = 300;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The actuators of the grammar 0.8 of the public YARS.
+// Reads actuators in the grammar 0.8 of the public YARS.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -64,7 +64,7 @@ class PublicActuators : Reader {
     }
   }
 
-  /// What a client sets of the joint added last, or of its axis `joint` if it is `whole`.
+  /// Adds the motor value of the last added joint, or of its axis `joint` if `whole` names the joint.
   void AddMotorValue(const Element& element, const Joint& joint, const std::string& whole, Movable& robot) {
     const std::string type = Text(element, "type");
     MotorValue motor{.name = whole.empty() ? joint.name : whole + "_" + joint.name,
@@ -92,7 +92,7 @@ class PublicActuators : Reader {
     robot.motors.push_back(std::move(motor));
   }
 
-  /// The point of an anchor: its object is a mark, not a body.
+  /// The point of an anchor. The anchor's object is only a marker, not a body.
   static Vector3 AnchorOf(const Element& element, const char* name, const Pose& X_WN) {
     const Element* anchor = Child(element, name);
     if (anchor == nullptr) return X_WN.p;
@@ -122,7 +122,7 @@ class PublicActuators : Reader {
       muscle.use_length = Flag(*length, "use", true);
     }
     if (const Element* velocity = Child(element, "velocityComponent")) {
-      // There it is negative: muscles shorten at negative speeds.
+      // Negative in YARS, where muscles shorten at negative speeds.
       muscle.max_velocity_m_s = std::abs(Number(*velocity, "maxVelocity", 1));
       muscle.eccentric = Number(*velocity, "N", 1.5);
       muscle.curvature = Number(*velocity, "K", 5);
@@ -143,8 +143,8 @@ class PublicActuators : Reader {
     const std::string type = Text(element, "type");
     const bool is_active = Text(element, "mode") == "active";
     const bool to_position = type == "angular" || type == "positional" || type == "force and angle";
-    // Its motor turns the source; its angle is that of the destination. One bound to the world has but one
-    // body.
+    // In YARS the motor turns the source, but the angle is that of the destination. A joint with the world
+    // has only one body.
     joint.counts_source = joint.destination == Joint::kWorld || (is_active && !to_position);
     joint.is_wheel = is_active && type == "velocity";
     joint.max_effort = NumberIn(element, "force", "max", 0);
@@ -162,7 +162,7 @@ class PublicActuators : Reader {
       Error(*deflection, "'min' of <deflection> must not lie above 'max'");
       return;
     }
-    // The stops are those of the angle of the destination, whatever the motor turns.
+    // Stops limit the destination's angle, regardless of which body the motor turns.
     if (is_active && !to_position && joint.destination != Joint::kWorld) {
       std::swap(least, most);
       least = -least;

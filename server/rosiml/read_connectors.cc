@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The connectors of RoSiML as the YARS paper tells it.
+// Reads connectors in the YARS paper's grammar.
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -17,7 +17,7 @@ class PaperConnectors : Reader {
  public:
   using Reader::Reader;
 
-  /// After all objects, which they name.
+  /// Reads connectors. Call it after all objects have been read: connectors refer to them.
   void Read(const Element& compound, Movable& movable) {
     ForEachChild(compound, [&](const Element& child) {
       if (std::string_view(child.Name()) == "compound") Read(child, movable);
@@ -82,7 +82,7 @@ class PaperConnectors : Reader {
     joint.max_velocity = Number(*drive, "maxVelocity", 0);
   }
 
-  /// Of a joint of several axes.
+  /// Reads the axes of a joint with several axes.
   void ReadAxes(const Element& element, const std::string& type, Joint& joint) {
     for (const char* word : {"limit", "spring", "damper", "friction"}) {
       if (const Element* child = Child(element, word))
@@ -107,7 +107,8 @@ class PaperConnectors : Reader {
     });
   }
 
-  /// What is set and read of the joint added last, or of its axis `joint` if it is `whole`.
+  /// Adds the motor and sensor values of the last added joint, or of its axis `joint` if `whole` names the
+  /// joint.
   void AddExchange(const Element& element, const Joint& joint, const std::string& whole, Movable& movable) {
     const int index = static_cast<int>(movable.joints.size()) - 1;
     const std::string axis = whole.empty() ? "" : joint.name;
@@ -172,7 +173,7 @@ class PaperConnectors : Reader {
     joint.friction = NumberIn(element, "friction", "value", 0);
   }
 
-  /// What only a complex hinge has.
+  /// Reports elements that only a complex hinge may have.
   void RefuseDriveTrain(const Element& element, const std::string& type) {
     ForEachChild(element, [&](const Element& child) {
       for (const char* word : {"backlash", "rotor", "coupling", "pwm"}) {
@@ -207,7 +208,7 @@ class PaperConnectors : Reader {
     train.static_friction_nm = NumberIn(element, "friction", "static", joint.friction);
     if (const Element* friction = Child(element, "friction"))
       train.stiction_speed_rad_s = Number(*friction, "threshold");
-    // Without a table the motor is that of its <drive>.
+    // Without <pwm> elements, the motor is that of the <drive>.
     if (train.pwm.empty() && joint.is_driven)
       train.pwm.push_back(
           {1, joint.max_velocity * train.ratio, joint.max_effort / train.ratio, 0, train.line});
@@ -222,7 +223,7 @@ class PaperConnectors : Reader {
     joint.drive_train = std::move(train);
   }
 
-  std::map<std::string, int> lines_;  // of names
+  std::map<std::string, int> lines_;  // first line of each name
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// <controller> of the public grammar, as the line of a loaded controller.
+// Reads <controller> of the public grammar as a line that configures a loaded controller.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -12,7 +12,8 @@ namespace coopdyn::rosiml {
 
 namespace {
 
-/// As a scenario calls an option: small letters, digits and _; empty if it would not begin with a letter.
+/// `name` as a scenario's option name: lower-case letters, digits and _; empty if it would not start with a
+/// letter.
 std::string OptionName(const std::string& name) {
   std::string option;
   for (const char c : name) {
@@ -26,7 +27,7 @@ std::string OptionName(const std::string& name) {
   return fits ? option : "";
 }
 
-/// A number, or a word for yes and no.
+/// A number, or 1 and 0 for `true` and `false`.
 std::optional<double> OptionValue(const std::string& text) {
   if (text == "true") return 1;
   if (text == "false") return 0;

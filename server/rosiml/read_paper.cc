@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// RoSiML as the YARS paper tells it: simulator, environment, movables.
+// Reads RoSiML in the YARS paper's grammar: simulator, environment, movables.
 #include <algorithm>
 #include <map>
 #include <numbers>
@@ -16,7 +16,7 @@ namespace coopdyn::rosiml {
 
 namespace {
 
-/// The numbers of a value "least most", or one alone.
+/// The range of a value "MIN MAX" or of a single number.
 std::pair<double, double> RangeOf(std::string_view text) {
   const std::vector<std::string> words = SplitWords(text);
   const double least = words.empty() ? 0 : ParseNumber(words.front()).value_or(0);
@@ -110,7 +110,7 @@ class PaperReader : Reader {
     return kind == "box" || kind == "sphere" || kind == "cylinder" || kind == "capsule";
   }
 
-  /// A rigid body: an <object> with shapes, or one shape by itself.
+  /// Reads a rigid body: an <object> with shapes, or a single shape.
   void ReadObject(const Element& element, const Pose& X_WC, Movable& movable) {
     Body body;
     body.name = Text(element, "name");
@@ -133,7 +133,7 @@ class PaperReader : Reader {
       if (body.parts.empty())
         Error(element, "<object> needs a shape: <box>, <sphere>, <cylinder> or <capsule>");
     }
-    // As if it were of one material.
+    // Distribute the mass by volume, for a uniform density.
     double volume = 0;
     for (const Part& part : body.parts) volume += Volume(part.shape);
     for (Part& part : body.parts) part.mass_kg = volume > 0 ? body.mass_kg * Volume(part.shape) / volume : 0;
@@ -199,7 +199,7 @@ class PaperReader : Reader {
     });
   }
 
-  /// The forces and torques on the first body of a movable of type 'moving', along and about its axes.
+  /// Reads the forces and torques along and about the axes of the first body of a movable of type 'moving'.
   void ReadThrusters(const Element& element, const std::string& type, Movable& movable) {
     const Element *force = Child(element, "force"), *torque = Child(element, "torque");
     if (type == "moving" && force == nullptr && torque == nullptr)
@@ -244,7 +244,7 @@ class PaperReader : Reader {
     });
   }
 
-  /// Of the last body.
+  /// Reads a sensor on the last body.
   void ReadSensor(const Element& element, Movable& movable) {
     using Kind = Sensor::Kind;
     constexpr std::pair<std::string_view, Kind> kKinds[] = {{"proximity", Kind::kProximity},
@@ -285,13 +285,13 @@ class PaperReader : Reader {
     movable.sensors.push_back(std::move(sensor));
   }
 
-  /// What is exchanged of the sensor that is added next.
+  /// Adds the exchanged value of `sensor`, which will be the next one in Movable::sensors.
   void AddValue(const Element& element, const Sensor& sensor, Movable& movable) {
     using Kind = Sensor::Kind;
     const int index = static_cast<int>(movable.sensors.size());
     if (Flag(element, "abort", false)) movable.aborts.push_back(index);
     if (sensor.kind == Kind::kCamera || sensor.kind == Kind::kImu || sensor.kind == Kind::kNeighbours)
-      return;  // not one value
+      return;  // these have more than one value
     std::optional<std::pair<double, double>> internal;
     if (sensor.kind == Kind::kProximity) internal = {0, sensor.range_m};
     if (sensor.kind == Kind::kContact) internal = {0, 1};
@@ -303,7 +303,7 @@ class PaperReader : Reader {
                               .line = sensor.line});
   }
 
-  /// Where the last body is, or how it moves.
+  /// Reads a sensor of the last body's pose or velocity.
   void ReadPlace(const Element& element, Movable& movable) {
     static constexpr std::pair<std::string_view, const char*> kPlaces[] = {{"position", "x y z"},
                                                                            {"orientation", "roll pitch yaw"},
@@ -364,7 +364,7 @@ class PaperReader : Reader {
     experiment_.scores.push_back(std::move(score));
   }
 
-  /// Separated by commas.
+  /// The comma-separated names in `text`.
   static std::vector<std::string> NamesIn(std::string_view text) {
     std::vector<std::string> names;
     while (!text.empty()) {
@@ -380,7 +380,8 @@ class PaperReader : Reader {
   Experiment experiment_;
   double frequency_hz_ = kUsual_hz;
   int exchange_steps_ = 1;
-  std::map<std::string, int> lines_, sensor_lines_, score_lines_;  // of names: all, of a movable, of scores
+  // First line of each name: of all things, of the sensors of a movable, of scores.
+  std::map<std::string, int> lines_, sensor_lines_, score_lines_;
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The grammar 0.8 of the public YARS.
+// Reads the grammar 0.8 of the public YARS.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -37,8 +37,8 @@ class PublicReader : Reader {
         if (std::string_view(robot.Name()) == "robot") ReadRobot(robot);
       });
     }
-    // There all friction is the product of two, and the ground's is 1: with the lesser of two, as here, it
-    // must not be the ground's.
+    // In YARS friction is the product of both bodies', and the ground's is 1. coopdyn uses the lesser of the
+    // two, which must never be the ground's.
     experiment_.floor.push_back({"friction 1000", root.GetLineNum()});
     return std::move(experiment_);
   }
@@ -64,7 +64,7 @@ class PublicReader : Reader {
     macros_element_ = &macros;
     ForEachChild(macros, [this](const Element& macro) { NoteMacro(macro); });
   }
-  /// Some mistakes in them are found where they are used.
+  /// False if macros have errors. Some errors in macros are only found where macros are used.
   bool HasSoundMacros() const { return macros_element_ == nullptr || IsSound(*macros_element_); }
 
   void NoteMacro(const Element& macro) {
@@ -90,7 +90,7 @@ class PublicReader : Reader {
         experiment_.simulation.push_back(
             {"ambient_light " + Exact(Number(child, "brightness", 0)), child.GetLineNum()});
       } else if (IsObject(kind)) {
-        Movable all;  // a macro may have several
+        Movable all;  // a macro may have several bodies
         ReadObject(child, Pose{}, "", all, 0);
         for (Body& body : all.bodies) {
           Movable thing;
@@ -110,7 +110,7 @@ class PublicReader : Reader {
     experiment_.simulation.push_back({"gravity " + numbers, gravity.GetLineNum()});
   }
 
-  /// A body, or those of a macro, moved by X_WO; their names begin with `prefix`.
+  /// Reads a body, or the bodies of a macro, placed by X_WO; prepends `prefix` to their names.
   void ReadObject(const Element& object, const Pose& X_WO, const std::string& prefix, Movable& movable,
                   int depth) {
     const std::string_view kind = object.Name();
@@ -241,7 +241,7 @@ class PublicReader : Reader {
     sensor.name = Text(element, "name");
     sensor.line = element.GetLineNum();
     if (kind == "ambientLight") {
-      sensor.kind = Sensor::Kind::kAmbient;  // it is the same everywhere
+      sensor.kind = Sensor::Kind::kAmbient;  // the same everywhere, so it has no place
       robot.values.push_back({.name = sensor.name,
                               .sensor = static_cast<int>(robot.sensors.size()),
                               .auxiliary = true,
@@ -258,7 +258,8 @@ class PublicReader : Reader {
     const double opening_x_deg = NumberIn(element, "openingAngles", "x", 0),
                  opening_y_deg = NumberIn(element, "openingAngles", "y", 0);
     if (kind == "proximity" || kind == "camera") {
-      // What they look along is z there and x here. They open across by a turn about x there, z here.
+      // Sensors look along z in YARS and along x in coopdyn. Their horizontal opening is about x in YARS and
+      // about z in coopdyn.
       sensor.X_WS.q = X_WS.q * FromRollPitchYaw(0, -std::numbers::pi / 2, 0);
     }
     if (kind == "proximity") {
@@ -284,7 +285,7 @@ class PublicReader : Reader {
       sensor.X_WS = at->X_WN;
       AddPlace(element, *at, {"wx", "wy", "wz"}, robot);
     } else {
-      // Each robot's module `pose` tells them of its base, too.
+      // Each robot's module `pose` also reports these for its base.
       if (kind == "position") AddPlace(element, *at, {"x", "y", "z"}, robot);
       if (kind == "orientation") AddPlace(element, *at, {"roll", "pitch", "yaw"}, robot);
       if (kind == "ov") AddPlace(element, *at, {"vx", "vy", "vz"}, robot);
@@ -294,10 +295,10 @@ class PublicReader : Reader {
       SensorValue value{
           .name = sensor.name, .sensor = static_cast<int>(robot.sensors.size()), .line = sensor.line};
       std::optional<std::pair<double, double>> internal{{0, kind == "proximity" ? sensor.range_m : 1}};
-      if (is_sharp) internal.reset();  // volts, or a number: by a <domain>
+      if (is_sharp) internal.reset();  // volts, or a number as given by a <domain>
       value.mapped = MappedOf(element, internal);
       if (kind == "binaryContact") {
-        // Its <domain> is what is exchanged.
+        // Its <domain> is the range of the exchanged value.
         value.mapped.external = Child(element, "domain") == nullptr ? std::nullopt : value.mapped.internal;
         value.mapped.internal = {0, 1};
       }
@@ -306,7 +307,7 @@ class PublicReader : Reader {
     robot.sensors.push_back(std::move(sensor));
   }
 
-  /// Force, velocity and length; the module `muscles` tells the factors, too.
+  /// Reads a sensor of a muscle's force, velocity and length. The module `muscles` also reports the factors.
   void ReadMuscleSensor(const Element& element, const std::string& name, Movable& robot) {
     const auto found = std::ranges::find(robot.muscles, name, &Muscle::name);
     if (found == robot.muscles.end()) {
@@ -319,14 +320,14 @@ class PublicReader : Reader {
                       .muscle = static_cast<int>(found - robot.muscles.begin()),
                       .of = {"effort", "velocity", "position"},
                       .line = element.GetLineNum()};
-    // Several domains are those of five values there: these three stay as they are.
+    // Several domains belong to YARS's five values: do not map these three.
     const Element* domain = Child(element, "domain");
     if (domain == nullptr || domain->NextSiblingElement("domain") == nullptr)
       value.mapped = MappedOf(element, std::nullopt);
     robot.values.push_back(std::move(value));
   }
 
-  /// Those of x, y and z that <coordinates> wants.
+  /// Adds the values of `all` whose axes <coordinates> selects.
   void AddPlace(const Element& element, const Named& at, std::vector<std::string> all, Movable& robot) {
     SensorValue value{.name = Text(element, "name"),
                       .body = at.body,
@@ -343,7 +344,7 @@ class PublicReader : Reader {
     robot.values.push_back(std::move(value));
   }
 
-  /// There is no size of the picture there: it is as wide as usual, and its points are square.
+  /// YARS has no image size: use the default width, and square pixels.
   static void ReadCamera(double x_deg, double y_deg, Sensor& sensor) {
     constexpr double kLeast_deg = 1, kMost_deg = 87;
     x_deg = std::clamp(x_deg, kLeast_deg, kMost_deg);
@@ -358,7 +359,7 @@ class PublicReader : Reader {
   void ReadJointSensor(const Element& element, const std::string& name, Movable& robot) {
     const auto joint = std::ranges::find(robot.joints, name, &Joint::name);
     if (joint == robot.joints.end()) {
-      // A joint with a mistake is not there.
+      // A joint with an error has been left out.
       if (!name.empty() && !robot.joints.empty() && IsSound(*robot_element_))
         Warn(element, "there is no joint '" + Printable(name) + "' that is simulated" +
                           MeantOf(name, robot.joints, &Joint::name, diagnostics()));
@@ -377,11 +378,11 @@ class PublicReader : Reader {
   Experiment experiment_;
   std::map<std::string, const Element*> macros_;
   int uses_ = 0;             // of macros
-  bool is_full_ = false;     // they go too deep, or make too many bodies
-  double frequency_hz_ = 0;  // 0: it is wrong
+  bool is_full_ = false;     // macros nest too deeply or make too many bodies
+  double frequency_hz_ = 0;  // 0 if invalid
   const Element* macros_element_ = nullptr;
-  const Element* robot_element_ = nullptr;  // that is read
-  std::map<std::string, int> lines_;        // of names of things and robots
+  const Element* robot_element_ = nullptr;  // the robot being read
+  std::map<std::string, int> lines_;        // first line of each name of things and robots
   HasController has_controller_;
 };
 

@@ -14,7 +14,7 @@
 namespace coopdyn::rosiml {
 
 Shape Reader::ShapeOf(std::string_view kind, const Element& lengths) {
-  // What is missing or wrong has been reported; what is too small the model's reader tells.
+  // Missing and invalid lengths have been reported; the model's reader reports ones that are too small.
   constexpr double kLeast_m = 1e-9, kMost_m = 1e3;
   const auto length = [&](const char* name) {
     return std::clamp(Number(lengths, name, 1), kLeast_m, kMost_m);

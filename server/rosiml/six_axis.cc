@@ -10,7 +10,7 @@ namespace coopdyn::rosiml {
 
 namespace {
 
-/// x, y, z, rx, ry or rz; free.
+/// A free axis `name`: x, y, z, rx, ry or rz.
 Joint AxisCalled(const std::string& name) {
   Joint axis;
   axis.name = name;
@@ -19,7 +19,7 @@ Joint AxisCalled(const std::string& name) {
   return axis;
 }
 
-/// One axis of a <generic>. YARS lets it move within its <deflection> alone, freely if that is empty.
+/// Reads an axis of a <generic>. In YARS only its <deflection> limits the axis; an empty one leaves it free.
 void ReadGenericAxis(const Element& element, bool has_spring, const std::string& what, Reader& reader,
                      Joint& axis) {
   const bool turns = axis.kind == Joint::Kind::kHinge;
@@ -28,7 +28,7 @@ void ReadGenericAxis(const Element& element, bool has_spring, const std::string&
   const double least = Number(deflection, "min", 0) * unit, most = Number(deflection, "max", 0) * unit;
   if (least <= most) axis.limit = {least, most};
   axis.line = element.GetLineNum();
-  axis.counts_source = turns;  // the angles there are those of the source against the destination
+  axis.counts_source = turns;  // angles in YARS are those of the source relative to the destination
   const bool is_active = Text(element, "mode") == "active";
   axis.max_effort = NumberIn(element, "force", "max", 0);
   axis.max_velocity = NumberIn(element, "velocity", "max", 0);
@@ -46,7 +46,7 @@ void ReadGenericAxis(const Element& element, bool has_spring, const std::string&
 std::vector<Joint> ReadGenericAxes(const Element& generic, Reader& reader) {
   const bool has_spring = Flag(generic, "spring", false);
   std::vector<Joint> axes;
-  // Its slides are along the axes of the source, and its turns follow them as z, y, x.
+  // The sliders are along the source's axes; the hinges follow in the order z, y, x.
   for (const char* name : {"x", "y", "z", "rz", "ry", "rx"}) {
     Joint axis = AxisCalled(name);
     const bool turns = axis.kind == Joint::Kind::kHinge;
@@ -74,7 +74,7 @@ std::vector<Joint> AxesOfType(std::string_view type) {
 Joint* FindAxis(std::vector<Joint>& axes, std::string_view type, const std::string& name) {
   const auto found = std::ranges::find(axes, name, &Joint::name);
   if (found != axes.end()) return &*found;
-  // The suspension of a wheel comes before its turns.
+  // A wheel's suspension comes before its hinges.
   if (type == "hinge2" && name == "x") return &*axes.insert(axes.begin(), AxisCalled(name));
   if (type != "sixAxis") return nullptr;
   axes.push_back(AxisCalled(name));

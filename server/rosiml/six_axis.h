@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The axes of a joint that has up to six. One thread.
+// The axes of a joint with up to six axes. One thread.
 #pragma once
 
 #include <string>
@@ -11,14 +11,13 @@
 
 namespace coopdyn::rosiml {
 
-/// The axes of a <generic> of the public grammar, from its source on; without those that are locked.
+/// The axes of a <generic> of the public grammar that are not locked, starting at its source.
 std::vector<Joint> ReadGenericAxes(const Element& generic, Reader& reader);
 
-/// The axes that a connector of the paper's `type` (universal, hinge2, sixAxis) has before it says more of
-/// them.
+/// The default axes of a connector of the paper's `type` (universal, hinge2, sixAxis).
 std::vector<Joint> AxesOfType(std::string_view type);
 
-/// The axis called `name` of such a connector, added if the type allows; null if it does not.
+/// The axis `name` of such a connector, added if the type allows it; else null.
 Joint* FindAxis(std::vector<Joint>& axes, std::string_view type, const std::string& name);
 
 }  // namespace coopdyn::rosiml

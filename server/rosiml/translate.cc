@@ -26,7 +26,7 @@ std::optional<Translation> TranslateSound(std::string_view text, const std::stri
     CheckGrammar(*root, dialect, file, found);
     const Experiment experiment = dialect == Dialect::kPaper ? ReadPaper(*root, file, found)
                                                              : ReadPublic(*root, file, has_controller, found);
-    // Of more mistakes not all lines are known.
+    // With more errors than are kept, the lines of some are unknown.
     if (found.errors() < static_cast<int>(Diagnostics::kMaxKept))
       made = WriteScenario(experiment, file, prefix, found);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// YARS's experiments: one XML text, in the public grammar 0.8 or as the YARS paper tells it, as coopdyn's own
-// texts. Pure; any thread.
+// Translates a YARS experiment, one XML text in the public grammar 0.8 or the YARS paper's grammar, into
+// coopdyn's own texts. Pure; any thread.
 #pragma once
 
 #include <functional>
@@ -17,9 +17,9 @@ namespace coopdyn::rosiml {
 /// A robot's model.
 struct MadeModel {
   std::string name;
-  std::string type;  // as the scenario calls it
+  std::string type;  // its name in the scenario
   MadeText sdf;
-  std::vector<std::string> mesh_files;  // as the experiment names them
+  std::vector<std::string> mesh_files;  // as written in the experiment
 };
 
 struct Translation {
@@ -27,18 +27,18 @@ struct Translation {
   std::vector<MadeModel> models;
 };
 
-/// Whether a text is an experiment: its root element is <rosiml>.
+/// True if a text is an experiment: its root element is <rosiml>.
 bool IsExperiment(std::string_view text);
 
-/// Whether there is a loaded controller called so.
+/// True if a loaded controller `name` exists.
 using HasController = std::function<bool(const std::string& name)>;
 
-/// The scenario and the models of `text`. Nothing, with all mistakes reported, if there are any. `file`: for
-/// messages. A model's type is `prefix` and its name.
+/// Translates `text` into a scenario and models. Returns nullopt if there are errors, all of which are
+/// reported. `file`: for messages. A model's type is `prefix` + its name.
 std::optional<Translation> Translate(std::string_view text, const std::string& file,
                                      const std::string& prefix, Diagnostics& diagnostics,
                                      const HasController& has_controller = nullptr);
-/// The same, but with mistakes what has none, so that more can be said of that.
+/// The same, but in spite of errors returns the parts without errors, so that the caller can check them too.
 std::optional<Translation> TranslateSound(std::string_view text, const std::string& file,
                                           const std::string& prefix, Diagnostics& diagnostics,
                                           const HasController& has_controller = nullptr);

@@ -11,7 +11,7 @@ std::string Attribute(const char* name, const std::string& value) {
   return std::string(" ") + name + "=\"" + value + "\"";
 }
 
-/// As a client reads it: names of an experiment may have signs that XML has not.
+/// `name` as clients read it: an experiment's names may contain characters that are invalid in XML.
 std::string PlainName(const std::string& name) {
   constexpr std::size_t kMost = 100;
   return Simple(name, kMost);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What clients exchange with a robot, as <coopdyn:channel>. Pure; any thread.
+// Writes the values that clients exchange with a robot as <coopdyn:channel>. Pure; any thread.
 #pragma once
 
 #include <functional>
@@ -11,22 +11,24 @@
 
 namespace coopdyn::rosiml {
 
-/// Where the writer of a model has put what the channel names.
+/// Look-ups of the parts of a written model to which the channel refers. Each returns an empty text if the
+/// part is not in this model.
 struct ChannelPlaces {
-  /// name of a joint; empty: it is not in this model.
+  /// The joint's name.
   std::function<std::string(int joint)> joint;
-  /// likewise of a muscle, of a thruster.
+  /// The muscle's name.
   std::function<std::string(int muscle)> muscle;
+  /// The thruster's name.
   std::function<std::string(int thruster)> thruster;
-  /// link="…" pose="…" of a place on a body; empty: it is not in this model.
+  /// link="…" pose="…" of a place on a body.
   std::function<std::string(int body, const Pose& X_WN)> place;
-  /// module="…" index="…" of a sensor; empty: likewise.
+  /// module="…" index="…" of a sensor.
   std::function<std::string(int sensor)> reading;
-  /// name of its module.
+  /// The name of the sensor's module.
   std::function<std::string(int sensor)> module;
 };
 
-/// Empty if there is nothing to exchange.
+/// The <coopdyn:channel>; empty without exchanged values.
 MadeText WriteChannel(const Movable& movable, const ChannelPlaces& places);
 
 }  // namespace coopdyn::rosiml

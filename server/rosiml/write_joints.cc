@@ -39,7 +39,7 @@ class JointWriter {
   void Add(int line, const std::string& text) { written_.sdf.Add(line, text); }
   void Warn(int line, std::string text) { diagnostics_.Warning({file_, line}, std::move(text)); }
 
-  /// What stands fixed hangs on the first of it, and that on the world.
+  /// Fixes the first fixed body to the world, and the other fixed bodies to the first.
   void WriteStill() {
     for (std::size_t i = 0; i < model_.still.size(); ++i) {
       const int line = BodyOf(model_.still[i]).line;
@@ -107,7 +107,7 @@ class JointWriter {
   }
 
   void WriteSixAxis(const Joint& joint, const Model::Link& link, const std::string& name) {
-    // Seen from the other end the axes follow in the other order, and point the other way.
+    // From the other end, the axes are in reverse order and point the other way.
     const bool is_back = link.parent != Joint::kWorld && link.child == joint.source;
     std::vector<Joint> axes = joint.axes;
     if (is_back) std::ranges::reverse(axes);
@@ -148,7 +148,7 @@ class JointWriter {
     Add(joint.line, "</coopdyn:six_axis>");
   }
 
-  /// Whether it has stops that it cannot have.
+  /// Warns and returns true if a hinge without a motor has stops beyond 180 degrees.
   bool IsFar(const Joint& joint) {
     const bool is_far = joint.limit && joint.kind == Joint::Kind::kHinge && !joint.is_driven &&
                         (joint.limit->first < -std::numbers::pi || joint.limit->second > std::numbers::pi);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The joints of a model as SDF: drive trains, joints of several axes, the drive, muscles and thrusters. Pure;
-// any thread.
+// Writes the joints of a model as SDF: drive trains, joints with several axes, the drive, muscles and
+// thrusters. Pure; any thread.
 #pragma once
 
 #include <map>
@@ -15,13 +15,14 @@
 
 namespace coopdyn::rosiml {
 
-/// What those of a model are called in its SDF.
+/// The SDF names of a model's joints, muscles and thrusters.
 struct JointNames {
-  std::vector<std::string> joints;                // of Model::links
-  std::map<int, std::string> muscles, thrusters;  // of those in the model, by index into the Movable
+  std::vector<std::string> joints;                // parallel to Model::links
+  std::map<int, std::string> muscles, thrusters;  // of the model, by index into the Movable
 };
 
-/// Adds them to `written`, which has the bodies. `links`: their names, by index into Movable::bodies.
+/// Adds the joints to `written`, which has the bodies. `links`: the bodies' names, by index into
+/// Movable::bodies.
 JointNames WriteJoints(const Movable& movable, const Model& model, const std::map<int, std::string>& links,
                        const std::string& file, Names& names, WrittenModel& written,
                        Diagnostics& diagnostics);

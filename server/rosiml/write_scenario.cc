@@ -39,7 +39,7 @@ class ScenarioWriter {
       if (LeavesOut(thing)) continue;
       if (IsThing(thing)) WriteThing(thing);
     }
-    // Robots first, so that robot n is [ROBOT_n].
+    // Robots first, so that robot n becomes [ROBOT_n].
     for (const Movable& robot : experiment.robots) {
       if (!LeavesOut(robot)) WriteRobots(robot);
     }
@@ -58,18 +58,18 @@ class ScenarioWriter {
   }
 
  private:
-  /// What has a mistake still has a name.
+  /// True if the movable has errors. Registers its name, so that references to it remain valid.
   bool LeavesOut(const Movable& movable) {
     if (!movable.is_sound) called_.emplace(movable.name, movable.name);
     return !movable.is_sound;
   }
 
-  /// A range of a <randomise>, if it has it.
+  /// A range of a <randomise>, if present.
   struct Drawn {
     const Random* random = nullptr;
     const char* key = nullptr;
     double otherwise = 0;
-    double shift = 0;  // added to what the file says
+    double shift = 0;  // added to the file's values
 
     const std::pair<double, double>* range() const {
       const auto found = random->ranges.find(key);
@@ -105,7 +105,7 @@ class ScenarioWriter {
   void WriteFloor(const Experiment& experiment) {
     const int line = experiment.floor.empty() ? 1 : experiment.floor.front().line;
     Head("FLOOR", line);
-    double half_m = 8;  // all that stands there, with a little room
+    double half_m = 8;  // large enough for everything that stands on the floor, with a margin
     const auto reach = [&half_m](const Movable& movable) {
       for (const Body& body : movable.bodies)
         half_m = std::max({half_m, std::abs(body.X_WB.p.x()), std::abs(body.X_WB.p.y())});
@@ -128,7 +128,7 @@ class ScenarioWriter {
     Randomise(section, "power", {&light.random, "power"});
   }
 
-  /// One simple shape needs no model.
+  /// True if the movable is a single simple shape, which needs no model.
   static bool IsThing(const Movable& movable) {
     const Body& body = movable.bodies.front();
     if (body.parts.size() != 1 || body.restitution > 0 || body.centre_of_mass) return false;
@@ -169,7 +169,7 @@ class ScenarioWriter {
     Randomise(section, "friction", {&thing.random, "friction"});
   }
 
-  /// These begin the names of other sections.
+  /// `name`, with a prefix if it begins like the name of another section.
   static std::string ThingName(const std::string& name) {
     const std::string lower = ToLower(Simple(name, 63));
     for (const char* word :
@@ -179,7 +179,7 @@ class ScenarioWriter {
     return name;
   }
 
-  /// More would take minutes to read.
+  /// Reports an error and returns true if there are too many models, which would take minutes to read.
   bool IsFull(const Movable& movable) {
     constexpr std::size_t kMostModels = 300;
     if (out_.models.size() < kMostModels) return false;
@@ -237,7 +237,7 @@ class ScenarioWriter {
     }
   }
 
-  /// After all that it may name.
+  /// Writes a score. Call it after everything that a score may name has been written.
   void WriteScore(const Score& score) {
     Head("SCORE_" + std::to_string(++scores_), score.line);
     for (const std::string& key : score.keys) Add(score.line, key);
@@ -257,7 +257,7 @@ class ScenarioWriter {
                                           MeantOf(object, names, &Named::name, diagnostics_));
   }
 
-  /// What the experiment calls `name`.
+  /// The scenario's name of the experiment's `name`.
   std::string NameOf(const std::string& name, int line) {
     const auto found = called_.find(name);
     if (found != called_.end()) return found->second;
@@ -279,8 +279,8 @@ class ScenarioWriter {
   Translation out_;
   MadeText random_;
   int robots_ = 0, scores_ = 0;
-  std::map<std::string, std::string> called_;  // what the experiment's movables, things and lights are called
-  std::map<std::string, const Movable*> written_;  // as robots, by name
+  std::map<std::string, std::string> called_;      // scenario names of movables, things and lights
+  std::map<std::string, const Movable*> written_;  // movables written as robots, by name
   bool is_full_ = false;                           // too many models
   Names names_{"simulation", "world", "swarm", "playback", "recorder", "clock"};
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An experiment as a scenario and the models of its robots. Pure; any thread.
+// Writes an experiment as a scenario and the models of its robots. Pure; any thread.
 #pragma once
 
 #include <string>

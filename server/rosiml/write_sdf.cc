@@ -46,7 +46,7 @@ class SdfWriter {
       : movable_(movable), model_(model), file_(file), diagnostics_(diagnostics) {}
 
   WrittenModel Write(const std::string& name) {
-    // How far meshes reach down stands in their files.
+    // The extent of meshes is unknown until their files are read.
     const bool lifts = std::ranges::any_of(model_.bodies, [this](int body) { return HasMesh(BodyOf(body)); });
     Add(movable_.line, std::string("<sdf version=\"1.9\" xmlns:coopdyn=\"https://coopdyn.dev/sdf\"") +
                            (lifts ? " coopdyn:lift=\"true\">" : ">"));
@@ -94,7 +94,7 @@ class SdfWriter {
   }
 
   void WriteInertia(const Body& body) {
-    // What stands fixed has any mass.
+    // A fixed body may have any mass.
     double mass_kg = body.mass_kg;
     std::vector<double> masses;
     for (const Part& part : body.parts) masses.push_back(mass_kg > 0 ? part.mass_kg : 1);
@@ -115,7 +115,7 @@ class SdfWriter {
     }
     if (body.centre_of_mass) centre = *body.centre_of_mass;
     if (HasMesh(body)) {
-      // Who reads the file knows its shape.
+      // The reader of the mesh file knows its shape, so it computes the inertia.
       Add(body.line, "<inertial coopdyn:solid=\"true\">" +
                          Tag("pose", Places(Pose{centre, Quaternion::Identity()})) +
                          Tag("mass", Exact(mass_kg)) + "</inertial>");
@@ -138,7 +138,8 @@ class SdfWriter {
     return " link=\"" + links_[sensor.body] + "\" pose=\"" + Places(X_BS) + "\"";
   }
 
-  /// The module `distance` is that of rays side by side on the base; all others are the module `sonar`.
+  /// True if the sensor belongs to the module `distance`: rays side by side on the base. All other proximity
+  /// sensors belong to the module `sonar`.
   bool IsFan(const Sensor& sensor) const {
     return sensor.kind == Sensor::Kind::kProximity && sensor.pattern == Sensor::Pattern::kFan &&
            model_.is_base[Index(sensor.body)];
@@ -182,7 +183,7 @@ class SdfWriter {
     }
   }
 
-  /// One module for all sensors of a kind; `write` gives the line of each, or nothing.
+  /// Writes one module for all sensors of a kind. `write` returns a sensor's line; empty for other kinds.
   template <typename Write>
   void WriteAll(const std::string& element, const char* type, Write write) {
     MadeText all;
@@ -201,7 +202,7 @@ class SdfWriter {
     written_.AddModule(line, type, type);
   }
 
-  /// The ranges of the module `distance` go from right to left.
+  /// Sorts the readings of the module `distance` from right to left.
   void SortDistances() {
     std::vector<std::pair<double, const Sensor*>> order;
     for (const Sensor& one : movable_.sensors) {
@@ -214,13 +215,13 @@ class SdfWriter {
       readings_[order[i].second].second = static_cast<int>(i) + 1;
   }
 
-  /// Empty if it is not in this model.
+  /// The name at `index`; empty if it is not in this model.
   static std::string NameIn(const std::map<int, std::string>& names, int index) {
     const auto found = names.find(index);
     return found == names.end() ? std::string() : found->second;
   }
 
-  /// What clients of YARS exchange.
+  /// Writes the values that YARS clients exchange.
   void WriteExchange() {
     const auto sensor_of = [this](int sensor) { return readings_.find(&movable_.sensors[Index(sensor)]); };
     const MadeText channel = WriteChannel(
@@ -256,7 +257,7 @@ class SdfWriter {
     written_.has_modules = written_.has_modules || !channel.lines.empty();
   }
 
-  /// A module of its own.
+  /// Writes the sensor as its own module.
   void WriteOne(const Sensor& sensor) {
     using Kind = Sensor::Kind;
     if (sensor.kind == Kind::kProximity || sensor.kind == Kind::kLight) return;
@@ -295,8 +296,8 @@ class SdfWriter {
   WrittenModel written_;
   Names names_{"world"};
   Names modules_{"motors", "distance", "sonar", "light", "pose", "joints", "muscles", "thrusters", "channel"};
-  std::map<const Sensor*, std::pair<std::string, int>> readings_;  // module, and which of its values
-  std::map<int, std::string> links_;                               // names, by body
+  std::map<const Sensor*, std::pair<std::string, int>> readings_;  // module and index of its value
+  std::map<int, std::string> links_;                               // link names, by body
   JointNames joints_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A model as SDF with coopdyn's own elements. Pure; any thread.
+// Writes a model as SDF with coopdyn's own elements. Pure; any thread.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ namespace coopdyn::rosiml {
 
 struct WrittenModel {
   MadeText sdf;
-  bool has_modules = false;  // that a client or controller has something to do with
+  bool has_modules = false;  // has modules that a client or controller can use
 
   void AddModule(int line, const char* type, const std::string& name);
 };

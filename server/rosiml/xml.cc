@@ -13,7 +13,7 @@ namespace coopdyn::rosiml {
 
 namespace {
 
-/// The line of a DOCTYPE before the root element; 0 if there is none. There are no entities without one.
+/// The line of a DOCTYPE before the root element; 0 if none. Without a DOCTYPE there are no custom entities.
 int DoctypeLine(std::string_view text) {
   std::size_t at = 0;
   while ((at = text.find('<', at)) != std::string_view::npos) {
@@ -29,7 +29,7 @@ int DoctypeLine(std::string_view text) {
   return 0;
 }
 
-/// Counts the elements up to one more than allowed.
+/// True if the document has more elements than allowed.
 bool IsTooMany(const Element& root) {
   int count = 0;
   const tinyxml2::XMLNode* node = &root;
@@ -93,7 +93,7 @@ std::string Text(const Element& element, const char* attribute) {
 
 std::optional<double> Number(const Element& element, const char* attribute) {
   const char* text = element.Attribute(attribute);
-  constexpr double kMost = 1e9;  // beyond it the grammar has said so
+  constexpr double kMost = 1e9;  // the grammar reports larger numbers
   const std::optional<double> value = text == nullptr ? std::nullopt : ParseNumber(text);
   return value && std::abs(*value) <= kMost ? value : std::nullopt;
 }

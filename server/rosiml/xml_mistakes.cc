@@ -45,7 +45,7 @@ class XmlScanner {
     return Printable(text, kMost);
   }
 
-  /// The next `count` characters.
+  /// Consumes the next `count` characters.
   std::string_view Take(std::size_t count) {
     const std::string_view taken = rest_.substr(0, count);
     line_ += static_cast<int>(std::ranges::count(taken, '\n'));
@@ -55,7 +55,7 @@ class XmlScanner {
   void SkipBlanks() { Take(std::min(rest_.find_first_not_of(kBlanks), rest_.size())); }
   std::string_view TakeName() { return Take(std::min(rest_.find_first_of(" \t\r\n/>=<\"'"), rest_.size())); }
 
-  /// False if there is no sense in reading on.
+  /// False if scanning must stop.
   bool ScanNext() {
     if (!rest_.starts_with('<')) {
       const std::string_view text = rest_.substr(0, rest_.find('<'));
@@ -115,8 +115,8 @@ class XmlScanner {
 
   /// <name attribute="…">
   bool ScanTag() {
-    constexpr std::size_t kMostDepth = 90;  // the parser's is 100
-    constexpr int kMostAttributes = 100;    // the parser looks at all before for each
+    constexpr std::size_t kMostDepth = 90;  // the parser's limit is 100
+    constexpr int kMostAttributes = 100;    // the parser's time is quadratic in their number
     const int line = line_;
     Take(1);
     const std::string name = Shown(TakeName());
@@ -190,10 +190,10 @@ class XmlScanner {
     return true;
   }
 
-  /// Of XML itself, as there is no DOCTYPE.
+  /// Reports unknown entities: without a DOCTYPE only XML's own exist.
   void CheckEntities(std::string_view text) {
     int line = line_;
-    std::size_t counted = 0;  // up to here lines are
+    std::size_t counted = 0;  // position up to which lines have been counted
     for (std::size_t at = 0; (at = text.find('&', at)) != std::string_view::npos; ++at) {
       const std::string_view word = text.substr(at + 1, text.find_first_of(";& \t\r\n", at + 1) - at - 1);
       const bool has_end = text.substr(at + 1 + word.size()).starts_with(';');

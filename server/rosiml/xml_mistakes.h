@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is wrong with a text that is no XML, in words. Pure; any thread.
+// Explains why a text is not well-formed XML. Pure; any thread.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace coopdyn::rosiml {
 
-/// Reports tags that do not match, attributes without quotes, entities that are not defined and the like.
+/// Reports mismatched tags, unquoted attributes, undefined entities and the like.
 void FindXmlMistakes(std::string_view text, const std::string& file, Diagnostics& diagnostics);
 
 }  // namespace coopdyn::rosiml

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Part of every program of ours that links coopdyn_base. It stands before libm in the order in which names
-// are looked up, so that what libraries compute between a file and the hash (libsdformat's poses, libassimp's
-// nodes, ODE's joints) has the same bits on every machine, too.
+// Part of every coopdyn program that links coopdyn_base. Its symbols precede libm's in lookup order, so that
+// results of libraries between a file and the hash (libsdformat's poses, libassimp's nodes, ODE's joints)
+// have the same bits on every machine, too.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -73,7 +73,7 @@ double atan2(double x, double y) noexcept {
 double pow(double x, double y) noexcept {
   return portable::Pow(x, y);
 }
-/// Of all numbers, as libm's: squares that would overflow, or be too small, are scaled by a power of two.
+/// Accepts all numbers, like libm's: scales by a power of two where squares would overflow or underflow.
 double hypot(double x, double y) noexcept {
   const double most = std::max(std::abs(x), std::abs(y));
   if (std::isinf(x) || std::isinf(y)) return std::numeric_limits<double>::infinity();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// coopdyn-files CPU_S MEMORY_MIB: reads files for coopdyn, one after the other, as wire.h says. Its stdin is
-// the socket. It opens no files itself, so a file that takes hold of a library reaches no others.
+// coopdyn-files CPU_S MEMORY_MIB: reads files for coopdyn one at a time, see wire.h. Its stdin is the socket.
+// The program opens no files itself, so a file that hijacks a library cannot reach other files.
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -34,20 +34,20 @@ void LimitProcess([[maybe_unused]] long memory_mib) {
     std::fputs("1000", file);
     std::fclose(file);
   }
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they map terabytes, and open files
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // these map terabytes and open files
   SetLimit(RLIMIT_DATA, static_cast<rlim_t>(memory_mib) << 20);
   SetLimit(RLIMIT_NOFILE, 3);
 #endif
   std::set_new_handler([] { _exit(kNoMemoryExit); });
 }
 
-/// From now on.
+/// Limits the CPU time from now on.
 void LimitTime(long cpu_s) {
   rusage used{};
   getrusage(RUSAGE_SELF, &used);
   rlimit limit{};
   getrlimit(RLIMIT_CPU, &limit);
-  // A second more, as this one has begun.
+  // One more second, because the current one has begun.
   limit.rlim_cur = static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec + 1 + cpu_s);
   setrlimit(RLIMIT_CPU, &limit);
 }
@@ -55,14 +55,14 @@ void LimitTime(long cpu_s) {
 std::optional<std::string> Ask(FileTalk kind, const std::string& name, std::string& why) {
   std::optional<FileMessage> answer;
   if (SendMessage(kSocket, kind, ToBytes(name))) answer = ReceiveMessage(kSocket, -1);
-  if (!answer) _exit(1);  // nobody waits for the file
+  if (!answer) _exit(1);  // coopdyn no longer waits for the file
   if (answer->kind == FileTalk::kFile) return FileTextOf(answer->bytes);
   why = FileTextOf(answer->bytes);
   return std::nullopt;
 }
 
 FileMessage Answer(const FileMessage& message) {
-  std::string why = "the request makes no sense";
+  std::string why = "the request is invalid";
   const std::span picture(reinterpret_cast<const unsigned char*>(message.bytes.data()), message.bytes.size());
   switch (message.kind) {
     case FileTalk::kReadMesh: {
@@ -109,5 +109,5 @@ int main(int argc, char** argv) {
     return 2;
   }
   coopdyn::LimitProcess(std::strtol(argv[2], nullptr, 10));
-  _exit(coopdyn::Serve(std::strtol(argv[1], nullptr, 10)));  // the libraries' static objects need no end
+  _exit(coopdyn::Serve(std::strtol(argv[1], nullptr, 10)));  // skips the libraries' static destructors
 }

@@ -19,7 +19,7 @@ namespace coopdyn {
 
 namespace {
 
-/// A file that is in memory.
+/// A file in memory.
 class HeldFile : public Assimp::IOStream {
  public:
   explicit HeldFile(std::string_view bytes) : bytes_(bytes) {}
@@ -60,7 +60,7 @@ class MeshFiles : public Assimp::IOSystem {
   void Close(Assimp::IOStream* file) override { delete file; }
 
  private:
-  /// Null: there is none.
+  /// Null if the file is unavailable.
   const std::string* ContentOf(const std::string& name) const {
     if (name == request_.name) return &request_.bytes;
     const auto [known, is_new] = known_.emplace(name, std::nullopt);
@@ -71,7 +71,7 @@ class MeshFiles : public Assimp::IOSystem {
 
   const MeshRequest& request_;
   const AskForFile& ask_;
-  mutable std::map<std::string, std::optional<std::string>> known_;  // asked for
+  mutable std::map<std::string, std::optional<std::string>> known_;  // answers of ask_, by name
 };
 
 }  // namespace
@@ -108,7 +108,7 @@ std::uint32_t SkinBuilder::MaterialOf(const aiScene& scene, unsigned index) {
       if (texture == nullptr && material.GetTexture(type, 0, &name) == aiReturn_SUCCESS)
         texture = TextureOf(scene, name.C_Str());
     }
-    // Writers of textures leave the colour black, or at any other value.
+    // Exporters of textures leave the colour black or arbitrary: ignore it.
     if (texture != nullptr) made = TexturedMaterial(std::move(texture), {1, 1, 1});
     if (!color_ && (has_color || made.texture != nullptr)) color_ = made.color;
   }

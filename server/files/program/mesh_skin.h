@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How meshes look: materials and textures of their files, which libassimp finds through us. One thread.
+// The appearance of meshes: materials and textures of their files, which libassimp opens through coopdyn. One
+// thread.
 #pragma once
 
 #include <array>
@@ -20,26 +21,27 @@ class IOSystem;
 
 namespace coopdyn {
 
-/// The content of a file that a mesh calls `name` (kNeedFile), or of a texture (kNeedPicture). Nothing, and
-/// `why`, if there is none.
+/// Returns the content of the file (kNeedFile) or texture (kNeedPicture) `name` that a mesh refers to.
+/// Returns nullopt and sets `why` if it is unavailable.
 using AskForFile =
     std::function<std::optional<std::string>(FileTalk kind, const std::string& name, std::string& why)>;
 
-/// The files that libassimp may open: that of the request, and what `ask` knows. The arguments outlive it.
+/// The files that libassimp may open: the request's file, and files that `ask` returns. The arguments must
+/// outlive the result.
 std::unique_ptr<Assimp::IOSystem> MakeMeshFiles(const MeshRequest& request, const AskForFile& ask);
 
-/// Gathers the materials of the parts of one mesh. `ask` outlives it.
+/// Collects the materials of one mesh's parts. `ask` must outlive the builder.
 class SkinBuilder {
  public:
   explicit SkinBuilder(const AskForFile& ask) : ask_(ask) {}
 
-  /// The next part: `mesh` of `scene`.
+  /// Adds the next part, `mesh` of `scene`.
   void Add(const aiScene& scene, const aiMesh& mesh);
-  /// Of the first part that says one.
+  /// The colour of the first part that has one.
   const std::optional<std::array<double, 3>>& color() const { return color_; }
-  /// What is wrong with textures.
+  /// Problems with textures.
   const std::vector<std::string>& missing() const { return missing_; }
-  /// Null if color() says it all.
+  /// Null if color() describes the whole mesh.
   std::shared_ptr<const MeshSkin> Take();
 
  private:
@@ -48,7 +50,7 @@ class SkinBuilder {
 
   const AskForFile& ask_;
   std::shared_ptr<MeshSkin> skin_ = std::make_shared<MeshSkin>();
-  std::map<unsigned, std::uint32_t> numbers_;  // of materials, by that of the scene
+  std::map<unsigned, std::uint32_t> numbers_;  // material index by the scene's material index
   std::map<std::string, std::shared_ptr<const Image>> textures_;
   std::vector<std::string> missing_;
   std::optional<std::array<double, 3>> color_;

@@ -23,7 +23,7 @@ std::string TooMany(std::size_t triangles) {
          std::to_string(kMaxReadTriangles) + " are read: simplify it (in Blender: Modifier, Decimate)";
 }
 
-/// What is wrong with a file before a library reads it; empty: nothing.
+/// Errors that coopdyn finds before a library reads the file; empty if none.
 std::string CheckBytes(const std::string& bytes, const std::string& name) {
   constexpr std::size_t kHeader = 84, kTriangle = 50;
   const bool is_stl = name.ends_with(".stl") || name.ends_with(".STL");
@@ -32,7 +32,7 @@ std::string CheckBytes(const std::string& bytes, const std::string& name) {
   std::memcpy(&count, bytes.data() + 80, sizeof(count));
   if (count > kMaxReadTriangles) return TooMany(count);
   if (bytes.size() < kHeader + std::size_t{count} * kTriangle)
-    return "the mesh is cut off: it says " + std::to_string(count) + " triangles and holds fewer";
+    return "the mesh is truncated: it announces " + std::to_string(count) + " triangles and contains fewer";
   return {};
 }
 
@@ -88,10 +88,10 @@ std::optional<MeshAnswer> ReadMesh(const MeshRequest& request, const AskForFile&
   why = CheckBytes(request.bytes, request.name);
   if (!why.empty()) return std::nullopt;
   Assimp::Importer importer;
-  importer.SetIOHandler(MakeMeshFiles(request, ask).release());  // it owns them
+  importer.SetIOHandler(MakeMeshFiles(request, ask).release());  // takes ownership
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES,
-                           true);  // a part goes by its name, not its id
-  // Z is up here, as the numbers of all other formats are taken.
+                           true);  // identify parts by name, not id
+  // Use coordinates unchanged, with z up, as for all other formats.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene = importer.ReadFile(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Meshes from files, by libassimp. One thread.
+// Reads mesh files with libassimp. One thread.
 #pragma once
 
 #include <optional>
@@ -10,8 +10,8 @@
 
 namespace coopdyn {
 
-/// The triangles of a .stl, .obj, .dae, .glb, .gltf or .ply file. `ask`: for what it names. Nothing, and
-/// `why` says what to do, if it cannot be read.
+/// The triangles of a .stl, .obj, .dae, .glb, .gltf or .ply file. `ask` returns the files that it refers to.
+/// Returns nullopt if the file cannot be read; `why` then says what to do.
 std::optional<MeshAnswer> ReadMesh(const MeshRequest& request, const AskForFile& ask, std::string& why);
 
 }  // namespace coopdyn

@@ -20,15 +20,16 @@ bool IsJpeg(std::span<const unsigned char> bytes) {
   return bytes.size() > 3 && bytes[0] == 0xff && bytes[1] == 0xd8;
 }
 
-/// Before anything is unpacked.
+/// True if the picture's size is allowed. Call it before decompression.
 bool IsSize(long width, long height, std::string& why) {
   if (width >= 1 && height >= 1 && width <= kMaxImageSide && height <= kMaxImageSide) return true;
   why = "the picture has " + std::to_string(width) + " x " + std::to_string(height) + " points, at most " +
-        std::to_string(kMaxImageSide) + " x " + std::to_string(kMaxImageSide) + " are taken: make it smaller";
+        std::to_string(kMaxImageSide) + " x " + std::to_string(kMaxImageSide) +
+        " are allowed: make it smaller";
   return false;
 }
 
-/// Samples of `channels` parts; 16-bit greys for heights.
+/// Decoded samples; 16-bit grey for heights.
 struct Raw {
   int width = 0, height = 0;
   std::vector<std::uint8_t> bytes;
@@ -97,7 +98,7 @@ std::optional<Raw> Decode(std::span<const unsigned char> bytes, bool grey, std::
 std::shared_ptr<const Image> DecodeTexture(std::span<const unsigned char> bytes, std::string& why) {
   const auto raw = Decode(bytes, false, why);
   if (!raw) return nullptr;
-  // Each point of a smaller one is the mean of a square.
+  // Each pixel of a scaled-down texture is the mean of a square.
   const int by = (std::max(raw->width, raw->height) + kMaxTextureSide - 1) / kMaxTextureSide;
   auto image = std::make_shared<Image>();
   image->width = std::max(1, raw->width / by);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures from PNG and JPEG files, by libpng and libjpeg-turbo. Any thread.
+// Decodes PNG and JPEG files with libpng and libjpeg-turbo. Any thread.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,8 @@
 
 namespace coopdyn {
 
-/// A picture for a texture; null, and `why` says what to do, for what is none.
+/// Decodes a texture or a height map. Return null or nullopt if `bytes` is not a valid picture; `why` then
+/// says what to do.
 std::shared_ptr<const Image> DecodeTexture(std::span<const unsigned char> bytes, std::string& why);
 std::optional<Heights> DecodeHeights(std::span<const unsigned char> bytes, std::string& why);
 
