@@ -156,8 +156,10 @@ void Address::TakeServer(const std::string& server) {
     port_ = PortOf(given.substr(given.find(':') + 1));
   }
   if (host_.empty() || port_ == 0)
-    throw Error(4, "cannot read the server '" + given +
-                       "'; write HOST, HOST:PORT, or a port of this machine, e.g. \"labserver:10100\"");
+    throw Error(
+        4, "cannot read the server '" + given +
+               "'; write HOST, HOST:PORT, or a port of this machine, e.g. \"labserver:10100\"; for a unix "
+               "socket unix:/PATH");
 }
 
 void Address::TakeSeat(const std::optional<std::string>& seat, const std::string& pin) {

@@ -872,7 +872,7 @@ def _nearest(name: str, known: Sequence[str]) -> str:
 
 def _parse_server(server: Union[str, int, None]) -> Tuple[str, int]:
     """Host and port; of a unix socket "unix:/PATH" and 0."""
-    forms = 'write HOST, HOST:PORT, or a port of this machine, e.g. "labserver:10100"'
+    forms = 'write HOST, HOST:PORT, or a port of this machine, e.g. "labserver:10100"; for a unix socket unix:/PATH'
     is_port = not isinstance(server, (str, type(None)))
     try:
         given = str(operator.index(server)) if is_port else server or os.environ.get("COOPDYN_SERVER") or "127.0.0.1"
