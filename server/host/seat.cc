@@ -111,9 +111,20 @@ void Seat::Find() {
 }
 
 void Seat::Pass(PassedSocket passed) {
-  if (waiting_.size() >= kMaxWaiting) return;
+  if (closed_ || waiting_.size() >= kMaxWaiting) return;
   waiting_.push_back(std::move(passed));
-  state_ == SeatState::kRunning ? SendWaiting() : Wake();
+  // A daemon that is ending would drop it.
+  state_ == SeatState::kRunning && !ends_ ? SendWaiting() : Wake();
+}
+
+bool Seat::PassNow(const PassedSocket& passed) {
+  return state_ == SeatState::kRunning && !ends_ && SendPassed(door_->native_handle(), passed) == 0;
+}
+
+void Seat::Close() {
+  closed_ = true;
+  waiting_.clear();
+  PutAside();
 }
 
 void Seat::Wake() {
@@ -236,7 +247,7 @@ void Seat::OnDeath() {
   state_ = SeatState::kAsleep;
   if (by_us) {
     SetState(SeatState::kAsleep, {});
-    if (wanted_ || !waiting_.empty()) Wake();
+    if (!closed_ && (wanted_ || !waiting_.empty())) Wake();
     return;
   }
   const Nanoseconds now = clock_.Now();

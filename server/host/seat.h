@@ -77,10 +77,14 @@ class Seat {
   void Find();
   /// Passes a connection to the daemon, which is started if it does not run.
   void Pass(PassedSocket passed);
+  /// Passes a connection only if the daemon runs. False: it does not.
+  bool PassNow(const PassedSocket& passed);
   /// Starts the daemon if it does not run.
   void Wake();
   /// Ends the daemon in order. Its run is recorded; the next Wake() continues it.
   void PutAside();
+  /// PutAside(), and nothing starts it again.
+  void Close();
   /// Ends the daemon; the next Wake() begins `lesson`, and not where this run was.
   void BeginAnew(const std::string& lesson);
   /// `peer`, who has shown the PIN, may use the seat's own ports from its machine.
@@ -127,6 +131,7 @@ class Seat {
   bool wanted_ = false;             // it is to start again when it has ended
   bool anew_ = false;               // the next start does not continue the newest run
   bool taken_ = false;
+  bool closed_ = false;
   std::map<std::string, std::string> admitted_;  // by NetworkOf(): the peer that showed the PIN
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };
