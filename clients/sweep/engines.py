@@ -24,8 +24,8 @@ def lost_too_often(job, why):
     return dict(run.empty_result(job), ended="lost", error=f"lost {kTries} times: {why}")
 
 
-def local(jobs, processes):
-    """Processes on this machine, `processes` at a time."""
+def local(jobs, processes, carry_out=run.run_one):
+    """Processes on this machine, `processes` at a time. `carry_out(job, started)` does a job."""
     started = run.Started()
     # An exception out of a signal's handler may leave a lock of the pool taken; ended runs end the wait below.
     handlers = {number: signal.signal(number, lambda *_: started.kill()) for number in (signal.SIGINT, signal.SIGTERM)}
@@ -37,7 +37,7 @@ def local(jobs, processes):
             while waiting or running:
                 while waiting and len(running) < processes and not started.killed:
                     job = waiting.pop()
-                    running[pool.submit(run.run_one, job, started)] = job
+                    running[pool.submit(carry_out, job, started)] = job
                 # Not for ever: a signal that comes just before it waits does not wake it.
                 done, _ = concurrent.futures.wait(running, kPoll_s, concurrent.futures.FIRST_COMPLETED)
                 for future in done:

@@ -82,7 +82,7 @@ def run_one(job, started=None):
         text, client_text = _content(said), _content(heard)
     if code != 0 and os.strerror(errno.ENOSPC) in text:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-    changed = _take_summary(told, result) + _changed_files(job)
+    changed = take_summary(told, result) + _changed_files(job)
     result["exit"] = code
     if ended and ended[0] == "client failed" and result["ended"] in _ENDED_AS_MEANT:
         ended = None  # after its end: the daemon was still closing its files
@@ -92,7 +92,7 @@ def run_one(job, started=None):
         if ended[0] == "client failed" and client_text:
             result["error"] += ": " + client_text.splitlines()[-1].strip()
     elif code != 0:
-        result["error"] = _last_words(text) or f"coopdyn ended with exit code {code}"
+        result["error"] = last_words(text) or f"coopdyn ended with exit code {code}"
         if inputs["memory_limit_mib"]:
             result["error"] += f" (--memory-limit gives it {inputs['memory_limit_mib']} MiB)"
     if changed and not result["error"]:
@@ -202,7 +202,7 @@ def _wait_for_client(daemon, client, limit):
     return None
 
 
-def _take_summary(told, result):
+def take_summary(told, result):
     """The summary is the JSON in what the daemon wrote; none if it was killed. Returns what of the daemon's digests is not as
     the sweep has planned."""
     try:
@@ -230,7 +230,7 @@ def _changed_files(job):
     return changed
 
 
-def _last_words(text):
+def last_words(text):
     lines = [line for line in text.splitlines() if "error" in line] or text.splitlines()[-1:]
     return "\n".join(lines[:20])
 
