@@ -54,6 +54,7 @@ struct ServeOptions {
   std::string advertise;
   std::string token;
   bool weak_token = false;            // may be short
+  bool token_for_all = false;         // also programs of this machine need it
   std::string yarp_server;            // HOST:PORT; empty: our own name server
   std::string yarp_dialect = "auto";  // of readers: "3", "4", or each is asked
   bool private_robots = false;

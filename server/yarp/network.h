@@ -31,6 +31,7 @@ struct YarpNetworkOptions {
   std::string own_ip;                  // of names in the table without an address
   std::string address;                 // where datagrams come in
   std::optional<YarpDialect> dialect;  // of readers; nothing: each is asked
+  bool trusts_this_machine = true;     // its programs need no token
   /// A reader that acknowledges, named so, has taken the sample of a step; it gets one every so many. And: it
   /// has gone. Any thread.
   std::function<void(std::uint64_t id, const std::string& name, std::uint64_t step, int every)> taken = {};
