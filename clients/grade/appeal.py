@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: MIT
 """coopdyn grade --appeal: repeats each run from its recording, bit by bit, and then the program itself."""
+import importlib
 import json
+import math
 import os
 import subprocess
+import sys
 
 import assignment as assignments
-import film
 import grading
 import submissions
 from plan import Wrong
@@ -32,6 +34,15 @@ def found(path):
     raise Wrong(f"--appeal {path}: it does not lie in the folder of a grading any more, with its grading.json: put it back there")
 
 
+def facts_of(program, recording):
+    """What `coopdyn info` says of a recording; None if it cannot be read."""
+    done = subprocess.run([program, "info", "--json", recording], capture_output=True, text=True, check=False)
+    try:
+        return json.loads(done.stdout)[0]
+    except (ValueError, IndexError):
+        return None
+
+
 class Appeal:
     """Of one submission. `same` is false once anything differs."""
 
@@ -39,6 +50,8 @@ class Appeal:
         self.program, self.folders, self.same = program, folders, True
         self.out, self.result = found(path)
         self.data = self.result["extra_data"]
+        sys.path.append(os.path.join(folders[-1], "clients", "python"))
+        self.reader = importlib.import_module("coopdyn")
         with open(os.path.join(self.out, "grading.json"), encoding="utf-8") as stream:
             self.graded = json.load(stream)
 
@@ -84,19 +97,19 @@ class Appeal:
         said = (done.stdout.strip() or done.stderr.strip()).replace(path, one["recording"])
         if done.returncode != 0:
             return self.say(one["label"], f"differs: the recording does not repeat: {said}. It was changed, or another build reads it", True)
-        facts = film.facts_of(self.program, path)
-        if facts is None or facts.get("hash") != one["hash"]:
-            return self.say(one["label"], f"differs: the recording ends with the hash {(facts or {}).get('hash')}, the result says {one['hash']}: one of them "
-                            "was changed", True)
-        text = f"same: the recording repeats bit by bit, {one['steps']} steps, hash {one['hash']}"
-        self.say(one["label"], text)
-        scores = {score["name"]: score for score in facts.get("scores", [])}
-        if assignment and not one["void"] and scores:
-            self.points(one, assignment, scores)
+        facts = facts_of(self.program, path)
+        if facts is None or facts["last_hash"] != one["hash"]:
+            return self.say(one["label"], f"differs: the recording ends with the hash {facts and facts['last_hash']}, the result says {one['hash']}: one of "
+                            "them was changed", True)
+        self.say(one["label"], f"same: the recording repeats bit by bit, {one['steps']} steps, hash {one['hash']}")
+        scores = {name: None if math.isnan(value) else value for name, value in self.reader.read_run(path).scores().items()}
+        if scores != one["scores"]:
+            return self.say(one["label"], f"differs: the recording has the scores {scores}, the result says {one['scores']}: the result was changed", True)
+        if assignment:
+            self.points(one, assignment)
 
-    def points(self, one, assignment, scores):
-        earned = {"void": False, "scores": {name: score["value"] for name, score in scores.items()},
-                  "met_s": {name: score["met_s"] for name, score in scores.items() if score.get("until")}}
+    def points(self, one, assignment):
+        earned = dict(one)
         grading.earn(earned, assignment.points)
         if abs(earned["points"] - one["points"]) > 1e-3:
             self.say(one["label"], f"differs: its scores earn {earned['points']:.4g} points, the result says {one['points']:.4g}: the result was changed", True)
@@ -114,9 +127,9 @@ class Appeal:
             return print("The program is not repeated: submission.tar is gone.")
         seeds = {}
         for one in self.data["runs"]:
-            facts = one["recording"] and film.facts_of(self.program, os.path.join(self.out, one["recording"]))
+            facts = one["recording"] and facts_of(self.program, os.path.join(self.out, one["recording"]))
             if facts:
-                seeds[one["label"]] = facts["seed"]
+                seeds[one["label"]] = int(facts["seed"])
         stage = grading.Stage(self.folders[-1], not options.no_sandbox)
         try:
             submission = submissions.Submission(self.data["name"], self.data["id"], copy)
@@ -137,8 +150,11 @@ class Appeal:
         grading.earn(again, assignment.points)
         if again["trouble"]:
             return self.say(one["label"], f"the program was not repeated: {again['trouble']}")
+        if again["hash"] == one["hash"] and all(again[name] == one[name] for name in ("scores", "met_s", "void")):
+            return self.say(one["label"], "same: the program drives it to the same hash and scores again")
         if again["hash"] == one["hash"]:
-            return self.say(one["label"], "same: the program drives it to the same hash again")
+            return self.say(one["label"], f"differs: the program drives it to the same hash, but {again['points']:.4g} points instead of {one['points']:.4g}: the "
+                            "result was changed, or a limit has stopped the program this time", True)
         if one["void"]:
             return self.say(one["label"], f"the program ends at another moment, as it was stopped by a limit or failed: {again['sentence']} That changes nothing in "
                             "the grade")

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The film of a recording: pictures of `coopdyn export`, joined to one animated PNG, which every browser shows."""
 import glob
-import json
 import os
 import struct
 import subprocess
@@ -61,12 +60,3 @@ def of_run(program, recording, duration_s):
             with open(name, "rb") as stream:
                 pictures.append(stream.read())
         return animated(pictures, kFps) if pictures else None
-
-
-def facts_of(program, recording):
-    """What `coopdyn info` says of a recording; None if it cannot be read."""
-    done = subprocess.run([program, "info", "--json", recording], capture_output=True, text=True, check=False)
-    try:
-        return json.loads(done.stdout)[0]
-    except (ValueError, IndexError):
-        return None

@@ -143,8 +143,8 @@ int RunBench(std::vector<std::string> words) {
   return kExitErrors;
 }
 
-/// Goes on as the Python program clients/NAME: sweeps for the sake of Dask, grading as it starts what students
-/// have written.
+/// Goes on as the Python program clients/NAME: sweeps for the sake of Dask, grading as it starts what
+/// students have written.
 int RunPython(const std::string& name, std::vector<std::string> words) {
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe");
   const char* named = std::getenv("COOPDYN_PYTHON");
@@ -160,7 +160,8 @@ int RunPython(const std::string& name, std::vector<std::string> words) {
     PrintError("coopdyn: coopdyn {} needs Python 3: {} cannot be started\n", name, python);
     return kExitErrors;
   }
-  PrintError("coopdyn: coopdyn {0} needs the folder clients/{0} of the sources or of the installation\n", name);
+  PrintError("coopdyn: coopdyn {0} needs the folder clients/{0} of the sources or of the installation\n",
+             name);
   return kExitErrors;
 }
 
