@@ -113,8 +113,7 @@ class BoxRun:
 
     def _drive(self, server):
         job = self._job
-        words = job["sandbox"].words(self._daemon.pid, job["values"], job["folder"], job["clients"], server, job["command"])
-        self._client = client = self._started.start(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True, cwd="/")
+        self._client = client = job["sandbox"].start(self._started.start, self._daemon.pid, job["values"], job["folder"], job["clients"], server, job["command"])
         os.set_blocking(client.stdout.fileno(), False)
         watch = Watch(client.pid, job["values"])
         limit = time.monotonic() + job["values"]["clock"]

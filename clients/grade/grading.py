@@ -20,8 +20,6 @@ from common import Bar, look
 from plan import Wrong
 from results import Results, put
 
-kAddress = "127.0.0.1:10000"
-
 
 def version_of(program):
     return subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout.strip()
@@ -120,7 +118,7 @@ class Grading:
             missing = [job for key, job in every.items() if key not in results.done or self._lost(results.done[key])]
             results.forget(lambda one: any(job["key"] == one["key"] for job in missing))
             if not quiet:
-                print(f"{len(self.submissions)} submissions, {len(self.seeds)} seeds each: {len(every)} runs, {len(missing)} to do", flush=True)
+                print(f"{counted(len(self.submissions), 'submission')}, {counted(len(self.seeds), 'seed')} each: {counted(len(every), 'run')}, {len(missing)} to do", flush=True)
             self._carry_out(missing, results, processes, None if quiet or not missing else Bar(len(missing)))
             return {name: [dict(results.done.get(job["key"]) or self.troubles[job["key"]]) for job in some] for name, some in jobs.items()}
         finally:
@@ -147,6 +145,10 @@ class Grading:
             raise Wrong(f"{self.out} cannot be written: {error.strerror}. Make room, and run the same command again: it does what is missing") from None
         finally:
             engine.close()
+
+
+def counted(count, what):
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
 def empty(job):

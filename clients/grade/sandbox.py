@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 
+import seccomp
 from plan import Wrong
 
 kNobody = 65534
@@ -57,14 +58,26 @@ class Sandbox:
             return words
         return [sys.executable, "-I", "-S", os.path.join(kHere, "netns.py"), self.who, *words]
 
-    def words(self, daemon, values, folder, clients, server, command):
-        """Of the program in `folder` that drives what the process `daemon` simulates."""
+    def start(self, started, daemon, values, folder, clients, server, command):
+        """The program in `folder` that drives what the process `daemon` simulates; `started(words, **options)` starts it."""
+        read, write = os.pipe()
+        try:
+            os.write(write, seccomp.program())
+            os.close(write)
+            words = self._words(daemon, values, folder, clients, server, command, read)
+            return started(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True, cwd="/", pass_fds=[read])
+        finally:
+            os.close(read)
+
+    def _words(self, daemon, values, folder, clients, server, command, filter_):
         own, seen = (folder, clients) if self.who == "none" else (kFolder, kClients)
         given = environment(server, own, seen)
         command = [word.replace("{submission}", own).replace("{server}", server) for word in command]
         if self.who == "none":
             return ["env", "-i", "-C", own, *(f"{name}={value}" for name, value in given.items()), *limits(values), *command]
-        return [*self._enter(daemon), *box(values, folder, clients, given), *limits(values), f"--nproc={values['processes'] + 2}", *command]
+        words = [*self._enter(daemon), *box(values, folder, clients, given)]
+        words += ["--seccomp", str(filter_)] if seccomp.program() else []
+        return [*words, "--", *limits(values), f"--nproc={values['processes'] + 2}", *command]
 
     def _enter(self, daemon):
         """Into the network of the daemon; as root, also as another user, since the number of root's processes has no limit."""
@@ -80,8 +93,9 @@ class Sandbox:
         try:
             if waiter.stdout.readline().strip() != "ready":
                 return waiter.stderr.read().strip().rpartition("\n")[2]
-            done = subprocess.run(self.words(waiter.pid, values, clients, clients, "", ["true"]), capture_output=True, text=True, check=False)
-            return "" if done.returncode == 0 else done.stderr.strip().rpartition("\n")[2] or f"exit code {done.returncode}"
+            probe = self.start(subprocess.Popen, waiter.pid, values, clients, clients, "", ["true"])
+            said = probe.communicate()[0].decode(errors="replace").strip()
+            return "" if probe.returncode == 0 else said.rpartition("\n")[2] or f"exit code {probe.returncode}"
         finally:
             waiter.communicate("\n")
 
@@ -111,7 +125,7 @@ def box(values, folder, clients, given):
         words += ["--ro-bind", path, path]
     words += ["--proc", "/proc", "--dev", "/dev", "--size", str(kShared_bytes), "--tmpfs", "/dev/shm", "--size", str(values["disk"]), "--tmpfs", kHome]
     words += ["--ro-bind", clients, kClients, "--ro-bind", folder, kFolder, "--chdir", kFolder, "--remount-ro", "/dev", "--remount-ro", "/"]
-    return words + ["--"]
+    return words
 
 
 def choose(wanted, clients):
