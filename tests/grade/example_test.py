@@ -119,10 +119,7 @@ class ExampleTest(GradeCase):
         self.grade_all(self.submit("good", DRIVE))
         shutil.copy(self.path("out/good/seed-1.run"), self.path("kept.run"))
         with sqlite3.connect(self.path("out/good/seed-1.run")) as file:
-            table = "steps"
-            columns = [row[1] for row in file.execute(f"pragma table_info({table})")]
-            self.assertIn("hash", columns)
-            file.execute(f"update {table} set hash = hash + 1 where rowid = (select max(rowid) from {table})")
+            self.assertEqual(file.execute("update step set hash = hash + 1 where step = 50").rowcount, 1)
         file.close()
         self.appeal(1, "(?m)^seed 1: differs: the recording does not repeat: .*", "Something differs")
         shutil.copy(self.path("kept.run"), self.path("out/good/seed-1.run"))
