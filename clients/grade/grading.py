@@ -45,6 +45,7 @@ class Stage:
     def __init__(self, root, wants_sandbox):
         self.folder = tempfile.mkdtemp(prefix="coopdyn-grade-")
         self.clients = os.path.join(self.folder, "clients")
+        self.none = os.path.join(self.folder, "none")  # the recordings that a submission may list
         try:
             for name in ("python", "matlab"):
                 shutil.copytree(os.path.join(root, "clients", name), os.path.join(self.clients, name),
@@ -101,7 +102,7 @@ class Grading:
             recording = os.path.join(own, label.replace(" ", "-") + ".run")
             serve = {"seed": seed, "client": True, "duration_s": values["duration"], "set": {}, "controller": None}
             words = plan.serve_of(self.program, self.assignment.scenario, serve)
-            words += ["--token-for-all", "--log-level", "warning", "--record", recording + ".part.run"]
+            words += ["--token-for-all", "--log-level", "warning", "--record", recording + ".part.run", "--recordings", self.stage.none]
             found.append({"key": key, "inputs": inputs, "words": words, "label": label, "hidden": hidden, "seed": seed, "values": values,
                           "folder": submission.folder, "clients": self.stage.clients, "command": values["command"], "sandbox": self.stage.sandbox,
                           "recording": recording, "part": recording + ".part.run", "out": self.out})

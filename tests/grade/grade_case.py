@@ -75,7 +75,7 @@ class GradeCase(unittest.TestCase):
         return self.path(name)
 
     def run_words(self, *words, **given):
-        return subprocess.run([BINARY, "grade", *words], capture_output=True, text=True, timeout=LIMIT_S, cwd=self.folder, check=False, **given)
+        return subprocess.run([BINARY, "grade", *words], capture_output=True, text=True, timeout=LIMIT_S, check=False, **{"cwd": self.folder, **given})
 
     def grade(self, *words, out="out", code=0, **given):
         done = self.run_words(*words, "--out", self.path(out), **given)

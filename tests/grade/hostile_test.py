@@ -39,11 +39,11 @@ HARM = {
     "kills": ("import os, signal\nfor who in (os.getppid(), 1, -1):\n    try:\n        os.kill(who, signal.SIGKILL)\n    except OSError as error:\n        print(error)\n"
               "raise SystemExit('nobody died')\n", r"."),
     "resets": ("import coopdyn\nsim = coopdyn.connect()\nsim.reset()\n" + DRIVE, r"tried to change the world"),
-    "edits": ("import coopdyn\nsim = coopdyn.connect()\nsim.world.set_pose('eva', 3, 0)\n" + DRIVE, r"tried to change the world"),
-    "quits": ("import coopdyn\nsim = coopdyn.connect()\nsim.quit()\n", r"tried to change the world"),
+    "edits": ("import coopdyn\nsim = coopdyn.connect()\nsim.move('eva', [3, 0])\n" + DRIVE, r"tried to change the world"),
+    "ends the run": ("import coopdyn\nsim = coopdyn.connect()\nsim.end_run()\n", r"tried to change the world"),
     "never drives": ("print('done')\n", r"ended before the first step.*done"),
     "crashes": ("import os, signal\nos.kill(os.getpid(), signal.SIGSEGV)\n", r"signal 11 \(SIGSEGV\)"),
-    "is no python": ("\0\1\2", r"exit code 1"),
+    "is no python": ("drive along x\n", r"exit code 1: SyntaxError"),
 }
 
 
@@ -77,7 +77,8 @@ class HostileTest(GradeCase):
         self.assertEqual(found.stdout, "")
 
     def test_it_reaches_no_other_daemon_and_nothing_outside(self):
-        daemon = subprocess.Popen([BINARY, "serve", self.path("lane.scenario"), "--port", "0", "--no-http", "--no-render"], stdout=subprocess.PIPE, text=True)
+        daemon = subprocess.Popen([BINARY, "serve", self.path("lane.scenario"), "--port", "0", "--no-http", "--no-render"], stdout=subprocess.PIPE,
+                                  stderr=subprocess.DEVNULL, text=True)
         self.addCleanup(daemon.stdout.close)
         self.addCleanup(daemon.wait)
         self.addCleanup(daemon.terminate)
@@ -126,6 +127,13 @@ if ok and not any("serve" in text or "lane" in text for text in words) and not [
         runs = self.runs("reader")
         self.assertRegex(runs[0]["sentence"], "exit code 1: nothing to see")
         self.assertEqual([one["points"] for one in runs], [0, 0])
+
+    def test_it_lists_no_recordings(self):
+        self.submit("good", DRIVE)
+        self.grade_all(self.path("good"))
+        self.submit("lister", "import coopdyn\nsim = coopdyn.connect()\nraise SystemExit(f'recordings: {[r.name for r in sim.recordings()]}')\n")
+        self.grade_all(self.path("good"), self.path("lister"), cwd=self.path("out/good"))
+        self.assertRegex({row["name"]: row for row in self.table()}["lister"]["sentence"], r"recordings: \[\]$")
 
     def test_a_hidden_seed_does_not_come_out_by_what_a_program_prints(self):
         self.write("lane.assignment", ASSIGNMENT.replace("duration", "hidden_seeds 1\nduration"))
