@@ -20,6 +20,7 @@ kDaemonFile_bytes = 4 << 30
 kStart_s, kGrace_s, kStop_s = 120, 1.0, 20
 kTick_ms = 50
 kChunk = 64 << 10
+kByItself = ("score", "limit", "duration", "supervisor")  # how a run ends that nobody stops
 
 
 class Output:
@@ -62,7 +63,7 @@ class BoxRun:
 
     def __init__(self, job, started):
         self._job, self._started = job, started
-        self.output, self.told, self.reason, self.code, self.ran_over = Output(), b"", None, None, False
+        self.output, self.told, self.reason, self.code = Output(), b"", None, None
         self._client = self._daemon = None
 
     def go(self, said):
@@ -118,21 +119,20 @@ class BoxRun:
         watch = Watch(client.pid, job["values"])
         limit = time.monotonic() + job["values"]["clock"]
         poll, ended, output = select.poll(), os.pidfd_open(client.pid), client.stdout.fileno()
+        over = False
         try:
             for one in (ended, output, self._daemon.stdout.fileno()):
                 poll.register(one, select.POLLIN)
-            while self.reason is None:
+            while self.reason is None and not over:
                 ready = {one for one, _ in poll.poll(kTick_ms)}
                 if output in ready and not self._read(output):
                     poll.unregister(output)
                 if ended in ready:
                     self.code = client.wait()
                     break
-                if self._daemon.stdout.fileno() in ready and not self._hear(0):
-                    self.ran_over = True
-                    break
+                over = self._daemon.stdout.fileno() in ready and not self._hear(0)
                 self.reason = self.reason or watch.look() or ("clock" if time.monotonic() > limit else None)
-            if self.ran_over:  # its client sees that, and may still say something
+            if over:  # its client sees that, and may still say something
                 select.select([ended], [], [], kGrace_s)
             if self.reason is None:
                 self._read(output)
@@ -162,15 +162,12 @@ class BoxRun:
             if time.monotonic() >= limit:
                 break
         else:
-            self.ran_over = self.ran_over or self._client is not None
-            return self._wait_for_daemon()
-        self._daemon.terminate()
-        limit = time.monotonic() + kStop_s
+            limit = 0
+        if limit:
+            self._daemon.terminate()
+            limit = time.monotonic() + kStop_s
         while time.monotonic() < limit and self._hear(max(0, limit - time.monotonic())):
             pass
-        return self._wait_for_daemon()
-
-    def _wait_for_daemon(self):
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._daemon.wait(kStop_s)
 
@@ -190,34 +187,34 @@ def carry_out(job, started):
         log = said.read(1 << 20).decode(errors="replace")
     if code != 0 and os.strerror(errno.ENOSPC) in log:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-    if -code in (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP) and started.killed:
-        raise run.Lost(f"the daemon got signal {-code}")
+    if started.killed:
+        raise run.Lost("the grading stops")
     found = {"digests": {}}
     run.take_summary(one.told, found)
     result = {name: found.get(name) for name in ("steps", "time_s", "hash")}
     result.update(key=job["key"], label=job["label"], hidden=job["hidden"], seed=None if job["hidden"] else job["seed"],
                   scores=found.get("scores", {}), units=found.get("units", {}), met_s=found.get("met_s", {}), met=found.get("met", {}),
-                  ended=found.get("ended") if one.ran_over else one.reason or "client", recording=None, trouble=None)
+                  ended=one.reason or ("client" if found.get("ended") not in kByItself else found["ended"]), recording=None, trouble=None)
     if found.get("steps") is None:
         result["trouble"] = "The simulator failed: " + (run.last_words(log) or f"it ended with exit code {code}") + "."
     elif os.path.exists(job["part"]):
         os.replace(job["part"], job["recording"])
         result["recording"] = os.path.relpath(job["recording"], job["out"])
-    result["void"], result["sentence"] = judge(one, result, code if one.ran_over else 0, log, job)
+    result["void"], result["sentence"] = judge(one, result, code, log, job)
     result["output"] = "" if job["hidden"] else one.output.text()
     return result
 
 
 def judge(one, result, code, log, job):
     """(void, sentence)."""
-    values, said = job["values"], "" if job["hidden"] else one.output.last_line()
+    values, said, over = job["values"], "" if job["hidden"] else one.output.last_line(), result["ended"] in kByItself
     if result["trouble"]:
         return True, result["trouble"]
     if one.reason == "flood":
         return True, f"The program printed more than {in_words(kFlood_bytes)}."
     if one.reason == "memory":
         return True, f"The program took more than {in_words(values['memory'])} of memory."
-    if one.reason == "time" or (one.code == 128 + signal.SIGXCPU and not one.ran_over):
+    if one.reason == "time" or (one.code == 128 + signal.SIGXCPU and not over):
         return True, f"The program took more than {values['time']:g} s of processor time: the run had not come to its end after {result['time_s']:g} s."
     if one.reason == "clock":
         return True, f"The program did not end: the run stood at {result['time_s']:g} s after {values['clock']:g} s by the clock."
@@ -225,13 +222,13 @@ def judge(one, result, code, log, job):
         return True, f"The program printed bytes that are no text ({in_words(one.output.count)})."
     if code == 4:
         return True, "The run broke: " + (run.last_words(log) or "a body was frozen") + "."
-    if one.code not in (0, None) and not one.ran_over:
+    if one.code not in (0, None) and not over:
         return True, failed(one.code if one.code > 0 else 128 - one.code, said, values)
     if not result["steps"]:
         return True, "The program ended before the first step: it never drove." + (f" It said: {said}" if said else "")
-    if one.ran_over and result["ended"] == "score":
+    if over and result["ended"] == "score":
         return False, f"The goal was reached at {result['time_s']:g} s."
-    if one.ran_over:
+    if over:
         return False, f"The run went to its end, {result['time_s']:g} s."
     return False, f"The program ended at {result['time_s']:g} s."
 

@@ -53,7 +53,7 @@ def without_ending(name):
 
 def safe(name):
     """A name for a folder."""
-    kept = re.sub(r"[^\w .@+-]", "_", name).strip(" .")[:100]
+    kept = re.sub(r"[^\w .@+-]", "_", name).strip(" .").lstrip("+-@")[:100]
     return kept if kept and kept != "hidden" else f"_{kept}"
 
 
@@ -240,6 +240,10 @@ def copy(source, store):
     raise Refused("It is neither a folder nor a .zip or .tar archive.")
 
 
+def printable(text):
+    return "".join(c if c.isprintable() else c.encode("unicode_escape", "surrogatepass").decode() for c in text)
+
+
 def only_entry(folder):
     entries = [entry for entry in os.listdir(folder) if entry not in kNotTheirs]
     return entries[0] if len(entries) == 1 else None
@@ -266,9 +270,9 @@ def take(submission, folder, needed):
         if missing:
             raise Refused(f"{', '.join(missing)} is missing." if len(missing) == 1 else f"{', '.join(missing)} are missing.")
     except Refused as refused:
-        submission.refused = str(refused)
+        submission.refused = printable(str(refused))
     except (zipfile.BadZipFile, tarfile.TarError, zlib.error, EOFError, NotImplementedError, ValueError, RuntimeError) as error:
-        submission.refused = f"The archive cannot be read: {error}."
+        submission.refused = printable(f"The archive cannot be read: {error}.")
     except OSError as error:
         submission.refused = f"It cannot be read: {error.strerror or error}."
 

@@ -38,6 +38,8 @@ def local(jobs, processes, carry_out=run.run_one):
                 while waiting and len(running) < processes and not started.killed:
                     job = waiting.pop()
                     running[pool.submit(carry_out, job, started)] = job
+                if started.killed and not running:  # all of them had just come to their end
+                    raise KeyboardInterrupt
                 # Not for ever: a signal that comes just before it waits does not wake it.
                 done, _ = concurrent.futures.wait(running, kPoll_s, concurrent.futures.FIRST_COMPLETED)
                 for future in done:

@@ -5,14 +5,18 @@ import json
 import os
 import re
 import shutil
+import signal
 import sqlite3
 import struct
+import subprocess
+import time
 import unittest
 import zlib
 
 import grade_case  # noqa: F401  (finds the modules)
+import engines
 import film
-from grade_case import ASSIGNMENT, DRIVE, GradeCase
+from grade_case import ASSIGNMENT, BINARY, DRIVE, LIMIT_S, GradeCase
 
 HALF = DRIVE.replace("0.3", "0.06")
 
@@ -108,6 +112,35 @@ class ExampleTest(GradeCase):
         self.assertIn("1 run, 1 to do", self.grade_all(self.path("good")).stdout)
         os.remove(self.path("out/good/seed-1.run"))
         self.assertIn("1 run, 1 to do", self.grade_all(self.path("good")).stdout)
+
+    def test_ctrl_c_ends_all_and_the_same_command_does_the_rest(self):
+        self.write("lane.assignment", ASSIGNMENT.replace("seeds 1", "seeds 1..40"))
+        self.submit("good", DRIVE)
+        words = [BINARY, "grade", self.assignment, self.path("good"), "--no-film", "--out", self.path("out")]
+        began = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, cwd=self.folder, text=True)
+        end = time.monotonic() + LIMIT_S
+        while not os.path.exists(self.path("out/results.jsonl")) or not os.path.getsize(self.path("out/results.jsonl")):
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.01)
+        began.send_signal(signal.SIGINT)
+        said = began.communicate(timeout=LIMIT_S)[1]
+        self.assertEqual(began.returncode, 130, said)
+        self.assertIn("The same command does what is missing", said)
+        self.assertFalse(subprocess.run(["pgrep", "-f", self.folder], capture_output=True, text=True, check=False).stdout)
+        done = self.grade_all(self.path("good"))
+        left = int(re.search(r"40 runs, (\d+) to do", done.stdout)[1])
+        self.assertTrue(0 < left < 40, left)
+        self.assertEqual(len(self.runs("good")), 40)
+
+    def test_runs_that_end_just_when_all_is_stopped_keep_nobody_waiting(self):
+        def carry_out(job, started):
+            started.kill()
+            return job
+
+        engine = engines.local([{"key": "1"}, {"key": "2"}], 1, carry_out)
+        self.assertEqual(next(engine)["key"], "1")
+        with self.assertRaises(KeyboardInterrupt):
+            next(engine)
 
     def appeal(self, code, *patterns):
         done = self.run_words("--appeal", "out/good")

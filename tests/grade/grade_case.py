@@ -10,7 +10,7 @@ import unittest
 
 BINARY = os.environ.get("COOPDYN_BINARY", "build/release/coopdyn")
 ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "../.."))
-LIMIT_S = 600
+LIMIT_S = 300
 for folder in ("clients/sweep", "clients/grade"):
     sys.path.insert(0, os.path.join(ROOT, folder))
 

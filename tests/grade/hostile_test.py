@@ -3,9 +3,10 @@
 import os
 import socket
 import subprocess
+import time
 import unittest
 
-from grade_case import ASSIGNMENT, BINARY, DRIVE, GradeCase
+from grade_case import ASSIGNMENT, BINARY, DRIVE, LIMIT_S, GradeCase
 
 # What must not succeed ends with DRIVE: it would earn points.
 TRY = """
@@ -37,7 +38,7 @@ HARM = {
                                           "assert refused(('memfd', lambda: os.memfd_create('x')), ('shmget', shared))\nraise SystemExit('no memory')\n", r"no memory"),
     "prints binary": ("import sys\nsys.stdout.buffer.write(bytes(range(256)) * 100)\n", r"printed bytes that are no text"),
     "kills": ("import os, signal\nfor who in (os.getppid(), 1, -1):\n    try:\n        os.kill(who, signal.SIGKILL)\n    except OSError as error:\n        print(error)\n"
-              "raise SystemExit('nobody died')\n", r"."),
+              "raise SystemExit('nobody died')\n", r"exit code 1: nobody died"),
     "resets": ("import coopdyn\nsim = coopdyn.connect()\nsim.reset()\n" + DRIVE, r"tried to change the world"),
     "edits": ("import coopdyn\nsim = coopdyn.connect()\nsim.move('eva', [3, 0])\n" + DRIVE, r"tried to change the world"),
     "ends the run": ("import coopdyn\nsim = coopdyn.connect()\nsim.end_run()\n", r"tried to change the world"),
@@ -73,8 +74,10 @@ class HostileTest(GradeCase):
         self.submit("bomb", "import os, signal, time\nfor k in range(1, 32):\n    try:\n        signal.signal(k, signal.SIG_IGN)\n    except OSError:\n        pass\n"
                     "for k in range(5):\n    if os.fork() == 0:\n        os.setsid()\n        os.execlp('sleep', 'sleep', '8765')\n")
         self.grade_all(self.path("bomb"))
-        found = subprocess.run(["pgrep", "-f", "sleep 8765"], capture_output=True, text=True, check=False)
-        self.assertEqual(found.stdout, "")
+        end = time.monotonic() + LIMIT_S
+        while subprocess.run(["pgrep", "-fx", "sleep 8765"], capture_output=True, check=False).returncode == 0:
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.05)
 
     def test_it_reaches_no_other_daemon_and_nothing_outside(self):
         daemon = subprocess.Popen([BINARY, "serve", self.path("lane.scenario"), "--port", "0", "--no-http", "--no-render"], stdout=subprocess.PIPE,
@@ -145,6 +148,16 @@ if ok and not any("serve" in text or "lane" in text for text in words) and not [
         self.assertEqual([one["seed"] for one in self.runs("teller")], [1, None])
         self.assertRegex(self.runs("teller")[0]["sentence"], "the seed is 1$")
         self.assertEqual(self.runs("teller")[1]["sentence"], "The program ended with exit code 1.")
+
+    @unittest.skipUnless(os.uname().machine == "x86_64", "of x86-64")
+    def test_a_program_computes_as_on_a_processor_without_newer_instructions(self):
+        code = ("import hashlib, math, struct\nprint(hashlib.sha256(b''.join(struct.pack('3d', math.sin(k / 7), math.exp(k % 600 / 9), math.tan(k / 3)) "
+                "for k in range(99999))).hexdigest())\n")
+        old = subprocess.run(["/usr/bin/python3", "-c", code], capture_output=True, text=True, check=True,
+                             env={"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F"}).stdout.strip()
+        self.submit("sine", code)
+        self.grade_all(self.path("sine"))
+        self.assertIn(old, self.table()[0]["sentence"])
 
     def test_without_bubblewrap_nothing_runs(self):
         os.mkdir(self.path("bin"))
