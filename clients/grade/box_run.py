@@ -180,7 +180,7 @@ def carry_out(job, started):
         with contextlib.suppress(FileNotFoundError):
             os.remove(path)
     os.makedirs(os.path.dirname(job["recording"]), exist_ok=True)
-    one = BoxRun(job, started)
+    one, began, started_at = BoxRun(job, started), time.monotonic(), time.time()
     with tempfile.TemporaryFile() as said:
         code = one.go(said)
         said.seek(0)
@@ -202,7 +202,7 @@ def carry_out(job, started):
         result["recording"] = os.path.relpath(job["recording"], job["out"])
     result["void"], result["sentence"] = judge(one, result, code, log, job)
     result["output"] = "" if job["hidden"] else one.output.text()
-    return result
+    return dict(result, **run.where_and_when(began, started_at))
 
 
 def judge(one, result, code, log, job):

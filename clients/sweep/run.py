@@ -102,8 +102,13 @@ def run_one(job, started=None):
             os.replace(recording, os.path.join(job["recordings"], job["key"] + ".run"))
         else:
             os.remove(recording)
-    return dict(result, wall_s=round(time.monotonic() - began, 6), host=socket.gethostname(),
-                started=time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(started_at)))
+    return dict(result, **where_and_when(began, started_at))
+
+
+def where_and_when(began, started_at):
+    """What of a run is no part of its result: it differs each time."""
+    return {"wall_s": round(time.monotonic() - began, 6), "host": socket.gethostname(),
+            "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(started_at))}
 
 
 def empty_result(job):

@@ -155,8 +155,9 @@ void AddNetwork(CLI::App* sub, ServeOptions& serve) {
   sub->add_option("--token", serve.token, "What changing commands from other machines must show")
       ->check(CLI::Validator(CheckToken, ""));
   sub->add_flag("--weak-token", serve.weak_token, "Let --token be shorter than 12 characters");
-  sub->add_flag("--token-for-all", serve.token_for_all,
-                "Programs of this machine need the token, too; without it they may only drive robots and read");
+  sub->add_flag(
+      "--token-for-all", serve.token_for_all,
+      "Programs of this machine need the token, too; without it they may only drive robots and read");
   sub->add_flag("--private", serve.private_robots, "Robots' modules need the token too");
   sub->add_flag("--read-only", serve.read_only,
                 "Clients and the page may read and watch, and change nothing");
