@@ -5,7 +5,7 @@ import html
 import os
 import urllib.parse
 
-from report import html_table, number
+from report import html_table
 from results import put
 
 kHead = ("<!doctype html><html lang='en'><meta charset='utf-8'><meta name='viewport' content='width=device-width'><title>{}</title><style>"
@@ -21,7 +21,7 @@ def points_text(value):
 
 
 def with_unit(value, unit):
-    return number(value) + (f" {unit}" if unit and value is not None else "")
+    return "" if value is None else f"{value:.4g}" + (f" {unit}" if unit else "")
 
 
 def unit_of(grade, score):
@@ -33,7 +33,7 @@ def unit_of(grade, score):
 def improvement(grade, points, value, earned):
     unit = unit_of(grade, points.score)
     reached = "no run has a value" if value is None else f"{with_unit(value, unit)} on average"
-    text = f" {points.text}" if points.text else ""
+    text = (f" Only with {points.needs}." if points.needs else "") + (f" {points.text}" if points.text else "")
     return (f"{points.score}: {points_text(earned)} of {points_text(points.most)} points. Reached: {reached}. All points from {with_unit(points.end, unit)} on." + text)
 
 
@@ -74,7 +74,7 @@ def write_one(grading, grade, film):
     if said:
         page += [f"<h2>What the program printed, {said['label']}</h2><pre>{escape(said['output'][-kOutput:])}</pre>"]
     page.append(f"<p>{escape(grading.version)}, build {escape(grading.digests.get('build', ''))}, assignment {assignment.digest}, submission "
-                f"{grade.submission.digest}. The same program gives the same hashes on every machine, unless it looks at the clock or at chance.</p>")
+                f"{grade.submission.digest}. The same program gives the same hashes again, unless it looks at the clock or at chance.</p>")
     put(os.path.join(grading.out, grade.name, "index.html"), "".join(page))
 
 
