@@ -51,9 +51,10 @@ class Stage:
             for name in ("python", "matlab"):
                 shutil.copytree(os.path.join(root, "clients", name), os.path.join(self.clients, name),
                                 ignore=shutil.ignore_patterns("__pycache__", "examples", "*.pyc"))
+            for name, text in sandbox.kUsers.items():
+                put(os.path.join(self.clients, name), text)
             compileall.compile_dir(self.clients, quiet=2)  # once, not in each run
-            for folder, _, _ in os.walk(self.clients):
-                os.chmod(folder, 0o755)
+            submissions.open_to_all(self.clients)
             if wants_sandbox and sandbox.is_root():
                 sandbox.Sandbox("root").may_read(self.folder)
             self.sandbox = sandbox.choose(wants_sandbox, self.clients)
@@ -64,6 +65,7 @@ class Stage:
     def take(self, every, needed):
         for number, one in enumerate(every):
             submissions.take(one, os.path.join(self.folder, str(number)), needed)
+            submissions.open_to_all(os.path.join(self.folder, str(number)))
 
     def close(self):
         submissions.remove(self.folder)

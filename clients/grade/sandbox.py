@@ -14,8 +14,9 @@ from plan import Wrong
 kNobody = 65534
 kFolder, kClients, kHome = "/submission", "/coopdyn", "/tmp"
 kSystem = ("/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32", "/opt")
-kSettings = ("alternatives", "fonts", "group", "java", "ld.so.cache", "ld.so.conf", "ld.so.conf.d", "localtime", "nsswitch.conf", "octave", "passwd",
-             "python3", "timezone")
+kSettings = ("alternatives", "fonts", "java", "ld.so.cache", "ld.so.conf", "ld.so.conf.d", "localtime", "nsswitch.conf", "octave", "python3",
+             "timezone")
+kUsers = {"passwd": f"nobody:x:{kNobody}:{kNobody}::{kHome}:/bin/sh\n", "group": f"nogroup:x:{kNobody}:\n"}  # instead of the machine's
 kShared_bytes = 16 << 20  # of /dev/shm
 kFiles = 256  # open at the same time, in each process
 kMostOfFile_bytes = 1 << 30  # where the disk is not the sandbox's own
@@ -125,6 +126,8 @@ def box(values, folder, clients, given):
             words += ["--ro-bind", path, path]
     for name in kSettings:
         words += ["--ro-bind-try", f"/etc/{name}", f"/etc/{name}"]
+    for name in kUsers:
+        words += ["--ro-bind", os.path.join(clients, name), f"/etc/{name}"]
     for path in values["reads"]:
         words += ["--ro-bind", path, path]
     words += ["--proc", "/proc", "--dev", "/dev", "--size", str(kShared_bytes), "--tmpfs", "/dev/shm", "--size", str(values["disk"]), "--tmpfs", kHome]

@@ -277,6 +277,15 @@ def take(submission, folder, needed):
         submission.refused = f"It cannot be read: {error.strerror or error}."
 
 
+def open_to_all(folder):
+    """Whatever the grader's umask is, the sandbox's user reads it; the folder around it keeps others out."""
+    for root, _, files in os.walk(folder):
+        os.chmod(root, 0o755)
+        for name in files:
+            path = os.path.join(root, name)
+            os.chmod(path, 0o755 if os.stat(path).st_mode & 0o100 else 0o644)
+
+
 def keep(submission, path):
     """A copy for appeals: the same files give the same bytes."""
     part = path + ".part"

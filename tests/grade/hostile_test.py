@@ -22,9 +22,9 @@ def refused(*attempts):
 """
 HARM = {
     "never ends": ("while True:\n    pass\n", r"took more than 5 s of processor time"),
-    "forks": ("import os\nwhile True:\n    os.fork()\n", r"exit code 1: .*Resource temporarily unavailable"),
+    "forks": ("import os\nwhile True:\n    os.fork()\n", r"exit code 1: "),  # of many last words
     "forks and goes on": ("import os\nwhile True:\n    try:\n        os.fork()\n    except OSError:\n        pass\n", r"took more than 5 s of processor time"),
-    "takes memory": ("x = []\nwhile True:\n    x.append(bytearray(1 << 20))\n", r"exit code 1: MemoryError|more than 128 MiB of memory"),
+    "takes memory": ("x = []\nwhile True:\n    x.append(bytearray(1 << 20))\n", r"exit code 1|more than 128 MiB of memory"),
     "takes memory by many": ("import os\nfor k in range(4):\n    os.fork()\n    if k > 1: break\nx = [b'1' * (1 << 20) + bytes([k % 256]) for k in range(90)]\n"
                              "while True:\n    pass\n", r"more than 128 MiB of memory"),
     "floods": ("import sys\nwhile True:\n    sys.stdout.write('x' * 65536)\n", r"printed more than 16 MiB"),
@@ -119,11 +119,12 @@ if ok:
         self.submit("good", DRIVE)
         self.submit("reader", TRY + f"""import glob, os
 paths = [{key!r}, {self.assignment!r}, {self.path('good')!r}, {self.folder!r}, {os.path.expanduser('~')!r}, "/root", "/home", "/var", "/srv", "/mnt", "/boot", "/sys",
-         "/etc/shadow", "/etc/hostname", "/proc/1/environ/../../../../../root"]
+         "/etc/shadow", "/etc/hostname", "/etc/ssh", "/proc/1/environ/../../../../../root"]
 ok = refused(*((path, lambda path=path: os.listdir(path) if os.path.isdir(path) else open(path).close()) for path in paths))
 seen = [p for p in os.listdir("/proc") if p.isdigit()]
 words = [open(f"/proc/{{p}}/cmdline").read() for p in seen]
-if ok and not any("serve" in text or "lane" in text for text in words) and not [n for n in os.environ if n.startswith("COOPDYN_") and n != "COOPDYN_SERVER"]:
+users = open("/etc/passwd").read().splitlines() + open("/etc/group").read().splitlines()
+if ok and len(users) == 2 and not any("serve" in text or "lane" in text for text in words) and not [n for n in os.environ if n.startswith("COOPDYN_") and n != "COOPDYN_SERVER"]:
     raise SystemExit("nothing to see")
 """ + DRIVE)
         self.grade_all(self.path("good"), self.path("reader"))
