@@ -340,14 +340,21 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
   }
 
   asio::awaitable<std::string> HandIn(const ClassRoute& route) {
-    std::optional<std::string> result;
-    asio::steady_timer done(context, asio::steady_timer::time_point::max());
-    room.HandIn(route.seat, [&](std::string error) {
-      result = std::move(error);
-      done.cancel();
+    struct Wait {
+      explicit Wait(asio::io_context& context) : timer(context) {}
+      std::optional<std::string> error;
+      asio::steady_timer timer;
+    };
+    const auto wait = std::make_shared<Wait>(context);
+    room.HandIn(route.seat, [wait](std::string error) {
+      wait->error = std::move(error);
+      wait->timer.cancel();
     });
-    if (!result) co_await done.async_wait(kAwait);
-    co_return result.value_or("");
+    while (!wait->error) {
+      wait->timer.expires_after(kRequestTime);
+      co_await wait->timer.async_wait(kAwait);
+    }
+    co_return *wait->error;
   }
 
   /// All that the class keeps, as an archive; its length is not known before.
