@@ -103,6 +103,7 @@ class Lives(unittest.TestCase):
             first = host.daemon("ana")
             os.kill(first, signal.SIGKILL)
             motors.read_to_end()  # the client hears of it
+            host.await_other_daemon("ana", first)
             after = host.status("ana")
             self.assertGreater(after["step"], 10)
             self.assertEqual(after["robots"][0]["name"], "robot1")
@@ -146,8 +147,9 @@ class Lives(unittest.TestCase):
         with Host(REALTIME) as host:
             host.status("ana")
             for _ in range(3):
-                os.kill(until(lambda: host.daemon("ana")), signal.SIGKILL)
-                host.tile("ana", lambda tile: tile["daemon"] == "running" and tile["trouble"])
+                daemon = host.daemon("ana")
+                os.kill(daemon, signal.SIGKILL)
+                host.await_other_daemon("ana", daemon)
                 host.status("ana")
             self.assertIn("begun anew", host.tiles()["ana"]["trouble"])
 
