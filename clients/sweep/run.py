@@ -171,7 +171,7 @@ def _start_client(daemon, job, heard, started):
         if words[:1] == ["ready"]:
             server = words[1].partition("=")[2]
             command = [word.replace("{server}", server).replace("{seed}", str(job["inputs"]["seed"])) for word in shlex.split(job["inputs"]["client"])]
-            environment = dict(os.environ, COOPDYN_SERVER=server)
+            environment = dict(os.environ, COOPDYN_SERVER=server, COOPDYN_SEAT="")
             try:
                 return started.start(command, env=environment, stdout=heard, stderr=heard), None
             except OSError as error:
