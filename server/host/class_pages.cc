@@ -137,8 +137,10 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     const auto [failed, header] =
         co_await http::async_read_header(guest->stream, guest->buffer, parser, kAwait);
     if (failed) co_return;
-    if (const std::string why = Objection(parser.get()); !why.empty())
-      co_return co_await Answer(guest, ErrorAnswer(403, why));
+    if (const std::string why = Objection(parser.get()); !why.empty()) {
+      HttpAnswer answer = ErrorAnswer(403, why);
+      co_return co_await Answer(guest, std::move(answer));
+    }
     const ClassRoute route = FindClassRoute(parser.get().target());
     if (route.kind == ClassRouteKind::kSeat || route.kind == ClassRouteKind::kWallSeat) {
       HttpAnswer refusal = PassOn(*guest, route);
@@ -146,7 +148,10 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
       co_return;
     }
     const auto [lost, body] = co_await http::async_read(guest->stream, guest->buffer, parser, kAwait);
-    if (lost == http::error::body_limit) co_return co_await Answer(guest, ErrorAnswer(413, "at most 1 MiB"));
+    if (lost == http::error::body_limit) {
+      HttpAnswer answer = ErrorAnswer(413, "at most 1 MiB");
+      co_return co_await Answer(guest, std::move(answer));
+    }
     if (lost) co_return;
     co_await Handle(guest, route);
   }
@@ -221,39 +226,44 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     return {};
   }
 
+  // No temporary lives across a co_await here: GCC 12 destroys some of them twice.
   asio::awaitable<void> Handle(const GuestPtr& guest, const ClassRoute& route) {
-    const Request& request = guest->parser->get();
+    const bool asks_seat = route.kind == ClassRouteKind::kSeatAsks;
+    const std::string why = asks_seat ? WhyNotStudent(*guest, route.seat) : std::string();
+    if (asks_seat && why.empty()) co_return co_await HandleStudent(guest, route);
+    const bool teaches = route.kind == ClassRouteKind::kWallAsks && IsTeacher(guest->parser->get());
+    if (teaches) co_return co_await HandleTeacher(guest, route.rest);
+    HttpAnswer answer = ErrorAnswer(403, why);
+    if (!asks_seat) answer = AnswerTo(*guest, route);
+    co_await Answer(guest, std::move(answer));
+  }
+
+  HttpAnswer AnswerTo(const Guest& guest, const ClassRoute& route) const {
+    const Request& request = guest.parser->get();
     const bool post = request.method() == http::verb::post;
     switch (route.kind) {
       case ClassRouteKind::kAsset:
-        co_return co_await Answer(guest, AssetAnswer(route.rest, request));
+        return AssetAnswer(route.rest, request);
       case ClassRouteKind::kLink: {
         const RollEntry* const entry = room.FindLink(route.rest);
         if (entry == nullptr)
-          co_return co_await Answer(
-              guest, ErrorAnswer(404, "this link is not valid any more: ask your teacher for another"));
-        co_return co_await Answer(guest, WithCookie(GoTo("/s/" + entry->seat + "/"), SeatCookie(entry->seat),
-                                                    entry->link, "/s/" + entry->seat + "/"));
+          return ErrorAnswer(404, "this link is not valid any more: ask your teacher for another");
+        const std::string path = "/s/" + entry->seat + "/";
+        return WithCookie(GoTo(path), SeatCookie(entry->seat), entry->link, path);
       }
       case ClassRouteKind::kLogin:
-        co_return co_await Answer(guest,
-                                  post ? Login(*guest) : ErrorAnswer(405, "this address takes POST only"));
+        return post ? Login(guest) : ErrorAnswer(405, "this address takes POST only");
       case ClassRouteKind::kWallLogin:
-        co_return co_await Answer(
-            guest, post ? WallLogin(*guest) : ErrorAnswer(405, "this address takes POST only"));
-      case ClassRouteKind::kSeatAsks:
-        if (const std::string why = WhyNotStudent(*guest, route.seat); !why.empty())
-          co_return co_await Answer(guest, ErrorAnswer(403, why));
-        co_return co_await HandleStudent(guest, route);
+        return post ? WallLogin(guest) : ErrorAnswer(405, "this address takes POST only");
       case ClassRouteKind::kWallAsks:
-        if (!IsTeacher(request))
-          co_return co_await Answer(guest, ErrorAnswer(403, "this needs the teacher's token"));
-        co_return co_await HandleTeacher(guest, route.rest);
+        return ErrorAnswer(403, "this needs the teacher's token");
       case ClassRouteKind::kUnknown:
+      case ClassRouteKind::kSeatAsks:
       case ClassRouteKind::kSeat:
       case ClassRouteKind::kWallSeat:
-        co_return co_await Answer(guest, ErrorAnswer(404, "there is nothing at this address"));
+        break;
     }
+    return ErrorAnswer(404, "there is nothing at this address");
   }
 
   HttpAnswer AssetAnswer(const std::string& path, const Request& request) const {
@@ -293,38 +303,43 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     const Request& request = guest->parser->get();
     const std::string& seat = route.seat;
     const bool post = request.method() == http::verb::post;
-    if (!post && route.rest == "events")
-      co_return co_await Stream(guest, [this, seat] { return json::serialize(room.StudentJson(seat)); });
-    if (!post && route.rest == "me")
-      co_return co_await Answer(guest, JsonAnswer(json::serialize(room.StudentJson(seat))));
-    if (post && route.rest == "hand") {
+    HttpAnswer answer = ErrorAnswer(404, "a seat's page may ask for me, events, hand and hand-in");
+    if (!post && route.rest == "events") {
+      std::function<std::string()> text = [this, seat] { return json::serialize(room.StudentJson(seat)); };
+      co_return co_await Stream(guest, std::move(text));
+    }
+    if (!post && route.rest == "me") {
+      answer = JsonAnswer(json::serialize(room.StudentJson(seat)));
+    } else if (post && route.rest == "hand") {
       const json::object said = ObjectIn(request.body());
       const json::value* const up = said.if_contains("up");
       room.RaiseHand(seat, up != nullptr && up->is_bool() && up->as_bool());
-      co_return co_await Answer(guest, JsonAnswer("{}"));
-    }
-    if (post && route.rest == "hand-in") {
+      answer = JsonAnswer("{}");
+    } else if (post && route.rest == "hand-in") {
       const std::string error = co_await HandIn(seat);
-      co_return co_await Answer(guest, error.empty() ? JsonAnswer("{}") : ErrorAnswer(500, error));
+      answer = error.empty() ? JsonAnswer("{}") : ErrorAnswer(500, error);
     }
-    co_await Answer(guest, ErrorAnswer(404, "a seat's page may ask for me, events, hand and hand-in"));
+    co_await Answer(guest, std::move(answer));
   }
 
   asio::awaitable<void> HandleTeacher(const GuestPtr& guest, const std::string& what) {
     const Request& request = guest->parser->get();
     const bool post = request.method() == http::verb::post;
-    if (!post && what == "events")
-      co_return co_await Stream(guest, [this] { return json::serialize(room.WallJson()); });
-    if (!post && what == "seats")
-      co_return co_await Answer(guest, JsonAnswer(json::serialize(room.WallJson())));
-    if (!post && what == "sheet")
-      co_return co_await Answer(guest, HtmlAnswer(SheetPage(room.roll(), room.url())));
-    if (!post && what == "collect.tar") co_return co_await Collect(guest);
-    if (post && what == "do") {
-      const std::string error = room.Do(ObjectIn(request.body()));
-      co_return co_await Answer(guest, error.empty() ? JsonAnswer("{}") : ErrorAnswer(400, error));
+    if (!post && what == "events") {
+      std::function<std::string()> text = [this] { return json::serialize(room.WallJson()); };
+      co_return co_await Stream(guest, std::move(text));
     }
-    co_await Answer(guest, ErrorAnswer(404, "the wall may ask for seats, events, sheet, do and collect.tar"));
+    if (!post && what == "collect.tar") co_return co_await Collect(guest);
+    HttpAnswer answer = ErrorAnswer(404, "the wall may ask for seats, events, sheet, do and collect.tar");
+    if (!post && what == "seats") {
+      answer = JsonAnswer(json::serialize(room.WallJson()));
+    } else if (!post && what == "sheet") {
+      answer = HtmlAnswer(SheetPage(room.roll(), room.url()));
+    } else if (post && what == "do") {
+      const std::string error = room.Do(ObjectIn(request.body()));
+      answer = error.empty() ? JsonAnswer("{}") : ErrorAnswer(400, error);
+    }
+    co_await Answer(guest, std::move(answer));
   }
 
   asio::awaitable<std::string> HandIn(const std::string& seat) {
@@ -341,8 +356,10 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
   /// All that the class keeps, as an archive; its length is not known before.
   asio::awaitable<void> Collect(const GuestPtr& guest) {
     std::array<int, 2> ends{-1, -1};
-    if (::pipe2(ends.data(), O_CLOEXEC) != 0)
-      co_return co_await Answer(guest, ErrorAnswer(503, "no more files can be open"));
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0) {
+      HttpAnswer answer = ErrorAnswer(503, "no more files can be open");
+      co_return co_await Answer(guest, std::move(answer));
+    }
     asio::readable_pipe from(context, ends[0]);
     UniqueFd into(ends[1]);
     const UniqueFd nothing(::open("/dev/null", O_RDWR | O_CLOEXEC));
@@ -352,7 +369,10 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
                              "--warning=none", "-cf", "-", "seats"},
                             {nothing.get(), into.get(), nothing.get()}, process);
     into.Reset();
-    if (error != 0) co_return co_await Answer(guest, ErrorAnswer(500, "tar cannot be started"));
+    if (error != 0) {
+      HttpAnswer answer = ErrorAnswer(500, "tar cannot be started");
+      co_return co_await Answer(guest, std::move(answer));
+    }
     const std::string head = StreamHeader(
         "Content-Type: application/x-tar\r\nContent-Disposition: attachment; filename=\"class.tar\"\r\n");
     guest->stream.expires_after(kCollectTime);
@@ -371,16 +391,18 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     WaitFor(process);  // it has closed its end, or was killed
   }
 
-  /// Events for an EventSource: what `text` gives, whenever the class has changed.
+  /// Events for an EventSource: what `text` gives, whenever it has changed.
   asio::awaitable<void> Stream(const GuestPtr& guest, std::function<std::string()> text) {
     const std::string head = StreamHeader("Content-Type: text/event-stream\r\nCache-Control: no-store\r\n");
-    std::string out = head;
-    std::uint64_t told = 0;
+    std::string out = head, told;
+    std::uint64_t version = 0;
     asio::steady_timer pause(context);
     for (int quiet = 0;; ++quiet) {
-      if (told != room.version() || quiet >= kHeartbeat) {
-        out += told == room.version() ? ": still here\n\n" : "data: " + text() + "\n\n";
-        told = room.version();
+      std::string now = version == room.version() ? told : text();
+      version = room.version();
+      if (now != told || quiet >= kHeartbeat) {
+        out += now == told ? ": still here\n\n" : "data: " + now + "\n\n";
+        told = std::move(now);
         quiet = 0;
       }
       guest->stream.expires_after(kRequestTime);
