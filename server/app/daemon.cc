@@ -154,12 +154,13 @@ std::string Daemon::OpenNames() {
   names_.SetExternalPorts(std::min(first, PortPlan::kLast - 1),
                           std::min(first + kExternalPorts, PortPlan::kLast), IsPortFree);
   if (options_.no_net) return {};
+  if (!options_.seat.empty()) net_.AdmitOnlyKnown();
   name_server_ = std::make_unique<NameServer>(
       control_.context(), names_, net_, options_.advertise,
       NameHooks{
           [this](const std::string& name, const std::string& asker) { OpenYarpPort(name, asker); },
           [this](const Subscription& each, bool connects) { yarp_.Tell(each.from, each.to, connects); }});
-  if (!options_.seat.empty()) return {};
+  if (!listens()) return {};
   const int port = options_.name_port.value_or(options_.port);
   std::string error = ListenOn(*name_server_, addresses(), port, options_.any_port);
   if (!error.empty()) return WithAdvice(error, "--port, or --name-port");
@@ -263,7 +264,7 @@ std::string Daemon::OpenPage() {
   web.costs = [this] { return Costs(); };
   web_ = std::make_unique<WebServer>(std::move(web), names_, frames_, options_.no_render ? nullptr : &images_,
                                      net_);
-  if (!options_.seat.empty()) return {};
+  if (!listens()) return {};
   const int port = options_.http_port.value_or(options_.port == 0 ? 0 : options_.port + 1);
   const std::string error = ListenOn(*web_, addresses(), port, options_.any_port);
   return WithAdvice(error, "--port, or --http-port");
@@ -281,6 +282,8 @@ std::string Daemon::OpenSeat() {
       case PassedKind::kTaken:
       case PassedKind::kGiven:
         return net_.SetTaken(passed.kind == PassedKind::kTaken);
+      case PassedKind::kAdmit:
+        return net_.Admit(passed.peer.text);
     }
   });
   return seat_door_->Listen(options_.seat);

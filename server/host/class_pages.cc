@@ -215,7 +215,7 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     std::ostringstream head;
     head << request.base();
     if (!teaches && (request.method() == http::verb::post || beast::websocket::is_upgrade(request)))
-      room.NoteActive(route.seat);
+      room.NoteActive(route.seat, guest.peer.text);
     PassedSocket passed{.kind = PassedKind::kPage, .peer = guest.peer};
     passed.already_read = head.str() + beast::buffers_to_string(guest.buffer.data());
     passed.peer.trusted = true;

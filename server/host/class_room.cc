@@ -22,6 +22,7 @@ namespace json = boost::json;
 
 constexpr std::chrono::milliseconds kTick{1000};
 constexpr std::size_t kMaxError = 300;
+constexpr int kPortsOfSeat = 100;
 
 std::string ClockTime(const char* format) {
   return fmt::format(fmt::runtime(format), fmt::localtime(std::time(nullptr)));
@@ -74,10 +75,12 @@ fs::path ClassRoom::folder_of(const std::string& seat) const {
 void ClassRoom::AddSeat(const RollEntry& entry) {
   SeatPlan plan = options_.plan;
   plan.lesson = options_.lessons[lesson_];
+  const auto place_in_list =
+      std::ranges::find(roll_.entries(), entry.seat, &RollEntry::seat) - roll_.entries().begin();
+  if (plan.port != 0) plan.port += static_cast<int>(place_in_list) * kPortsOfSeat;
   Place place;
-  place.seat =
-      std::make_unique<Seat>(context_, entry.seat, folder_of(entry.seat),
-                             url_ + "s/" + entry.seat + "/", std::move(plan), clock_, logger_);
+  place.seat = std::make_unique<Seat>(context_, entry.seat, folder_of(entry.seat),
+                                      url_ + "s/" + entry.seat + "/", std::move(plan), clock_, logger_);
   place.seat->set_on_change([this] { Changed(); });
   LoadDesk(entry.seat, place.desk);
   places_.insert_or_assign(entry.seat, std::move(place));
@@ -218,9 +221,10 @@ void ClassRoom::PutIdleAside(Place& place) {
   Changed();
 }
 
-void ClassRoom::NoteActive(const std::string& seat, const std::string& language) {
+void ClassRoom::NoteActive(const std::string& seat, const std::string& peer, const std::string& language) {
   const auto found = places_.find(seat);
   if (found == places_.end()) return;
+  found->second.seat->Admit(peer);
   found->second.desk.active = clock_.Now();
   if (!language.empty()) found->second.desk.language = Printable(language, 20);
 }
@@ -380,6 +384,7 @@ json::object ClassRoom::StudentJson(const std::string& seat) const {
           {"names", names_port_},
           {"daemon", StateWord(*found->second.seat)},
           {"hand", desk.hand_since != 0},
+          {"own_port", found->second.seat->port()},
           {"taken", found->second.seat->taken()},
           {"frozen", desk.frozen},
           {"trouble", found->second.seat->trouble()},

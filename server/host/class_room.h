@@ -85,7 +85,8 @@ class ClassRoom {
   void SetRoll(Roll roll);
 
   // What a student does.
-  void NoteActive(const std::string& seat, const std::string& language = {});
+  /// `peer` has shown the PIN or the link.
+  void NoteActive(const std::string& seat, const std::string& peer, const std::string& language = {});
   void RaiseHand(const std::string& seat, bool up);
   /// Keeps program and recording of the seat in a folder of their own. `done`: an error text.
   void HandIn(const std::string& seat, std::function<void(std::string error)> done);

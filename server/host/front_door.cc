@@ -98,7 +98,7 @@ struct FrontDoor::Impl : std::enable_shared_from_this<FrontDoor::Impl> {
       co_return;
     }
     patience.cancel();
-    room.NoteActive(line->seat, line->language);
+    room.NoteActive(line->seat, peer.text, line->language);
     services.LogPeer(spdlog::level::debug, peer.text, "takes the seat " + line->seat);
     peer.trusted = true;
     peer.yields = true;

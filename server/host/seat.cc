@@ -20,6 +20,7 @@
 
 #include "server/base/printable.h"
 #include "server/base/spawn.h"
+#include "server/base/wrong_tokens.h"
 
 namespace coopdyn {
 namespace {
@@ -137,6 +138,12 @@ void Seat::BeginAnew(const std::string& lesson) {
   wanted_ = was_running;
 }
 
+void Seat::Admit(const std::string& peer) {
+  if (plan_.port == 0 || !admitted_.emplace(NetworkOf(peer), peer).second || state_ != SeatState::kRunning)
+    return;
+  SendPassed(door_->native_handle(), {.kind = PassedKind::kAdmit, .peer = {.text = peer}});
+}
+
 void Seat::SetTaken(bool taken) {
   taken_ = taken;
   if (state_ == SeatState::kRunning)
@@ -158,6 +165,7 @@ std::vector<std::string> Seat::Arguments() {
                                         "--recordings",    runs.string(),
                                         "--robot-threads", "1"};
   words.insert(words.end(), own.begin(), own.end());
+  if (plan_.port != 0) words.insert(words.end(), {"--seat-ports", "--port", std::to_string(plan_.port)});
   words.insert(words.end(), plan_.more_arguments.begin(), plan_.more_arguments.end());
   return words;
 }
@@ -205,6 +213,8 @@ void Seat::Enter(UniqueFd door) {
   anew_ = false;
   SetState(SeatState::kRunning, trouble_);
   if (taken_) SetTaken(true);
+  for (const auto& [machine, peer] : admitted_)
+    SendPassed(door_->native_handle(), {.kind = PassedKind::kAdmit, .peer = {.text = peer}});
   SendWaiting();
 }
 

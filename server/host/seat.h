@@ -11,6 +11,7 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -37,6 +38,7 @@ struct SeatPlan {
   std::filesystem::path program;            // coopdyn
   std::string lesson;                       // a scenario: path or bare name
   std::vector<std::string> more_arguments;  // of `serve`
+  int port = 0;                             // the first of the seat's own ports; 0: it has none
   SeatLimits limits = {};
 };
 
@@ -81,6 +83,9 @@ class Seat {
   void PutAside();
   /// Ends the daemon; the next Wake() begins `lesson`, and not where this run was.
   void BeginAnew(const std::string& lesson);
+  /// `peer`, who has shown the PIN, may use the seat's own ports from its machine.
+  void Admit(const std::string& peer);
+  int port() const { return plan_.port; }
   /// The teacher drives, or the student does again.
   void SetTaken(bool taken);
   bool taken() const { return taken_; }
@@ -124,6 +129,7 @@ class Seat {
   bool wanted_ = false;             // it is to start again when it has ended
   bool anew_ = false;               // the next start does not continue the newest run
   bool taken_ = false;
+  std::map<std::string, std::string> admitted_;  // by NetworkOf(): the peer that showed the PIN
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };
 

@@ -215,7 +215,7 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
       const std::size_t count = socket.receive_from(asio::buffer(bytes), from, 0, failed);
       if (failed == asio::error::would_block) return;
       if (failed) continue;  // an error of an earlier datagram
-      Take({bytes.data(), count}, from, socket);
+      if (PeerInfo peer{.text = ToText(from)}; net_.Admits(peer)) Take({bytes.data(), count}, from, socket);
     }
   }
 
