@@ -5,7 +5,7 @@ import {PoseReader} from './poses.js';
 import {TopScene} from './top_view.js';
 
 const RATE_HZ = 8;
-const RETRY_MS = 1500;  // longer than the host takes to say that a seat was put aside
+const RETRY_MS = 1500, LONGEST_RETRY_MS = 15000;  // longer than the host takes to say that a seat was put aside
 
 /** Events: scene, poses. */
 export class SeatFeed extends EventTarget {
@@ -15,6 +15,7 @@ export class SeatFeed extends EventTarget {
   #reader = new PoseReader();
   #loading = false;
   #retry = 0;
+  #pause = RETRY_MS;
   scene = null;      // a TopScene, null before the first
   received = 0;      // bytes of poses
 
@@ -39,11 +40,15 @@ export class SeatFeed extends EventTarget {
     this.#socket = socket;
     socket.binaryType = 'arraybuffer';
     socket.onopen = () => socket.send(JSON.stringify({type: 'poses', rate: RATE_HZ}));
-    socket.onmessage = ({data}) => { if (typeof data !== 'string') this.#take(data); };
+    socket.onmessage = ({data}) => {
+      this.#pause = RETRY_MS;
+      if (typeof data !== 'string') this.#take(data);
+    };
     socket.onclose = () => {
       this.#socket = null;
       this.#reader = new PoseReader();  // a new daemon counts its scenes from the beginning
-      this.#retry = setTimeout(() => this.#open(), RETRY_MS);
+      this.#retry = setTimeout(() => this.#open(), this.#pause);
+      this.#pause = Math.min(2 * this.#pause, LONGEST_RETRY_MS);
       if (this.scene) this.scene.number = 0;
     };
   }

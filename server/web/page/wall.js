@@ -237,7 +237,7 @@ class Wall {
 function open() {
   byId('unlock').hidden = true;
   byId('top').hidden = false;
-  document.querySelector('main').hidden = false;
+  byId('room').hidden = false;
   const wall = new Wall();
   window.coopdyn = {wall};  // for tests, and for the curious
   follow('class/events', 'class/seats', {

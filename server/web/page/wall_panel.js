@@ -4,7 +4,7 @@ import {idleText, ORDERS} from './class_words.js';
 import {byId, make, setText, showNumber} from './dom.js';
 import {TopView} from './top_view.js';
 import {order, scenariosOf} from './wall_orders.js';
-import {programText, scoreText} from './wall_tile.js';
+import {programText, scoreText, whyText} from './wall_tile.js';
 
 const ALWAYS = ['reset', 'restart', 'push', 'aside'];
 
@@ -99,7 +99,7 @@ export class Panel {
     setText(this.#title, seat.name);
     setText(this.#place, [`seat ${seat.seat}`, seat.group && `group ${seat.group}`].filter(Boolean).join(' · '));
     setText(this.#state, word);
-    setText(this.#why, seat.why);
+    setText(this.#why, whyText(seat));
     this.#set(this.#buttons.take, seat.taken && !seat.frozen ? 'give' : 'take');
     this.#set(this.#buttons.freeze, seat.frozen ? 'thaw' : 'freeze');
     this.#buttons.lower_hand.hidden = !seat.hand;

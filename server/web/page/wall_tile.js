@@ -20,6 +20,15 @@ export function programText(seat) {
   return language ? `${language}, not driving` : 'nobody drives';
 }
 
+/** Why a seat needs help, or did. */
+export const whyText = (seat) => seat.why.replace(/ for 0 min$/, ' just now') || seat.trouble || seat.error;
+
+/** "ana · group 1"; without the seat if that is the name in other letters. */
+function placeText({seat, name, group}) {
+  const plain = name.normalize('NFD').replace(/[^a-zA-Z0-9]/g, '').toLowerCase();
+  return [seat.replace(/[-_]/g, '') !== plain && seat, group && `group ${group}`].filter(Boolean).join(' · ');
+}
+
 export class Tile {
   seat = {};
   feed;
@@ -63,8 +72,9 @@ export class Tile {
     this.#name.addEventListener('click', () => act(this, 'choose'));
     this.element.append(
       make('div', {class: 'head'}, this.#name, this.#place, this.#state),
-      make('div', {class: 'stage'}, this.#canvas, make('span', {class: 'hand', 'aria-hidden': 'true'}), this.#note, this.#scores, this.#quick),
-      this.#why, make('div', {class: 'foot'}, this.#program, this.#idle));
+      this.#why,
+      make('div', {class: 'stage'}, this.#canvas, make('span', {class: 'hand', 'aria-hidden': 'true'}), this.#scores, this.#quick,
+        make('div', {class: 'foot'}, this.#program, this.#note, this.#idle)));
     new ResizeObserver(() => this.#view.fit()).observe(this.#canvas);
   }
 
@@ -78,13 +88,14 @@ export class Tile {
     this.state = stateOf(seat, now - this.#movedAt < MOVES_MS);
     const [key, word] = this.state;
     setText(this.#name, seat.name);
-    setText(this.#place, [seat.seat, seat.group && `group ${seat.group}`].filter(Boolean).join(' · '));
-    setText(this.#state, word);
+    setText(this.#place, placeText(seat));
+    setText(this.#state, word.replace(/:.*/, ''));
     this.#state.title = word;
     Object.assign(this.element.dataset, {state: key, hand: seat.hand, need: Math.min(seat.need, 5), taken: seat.taken && !seat.frozen});
-    setText(this.#program, key === 'asleep' ? 'nobody is here' : seat.taken && !seat.frozen ? 'you drive' : programText(seat));
-    setText(this.#idle, key === 'asleep' ? '' : `idle ${idleText(seat.idle_s + ago_s)}`.replace('idle now', 'active'));
-    const why = seat.why || seat.trouble || seat.error;
+    setText(this.#program, seat.taken && !seat.frozen ? 'you drive' : key === 'asleep' || !(seat.driven_by || seat.language) ? '' : programText(seat));
+    const idle = seat.idle_s + ago_s;
+    setText(this.#idle, key === 'asleep' ? '' : idle < 10 ? 'active' : `idle ${idleText(idle)}`);
+    const why = whyText(seat) || (key === 'ended' ? seat.ended ?? '' : '');
     setText(this.#why, why);
     this.#why.title = why;
     const lives = key !== 'asleep' && seat.time_s !== undefined;
