@@ -187,6 +187,7 @@ int RunHost(HostOptions options) {
     return kExitErrors;
   }
   const std::string url = fmt::format("http://{}:{}/", Bracketed(host), pages.port());
+  room.set_names_port(door.port());
   io.Call([&room, &url] { room.Open(url); });
   PrintError(
       "wall:     {}wall/   (token {})\nstudents: {}\nsheet:    {}wall/class/sheet   (PINs are in {})\n", url,

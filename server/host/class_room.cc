@@ -51,6 +51,11 @@ std::string TextToLoad(const std::string& lesson) {
   return text + "\n# file: " + fs::path(lesson).filename().string() + "\n";
 }
 
+/// A page that finds its seat put aside leaves it so.
+const char* StateWord(const Seat& seat) {
+  return seat.put_aside() ? ToString(SeatState::kAsleep) : ToString(seat.state());
+}
+
 bool IsRelevant(std::string_view level) {
   return level == "error" || level == "warning";
 }
@@ -221,6 +226,7 @@ void ClassRoom::PutIdleAside(Place& place) {
   if (clock_.Now() - desk.active < options_.idle) return;
   logger_->info("seat {}: put aside, as nothing has happened for a while", place.seat->name());
   place.seat->PutAside();
+  Changed();
 }
 
 void ClassRoom::NoteActive(const std::string& seat, const std::string& peer, const std::string& language) {
@@ -398,11 +404,18 @@ json::object ClassRoom::StudentJson(const std::string& seat) const {
     std::ifstream result(folder_of(seat) / "handed-in" / folder / "result.txt");
     const std::string text{std::istreambuf_iterator<char>(result), {}};
     if (!text.empty()) one["result"] = PrintableLines(text, kMaxNoteBytes);
+    json::array files;
+    for (const char* file : {"program.py", "output.txt", "recording.run"}) {
+      if (fs::exists(folder_of(seat) / "handed-in" / folder / file, code)) files.emplace_back(file);
+    }
+    one["files"] = std::move(files);
     handed_in.push_back(std::move(one));
   }
   return {{"seat", seat},
           {"name", entry->name},
           {"group", entry->group},
+          {"names", names_port_},
+          {"daemon", StateWord(*found->second.seat)},
           {"hand", desk.hand_since != 0},
           {"own_port", found->second.seat->port()},
           {"taken", found->second.seat->taken()},
@@ -429,7 +442,7 @@ json::object ClassRoom::WallJson() const {
     tile["seat"] = name;
     tile["name"] = entry.name;
     tile["group"] = entry.group;
-    tile["daemon"] = ToString(place.seat->state());
+    tile["daemon"] = StateWord(*place.seat);
     tile["trouble"] = place.seat->trouble();
     tile["hand"] = place.desk.hand_since != 0;
     tile["taken"] = place.seat->taken();
@@ -448,7 +461,10 @@ json::object ClassRoom::WallJson() const {
   for (Row& row : rows) tiles.push_back(std::move(row.tile));
   json::array lessons;
   for (const std::string& lesson : options_.lessons) lessons.push_back(json::string(lesson));
-  return {{"seats", std::move(tiles)}, {"lessons", std::move(lessons)}, {"lesson", lesson_}};
+  return {{"seats", std::move(tiles)},
+          {"lessons", std::move(lessons)},
+          {"lesson", lesson_},
+          {"names", names_port_}};
 }
 
 void ClassRoom::SaveDesk(const std::string& name, const Desk& desk) const {

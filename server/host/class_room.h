@@ -69,6 +69,8 @@ class ClassRoom {
   void Open(const std::string& url);
   /// Puts all seats aside; `done` is called when their daemons have ended.
   void PutAllAside(std::function<void()> done);
+  /// The port for programs, which students' pages tell.
+  void set_names_port(int port) { names_port_ = port; }
 
   const Roll& roll() const { return roll_; }
   const ClassOptions& options() const { return options_; }
@@ -140,6 +142,7 @@ class ClassRoom {
   std::size_t lesson_ = 0;                                // of options_.lessons
   boost::asio::steady_timer timer_;
   std::uint64_t version_ = 1;
+  int names_port_ = 0;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };
 

@@ -93,6 +93,8 @@ class Seat {
   /// The teacher drives, or the student does again.
   void SetTaken(bool taken);
   bool taken() const { return taken_; }
+  /// It sleeps, or is about to: it starts again when somebody comes.
+  bool put_aside() const { return !wanted_ && (state_ == SeatState::kAsleep || ends_); }
   const std::string& lesson() const { return plan_.lesson; }
 
  private:
