@@ -211,7 +211,7 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
       }
     }
     if (seat == nullptr) return ErrorAnswer(404, "there is no seat " + route.seat);
-    if (seat->state() == SeatState::kFailed) return ErrorAnswer(503, seat->trouble());
+    if (seat->HasFailed()) return ErrorAnswer(503, seat->trouble());
     if (route.rest.empty()) return GoTo(prefix + "/");
     // Each request is judged here, so the daemon ends the connection with its answer.
     request.target(route.rest);

@@ -112,9 +112,18 @@ void Seat::Find() {
 
 void Seat::Pass(PassedSocket passed) {
   if (closed_ || waiting_.size() >= kMaxWaiting) return;
+  if (state_ == SeatState::kFailed) {
+    if (HasFailed()) return;
+    deaths_.clear();
+    SetState(SeatState::kAsleep, trouble_);
+  }
   waiting_.push_back(std::move(passed));
   // A daemon that is ending would drop it.
   state_ == SeatState::kRunning && !ends_ ? SendWaiting() : Wake();
+}
+
+bool Seat::HasFailed() const {
+  return state_ == SeatState::kFailed && !deaths_.empty() && clock_.Now() - deaths_.back() < kCrashWindow;
 }
 
 bool Seat::PassNow(const PassedSocket& passed) {

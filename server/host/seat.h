@@ -68,6 +68,8 @@ class Seat {
   const std::string& name() const { return name_; }
   const std::filesystem::path& folder() const { return folder_; }
   SeatState state() const { return state_; }
+  /// Whether it crashes again and again; after kCrashWindow it is tried once more.
+  bool HasFailed() const;
   /// What has gone wrong last, for the wall; empty: nothing.
   const std::string& trouble() const { return trouble_; }
   /// Called when state or trouble has changed.
