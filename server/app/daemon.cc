@@ -35,7 +35,8 @@ std::string RandomToken() {
 }
 
 std::string TokenOf(const ServeOptions& options) {
-  if (!options.token.empty() || options.no_net || !BeyondLoopback(options)) return options.token;
+  const bool asked_for = BeyondLoopback(options) || options.token_for_all;
+  if (!options.token.empty() || options.no_net || !asked_for) return options.token;
   return RandomToken();
 }
 
@@ -71,11 +72,12 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
       models_(PathOf(options, uploads_)),
       yarp_(names_, logger_,
             {options.yarp_server, told_host(), Addresses(options.hosts).front(), DialectOf(options),
+             !options.token_for_all,
              [this](std::uint64_t id, const std::string& name, std::uint64_t step, int every) {
                board_.NoteSampleTaken(id, name, step, every);
              },
              [this](std::uint64_t id) { board_.ForgetReader(id); }}),
-      net_(logger_, clock_, AllEncodings(), options.read_only),
+      net_(logger_, clock_, AllEncodings(), options.read_only, !options.token_for_all),
       wrong_tokens_(logger_),
       robot_guard_(token_, options.private_robots, &wrong_tokens_),
       control_guard_(token_, true, &wrong_tokens_),
@@ -154,12 +156,13 @@ std::string Daemon::OpenNames() {
   names_.SetExternalPorts(std::min(first, PortPlan::kLast - 1),
                           std::min(first + kExternalPorts, PortPlan::kLast), IsPortFree);
   if (options_.no_net) return {};
+  if (!options_.seat.empty()) net_.AdmitOnlyKnown();
   name_server_ = std::make_unique<NameServer>(
       control_.context(), names_, net_, options_.advertise,
       NameHooks{
           [this](const std::string& name, const std::string& asker) { OpenYarpPort(name, asker); },
           [this](const Subscription& each, bool connects) { yarp_.Tell(each.from, each.to, connects); }});
-  if (!options_.seat.empty()) return {};
+  if (!listens()) return {};
   const int port = options_.name_port.value_or(options_.port);
   std::string error = ListenOn(*name_server_, addresses(), port, options_.any_port);
   if (!error.empty()) return WithAdvice(error, "--port, or --name-port");
@@ -263,7 +266,7 @@ std::string Daemon::OpenPage() {
   web.costs = [this] { return Costs(); };
   web_ = std::make_unique<WebServer>(std::move(web), names_, frames_, options_.no_render ? nullptr : &images_,
                                      net_);
-  if (!options_.seat.empty()) return {};
+  if (!listens()) return {};
   const int port = options_.http_port.value_or(options_.port == 0 ? 0 : options_.port + 1);
   const std::string error = ListenOn(*web_, addresses(), port, options_.any_port);
   return WithAdvice(error, "--port, or --http-port");
@@ -281,6 +284,8 @@ std::string Daemon::OpenSeat() {
       case PassedKind::kTaken:
       case PassedKind::kGiven:
         return net_.SetTaken(passed.kind == PassedKind::kTaken);
+      case PassedKind::kAdmit:
+        return net_.Admit(passed.peer.text);
     }
   });
   return seat_door_->Listen(options_.seat);
@@ -469,7 +474,10 @@ std::string Daemon::HowToGoOn() const {
       << "Python:  import coopdyn; sim = coopdyn.connect(" << server << "); r = sim.robot(\"" << robot
       << "\")\n"
       << "telnet:  telnet " << host << ' ' << port << "   then: OPEN /" << robot << '/' << module << "\n";
-  if (!token_.empty()) out << "token:   " << token_ << "   (other machines need it to change the world)\n";
+  if (!token_.empty()) {
+    out << "token:   " << token_ << "   (" << (options_.token_for_all ? "all programs" : "other machines")
+        << " need it to change the world)\n";
+  }
   return out.str();
 }
 

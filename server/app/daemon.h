@@ -131,7 +131,7 @@ class Daemon final : private ControlActions {
   CostSnapshot Costs() const;
   std::chrono::microseconds Spin() const;
   /// Whether it has ports of its own.
-  bool listens() const { return !options_.no_net && options_.seat.empty(); }
+  bool listens() const { return !options_.no_net && (options_.seat.empty() || options_.seat_ports); }
   /// The addresses on which the ports listen.
   std::vector<std::string> addresses() const;
   /// The address that other programs should use.

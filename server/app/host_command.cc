@@ -37,6 +37,7 @@ struct HostOptions {
   double idle_min = 15;
   std::uint64_t memory_mib = 1024, disk_mib = 1024;
   std::vector<std::string> scenario_folders;
+  int seat_ports = 0;  // the first; 0: seats have none
   bool no_render = false;
   std::string log_level = "info";
 };
@@ -162,6 +163,11 @@ int RunHost(HostOptions options) {
   for (const std::string& folder : options.scenario_folders)
     what.plan.more_arguments.insert(what.plan.more_arguments.end(),
                                     {"--scenarios", fs::absolute(folder).string()});
+  what.plan.port = options.seat_ports;
+  if (options.seat_ports != 0) {
+    for (const std::string& address : options.hosts)
+      what.plan.more_arguments.insert(what.plan.more_arguments.end(), {"--host", address});
+  }
   if (options.no_render) what.plan.more_arguments.emplace_back("--no-render");
   what.idle = static_cast<Nanoseconds>(options.idle_min * 60 * 1e9);
 
@@ -173,14 +179,15 @@ int RunHost(HostOptions options) {
   std::array<char, 256> own_name{};
   if (::gethostname(own_name.data(), own_name.size() - 1) == 0) names.emplace_back(own_name.data());
   ClassPages pages(io.context(), room, guard, token, names, wrong, clock, net);
-  for (const std::string& error :
-       {door.Listen(addresses, options.port), pages.Listen(addresses, options.port == 0 ? 0 : options.port + 1)}) {
+  for (const std::string& error : {door.Listen(addresses, options.port),
+                                   pages.Listen(addresses, options.port == 0 ? 0 : options.port + 1)}) {
     if (error.empty()) continue;
     PrintError("coopdyn: {}\n", WithAdvice(error, "--port"));
     io.Stop();
     return kExitErrors;
   }
   const std::string url = fmt::format("http://{}:{}/", Bracketed(host), pages.port());
+  room.set_names_port(door.port());
   io.Call([&room, &url] { room.Open(url); });
   PrintError(
       "wall:     {}wall/   (token {})\nstudents: {}\nsheet:    {}wall/class/sheet   (PINs are in {})\n", url,
@@ -311,6 +318,11 @@ void AddHost(CLI::App& app, Chosen& chosen) {
       ->check(WholeIn(16, 1 << 20))
       ->capture_default_str();
   sub->add_option("--scenarios", host.scenario_folders, "A folder with scenarios, worlds and robots");
+  sub->add_option(
+         "--seat-ports", host.seat_ports,
+         "Give seats ports of their own, for YARP and YARS: 100 each from this one on. Only machines from "
+         "which the PIN was shown may use them")
+      ->check(WholeIn(1024, 60000));
   sub->add_flag("--no-render", host.no_render, "No pictures of cameras; pages draw by themselves");
   sub->add_option("--log-level", host.log_level, "debug, info, warning, error or off")
       ->check(OneOf({"debug", "info", "warning", "error", "off"}))

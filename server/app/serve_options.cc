@@ -159,7 +159,12 @@ void AddNetwork(CLI::App* sub, ServeOptions& serve) {
   // Without a group they do not stand in --help: for `coopdyn host`.
   sub->add_option("--seat", serve.seat, "Take connections from coopdyn host at this socket, and no others")
       ->group("");
+  sub->add_flag("--seat-ports", serve.seat_ports, "Besides, ports for machines that coopdyn host admits")
+      ->group("");
   sub->add_option("--seat-url", serve.seat_url, "The address of the page, as the host shows it")->group("");
+  sub->add_flag(
+      "--token-for-all", serve.token_for_all,
+      "Programs of this machine need the token, too; without it they may only drive robots and read");
   sub->add_flag("--private", serve.private_robots, "Robots' modules need the token too");
   sub->add_flag("--read-only", serve.read_only, "Clients and the page may only read and watch");
   sub->add_option("--yarp-server", serve.yarp_server,

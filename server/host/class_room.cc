@@ -22,6 +22,7 @@ namespace json = boost::json;
 
 constexpr std::chrono::milliseconds kTick{1000};
 constexpr std::size_t kMaxError = 300;
+constexpr int kPortsOfSeat = 100;
 
 std::string ClockTime(const char* format) {
   return fmt::format(fmt::runtime(format), fmt::localtime(std::time(nullptr)));
@@ -40,6 +41,19 @@ std::size_t ClientsIn(const json::object& status) {
     const std::string peer = client.is_object() ? TextOf(client.as_object(), "peer") : "";
     return peer != "page status" && !peer.ends_with("the class's host");
   }));
+}
+
+/// What `load_scenario` takes for a scenario of the command line: a bare name, or the text of a file.
+std::string TextToLoad(const std::string& lesson) {
+  if (lesson.find('/') == std::string::npos) return lesson;
+  std::ifstream file(lesson);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  return text + "\n# file: " + fs::path(lesson).filename().string() + "\n";
+}
+
+/// A page that finds its seat put aside leaves it so.
+const char* StateWord(const Seat& seat) {
+  return seat.put_aside() ? ToString(SeatState::kAsleep) : ToString(seat.state());
 }
 
 bool IsRelevant(std::string_view level) {
@@ -69,10 +83,12 @@ fs::path ClassRoom::folder_of(const std::string& seat) const {
 void ClassRoom::AddSeat(const RollEntry& entry) {
   SeatPlan plan = options_.plan;
   plan.lesson = options_.lessons[lesson_];
+  const auto place_in_list =
+      std::ranges::find(roll_.entries(), entry.seat, &RollEntry::seat) - roll_.entries().begin();
+  if (plan.port != 0) plan.port += static_cast<int>(place_in_list) * kPortsOfSeat;
   Place place;
-  place.seat =
-      std::make_unique<Seat>(context_, entry.seat, folder_of(entry.seat),
-                             url_ + "s/" + entry.seat + "/", std::move(plan), clock_, logger_);
+  place.seat = std::make_unique<Seat>(context_, entry.seat, folder_of(entry.seat),
+                                      url_ + "s/" + entry.seat + "/", std::move(plan), clock_, logger_);
   place.seat->set_on_change([this] { Changed(); });
   LoadDesk(entry.seat, place.desk);
   places_.insert_or_assign(entry.seat, std::move(place));
@@ -122,7 +138,7 @@ void ClassRoom::SetRoll(Roll roll) {
 void ClassRoom::PutAllAside(std::function<void()> done) {
   bool waits = false;
   for (auto& [name, place] : places_) {
-    place.seat->PutAside();
+    place.seat->Close();
     waits =
         waits || place.seat->state() == SeatState::kRunning || place.seat->state() == SeatState::kStarting;
   }
@@ -210,11 +226,13 @@ void ClassRoom::PutIdleAside(Place& place) {
   if (clock_.Now() - desk.active < options_.idle) return;
   logger_->info("seat {}: put aside, as nothing has happened for a while", place.seat->name());
   place.seat->PutAside();
+  Changed();
 }
 
-void ClassRoom::NoteActive(const std::string& seat, const std::string& language) {
+void ClassRoom::NoteActive(const std::string& seat, const std::string& peer, const std::string& language) {
   const auto found = places_.find(seat);
   if (found == places_.end()) return;
+  found->second.seat->Admit(peer);
   found->second.desk.active = clock_.Now();
   if (!language.empty()) found->second.desk.language = Printable(language, 20);
 }
@@ -242,20 +260,26 @@ void ClassRoom::HandIn(const std::string& seat, std::function<void(std::string)>
     fs::copy_file(folder / name, into / name, fs::copy_options::overwrite_existing, missing);
   }
   const int run = NewestRun(folder / "runs");
-  if (run == 0 || found->second.seat->state() != SeatState::kRunning) return done("");
-  CallSeat(
-      context_, *found->second.seat, "/runs/" + RunFileName(run), {},
-      [into, done = std::move(done)](const SeatAnswer& answer) {
-        if (answer.status != 200) return done("the recording cannot be kept: " + Printable(answer.body, 200));
-        std::ofstream file(into / "recording.run", std::ios::binary);
-        file.write(answer.body.data(), static_cast<std::streamsize>(answer.body.size()));
-        done(file.good() ? "" : "the recording cannot be kept: is the disk full?");
-      },
-      std::chrono::seconds(60));
+  if (run == 0) return done("");
+  // A recording can be copied when it has ended; the run goes on in the next one.
+  const auto keep = [this, alive = alive_, seat, run, from = folder / "runs" / RunFileName(run), into,
+                     done = std::move(done)](const SeatAnswer&) {
+    if (!*alive) return;
+    std::error_code failed;
+    fs::copy_file(from, into / "recording.run", failed);
+    const auto place = places_.find(seat);
+    if (place != places_.end()) Command(place->second, "/recorder", "start", RunFileName(run + 1));
+    done(failed ? "the recording cannot be kept: " + failed.message() : "");
+  };
+  if (found->second.seat->state() != SeatState::kRunning) return keep({});
+  CallSeat(context_, *found->second.seat, "/api/call",
+           json::serialize(json::object{{"module", "/recorder"}, {"command", "stop"}}), keep,
+           std::chrono::seconds(60));
 }
 
-void ClassRoom::Command(Place& place, const std::string& command, const std::string& text) {
-  const json::object call{{"module", "/simulation"}, {"command", command}, {"text", text}};
+void ClassRoom::Command(Place& place, const std::string& module, const std::string& command,
+                        const std::string& text) {
+  const json::object call{{"module", module}, {"command", command}, {"text", text}};
   CallSeat(context_, *place.seat, "/api/call", json::serialize(call),
            [logger = logger_, seat = place.seat->name(), command](const SeatAnswer& answer) {
              if (answer.status != 200)
@@ -263,8 +287,21 @@ void ClassRoom::Command(Place& place, const std::string& command, const std::str
            });
 }
 
-void ClassRoom::Push(Place& place, const std::string& lesson) {
-  if (place.seat->state() == SeatState::kRunning) return Command(place, "load_scenario", lesson);
+std::string ClassRoom::KeepLesson(const std::string& text) const {
+  if (text.find('\n') == std::string::npos) return text;
+  const fs::path folder = options_.folder / "lessons";
+  std::error_code code;
+  fs::create_directories(folder, code);
+  const fs::path file = folder / (ClockTime("{:%Y%m%d-%H%M%S}") + ".scenario");
+  std::ofstream out(file);
+  out << text << (text.ends_with('\n') ? "" : "\n");
+  out.close();
+  return out.good() ? file.string() : "";
+}
+
+void ClassRoom::Push(Place& place, const std::string& lesson, const std::string& text) {
+  if (place.seat->state() == SeatState::kRunning)
+    return Command(place, "/simulation", "load_scenario", text.empty() ? TextToLoad(lesson) : text);
   place.seat->BeginAnew(lesson);
 }
 
@@ -275,6 +312,12 @@ std::string ClassRoom::Do(const json::object& order) {
   if (std::ranges::find(known, what) == known.end())
     return "the order is none of " + fmt::format("{}", fmt::join(known, ", "));
   if ((what == "message" || what == "push") && TextOf(order, "text").empty()) return what + " needs a text";
+  json::object given = order;
+  if (what == "push") {
+    const std::string lesson = KeepLesson(TextOf(order, "text"));
+    if (lesson.empty()) return "the scenario cannot be written into " + options_.folder.string();
+    given["lesson"] = lesson;
+  }
   if (what == "next") {
     if (lesson_ + 1 >= options_.lessons.size()) return "this was the last scenario of the lesson";
     ++lesson_;
@@ -292,7 +335,7 @@ std::string ClassRoom::Do(const json::object& order) {
   }
   for (const std::string& name : names) {
     Place& place = places_.find(name)->second;
-    Order(name, place, order);
+    Order(name, place, given);
     SaveDesk(name, place.desk);
   }
   Changed();
@@ -306,18 +349,18 @@ void ClassRoom::Order(const std::string& name, Place& place, const json::object&
   if (what == "freeze" || what == "thaw") {
     desk.frozen = what == "freeze";
     place.seat->SetTaken(desk.frozen);
-    if (runs) Command(place, desk.frozen ? "pause" : "run");
+    if (runs) Command(place, "/simulation", desk.frozen ? "pause" : "run");
   } else if (what == "take" || what == "give") {
     place.seat->SetTaken(what == "take");
     if (what == "take") place.seat->Wake();
   } else if (what == "reset") {
-    if (runs) Command(place, "reset");
+    if (runs) Command(place, "/simulation", "reset");
   } else if (what == "restart") {
     place.seat->BeginAnew(options_.lessons[lesson_]);
   } else if (what == "aside") {
     place.seat->PutAside();
   } else if (what == "push" || what == "next") {
-    Push(place, what == "next" ? options_.lessons[lesson_] : text);
+    Push(place, what == "next" ? options_.lessons[lesson_] : TextOf(order, "lesson"), text);
   } else if (what == "message") {
     desk.notes.push_back({ClockTime("{:%H:%M}"), PrintableLines(text, kMaxNoteBytes)});
     if (desk.notes.size() > kMaxNotes) desk.notes.erase(desk.notes.begin());
@@ -361,12 +404,20 @@ json::object ClassRoom::StudentJson(const std::string& seat) const {
     std::ifstream result(folder_of(seat) / "handed-in" / folder / "result.txt");
     const std::string text{std::istreambuf_iterator<char>(result), {}};
     if (!text.empty()) one["result"] = PrintableLines(text, kMaxNoteBytes);
+    json::array files;
+    for (const char* file : {"program.py", "output.txt", "recording.run"}) {
+      if (fs::exists(folder_of(seat) / "handed-in" / folder / file, code)) files.emplace_back(file);
+    }
+    one["files"] = std::move(files);
     handed_in.push_back(std::move(one));
   }
   return {{"seat", seat},
           {"name", entry->name},
           {"group", entry->group},
+          {"names", names_port_},
+          {"daemon", StateWord(*found->second.seat)},
           {"hand", desk.hand_since != 0},
+          {"own_port", found->second.seat->port()},
           {"taken", found->second.seat->taken()},
           {"frozen", desk.frozen},
           {"trouble", found->second.seat->trouble()},
@@ -391,7 +442,7 @@ json::object ClassRoom::WallJson() const {
     tile["seat"] = name;
     tile["name"] = entry.name;
     tile["group"] = entry.group;
-    tile["daemon"] = ToString(place.seat->state());
+    tile["daemon"] = StateWord(*place.seat);
     tile["trouble"] = place.seat->trouble();
     tile["hand"] = place.desk.hand_since != 0;
     tile["taken"] = place.seat->taken();
@@ -410,7 +461,10 @@ json::object ClassRoom::WallJson() const {
   for (Row& row : rows) tiles.push_back(std::move(row.tile));
   json::array lessons;
   for (const std::string& lesson : options_.lessons) lessons.push_back(json::string(lesson));
-  return {{"seats", std::move(tiles)}, {"lessons", std::move(lessons)}, {"lesson", lesson_}};
+  return {{"seats", std::move(tiles)},
+          {"lessons", std::move(lessons)},
+          {"lesson", lesson_},
+          {"names", names_port_}};
 }
 
 void ClassRoom::SaveDesk(const std::string& name, const Desk& desk) const {

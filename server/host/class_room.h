@@ -69,6 +69,8 @@ class ClassRoom {
   void Open(const std::string& url);
   /// Puts all seats aside; `done` is called when their daemons have ended.
   void PutAllAside(std::function<void()> done);
+  /// The port for programs, which students' pages tell.
+  void set_names_port(int port) { names_port_ = port; }
 
   const Roll& roll() const { return roll_; }
   const ClassOptions& options() const { return options_; }
@@ -83,7 +85,8 @@ class ClassRoom {
   void SetRoll(Roll roll);
 
   // What a student does.
-  void NoteActive(const std::string& seat, const std::string& language = {});
+  /// `peer` has shown the PIN or the link.
+  void NoteActive(const std::string& seat, const std::string& peer, const std::string& language = {});
   void RaiseHand(const std::string& seat, bool up);
   /// Keeps program and recording of the seat in a folder of their own. `done`: an error text.
   void HandIn(const std::string& seat, std::function<void(std::string error)> done);
@@ -116,9 +119,13 @@ class ClassRoom {
   void PutIdleAside(Place& place);
   Need NeedOf(const Place& place) const;
   void Order(const std::string& name, Place& place, const boost::json::object& order);
-  /// A request to /simulation of the seat.
-  void Command(Place& place, const std::string& command, const std::string& text = {});
-  void Push(Place& place, const std::string& lesson);
+  /// A request to a module of the seat's daemon, if that runs.
+  void Command(Place& place, const std::string& module, const std::string& command,
+               const std::string& text = {});
+  /// `lesson` as the command line takes it; `text`: the same as a text or a bare name, or empty.
+  void Push(Place& place, const std::string& lesson, const std::string& text);
+  /// The file in which a pushed text is kept; a bare name stays. Empty: it cannot be written.
+  std::string KeepLesson(const std::string& text) const;
   void Changed() { ++version_; }
   void SaveDesk(const std::string& name, const Desk& desk) const;
   void LoadDesk(const std::string& name, Desk& desk) const;
@@ -135,6 +142,7 @@ class ClassRoom {
   std::size_t lesson_ = 0;                                // of options_.lessons
   boost::asio::steady_timer timer_;
   std::uint64_t version_ = 1;
+  int names_port_ = 0;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };
 

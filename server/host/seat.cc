@@ -20,6 +20,7 @@
 
 #include "server/base/printable.h"
 #include "server/base/spawn.h"
+#include "server/base/wrong_tokens.h"
 
 namespace coopdyn {
 namespace {
@@ -110,9 +111,29 @@ void Seat::Find() {
 }
 
 void Seat::Pass(PassedSocket passed) {
-  if (waiting_.size() >= kMaxWaiting) return;
+  if (closed_ || waiting_.size() >= kMaxWaiting) return;
+  if (state_ == SeatState::kFailed) {
+    if (HasFailed()) return;
+    deaths_.clear();
+    SetState(SeatState::kAsleep, trouble_);
+  }
   waiting_.push_back(std::move(passed));
-  state_ == SeatState::kRunning ? SendWaiting() : Wake();
+  // A daemon that is ending would drop it.
+  state_ == SeatState::kRunning && !ends_ ? SendWaiting() : Wake();
+}
+
+bool Seat::HasFailed() const {
+  return state_ == SeatState::kFailed && !deaths_.empty() && clock_.Now() - deaths_.back() < kCrashWindow;
+}
+
+bool Seat::PassNow(const PassedSocket& passed) {
+  return state_ == SeatState::kRunning && !ends_ && SendPassed(door_->native_handle(), passed) == 0;
+}
+
+void Seat::Close() {
+  closed_ = true;
+  waiting_.clear();
+  PutAside();
 }
 
 void Seat::Wake() {
@@ -137,6 +158,12 @@ void Seat::BeginAnew(const std::string& lesson) {
   wanted_ = was_running;
 }
 
+void Seat::Admit(const std::string& peer) {
+  if (plan_.port == 0 || !admitted_.emplace(NetworkOf(peer), peer).second || state_ != SeatState::kRunning)
+    return;
+  SendPassed(door_->native_handle(), {.kind = PassedKind::kAdmit, .peer = {.text = peer}});
+}
+
 void Seat::SetTaken(bool taken) {
   taken_ = taken;
   if (state_ == SeatState::kRunning)
@@ -158,6 +185,7 @@ std::vector<std::string> Seat::Arguments() {
                                         "--recordings",    runs.string(),
                                         "--robot-threads", "1"};
   words.insert(words.end(), own.begin(), own.end());
+  if (plan_.port != 0) words.insert(words.end(), {"--seat-ports", "--port", std::to_string(plan_.port)});
   words.insert(words.end(), plan_.more_arguments.begin(), plan_.more_arguments.end());
   return words;
 }
@@ -205,6 +233,8 @@ void Seat::Enter(UniqueFd door) {
   anew_ = false;
   SetState(SeatState::kRunning, trouble_);
   if (taken_) SetTaken(true);
+  for (const auto& [machine, peer] : admitted_)
+    SendPassed(door_->native_handle(), {.kind = PassedKind::kAdmit, .peer = {.text = peer}});
   SendWaiting();
 }
 
@@ -226,7 +256,7 @@ void Seat::OnDeath() {
   state_ = SeatState::kAsleep;
   if (by_us) {
     SetState(SeatState::kAsleep, {});
-    if (wanted_ || !waiting_.empty()) Wake();
+    if (!closed_ && (wanted_ || !waiting_.empty())) Wake();
     return;
   }
   const Nanoseconds now = clock_.Now();

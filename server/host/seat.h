@@ -11,6 +11,7 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -37,6 +38,7 @@ struct SeatPlan {
   std::filesystem::path program;            // coopdyn
   std::string lesson;                       // a scenario: path or bare name
   std::vector<std::string> more_arguments;  // of `serve`
+  int port = 0;                             // the first of the seat's own ports; 0: it has none
   SeatLimits limits = {};
 };
 
@@ -66,6 +68,8 @@ class Seat {
   const std::string& name() const { return name_; }
   const std::filesystem::path& folder() const { return folder_; }
   SeatState state() const { return state_; }
+  /// Whether it crashes again and again; after kCrashWindow it is tried once more.
+  bool HasFailed() const;
   /// What has gone wrong last, for the wall; empty: nothing.
   const std::string& trouble() const { return trouble_; }
   /// Called when state or trouble has changed.
@@ -75,15 +79,24 @@ class Seat {
   void Find();
   /// Passes a connection to the daemon, which is started if it does not run.
   void Pass(PassedSocket passed);
+  /// Passes a connection only if the daemon runs. False: it does not.
+  bool PassNow(const PassedSocket& passed);
   /// Starts the daemon if it does not run.
   void Wake();
   /// Ends the daemon in order. Its run is recorded; the next Wake() continues it.
   void PutAside();
+  /// PutAside(), and nothing starts it again.
+  void Close();
   /// Ends the daemon; the next Wake() begins `lesson`, and not where this run was.
   void BeginAnew(const std::string& lesson);
+  /// `peer`, who has shown the PIN, may use the seat's own ports from its machine.
+  void Admit(const std::string& peer);
+  int port() const { return plan_.port; }
   /// The teacher drives, or the student does again.
   void SetTaken(bool taken);
   bool taken() const { return taken_; }
+  /// It sleeps, or is about to: it starts again when somebody comes.
+  bool put_aside() const { return !wanted_ && (state_ == SeatState::kAsleep || ends_); }
   const std::string& lesson() const { return plan_.lesson; }
 
  private:
@@ -122,6 +135,8 @@ class Seat {
   bool wanted_ = false;             // it is to start again when it has ended
   bool anew_ = false;               // the next start does not continue the newest run
   bool taken_ = false;
+  bool closed_ = false;
+  std::map<std::string, std::string> admitted_;  // by NetworkOf(): the peer that showed the PIN
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };
 

@@ -206,7 +206,7 @@ NameServer::~NameServer() {
 
 std::string NameServer::Listen(const std::vector<std::string>& addresses, int port) {
   std::string error = impl_->listener.Listen(addresses, port);
-  if (!error.empty() || !IsLoopbackOnly(addresses)) return error;
+  if (!error.empty() || !IsLoopbackOnly(addresses) || impl_->services.admits_only_known()) return error;
   const std::string missing = impl_->listener.ListenLocal(LocalName(impl_->listener.port()));
   if (!missing.empty()) impl_->services.logger()->info("{}; programs of this machine use TCP", missing);
   return {};

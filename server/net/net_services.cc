@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "server/net/net_services.h"
 
+#include "server/base/wrong_tokens.h"
+
 namespace coopdyn {
 
 void NetServices::LogExhausted(const std::string& what) {
@@ -8,6 +10,19 @@ void NetServices::LogExhausted(const std::string& what) {
   const Nanoseconds before = exhausted_.exchange(now);
   if (before != std::numeric_limits<Nanoseconds>::min() && now - before < kOver) return;
   logger_->error("{} (raise `ulimit -n`)", what);
+}
+
+void NetServices::Admit(const std::string& peer) {
+  const MutexLock lock(admitted_mutex_);
+  admitted_.insert(NetworkOf(peer));
+}
+
+bool NetServices::Admits(PeerInfo& peer) const {
+  if (!admits_only_known_) return true;
+  peer.trusted = true;
+  peer.yields = true;
+  const MutexLock lock(admitted_mutex_);
+  return admitted_.contains(NetworkOf(peer.text));
 }
 
 void NetServices::LogPeer(spdlog::level::level_enum level, const std::string& peer, const std::string& text) {

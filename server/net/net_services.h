@@ -4,12 +4,14 @@
 
 #include <atomic>
 #include <limits>
+#include <set>
 #include <string>
 #include <utility>
 
 #include "server/base/clock.h"
 #include "server/base/ids.h"
 #include "server/base/log.h"
+#include "server/base/mutex.h"
 #include "server/net/encoding.h"
 #include "server/net/peer.h"
 
@@ -25,18 +27,32 @@ inline constexpr const char* kTakenText =
 /// One per daemon; outlives every server. `clock` must outlive it.
 class NetServices {
  public:
-  /// `read_only`: no client may change anything (`--read-only`).
+  /// `read_only`: no client may change anything (`--read-only`). `trusts_this_machine`: whoever connects from
+  /// this machine needs no token (not with `--token-for-all`).
   NetServices(Logger logger, const Clock& clock, Encodings encodings = StandardEncodings(),
-              bool read_only = false)
-      : logger_(std::move(logger)), clock_(clock), encodings_(std::move(encodings)), read_only_(read_only) {}
+              bool read_only = false, bool trusts_this_machine = true)
+      : logger_(std::move(logger)),
+        clock_(clock),
+        encodings_(std::move(encodings)),
+        read_only_(read_only),
+        trusts_this_machine_(trusts_this_machine) {}
 
   const Logger& logger() const { return logger_; }
   const Clock& clock() const { return clock_; }
   const Encodings& encodings() const { return encodings_; }
   bool read_only() const { return read_only_; }
+  bool trusts_this_machine() const { return trusts_this_machine_; }
   /// While the teacher drives, the students of this seat may change nothing.
   bool taken() const { return taken_; }
   void SetTaken(bool taken) { taken_ = taken; }
+  /// From now on only the machines of Admit() may connect to the daemon's ports: those whose users have shown
+  /// the PIN of this seat. They are students of the seat.
+  void AdmitOnlyKnown() { admits_only_known_ = true; }
+  bool admits_only_known() const { return admits_only_known_; }
+  /// `peer`: ADDRESS:PORT, of which the port does not matter.
+  void Admit(const std::string& peer) EXCLUDES(admitted_mutex_);
+  /// Whether `peer` may connect; makes it a student of the seat if only known ones may.
+  bool Admits(PeerInfo& peer) const EXCLUDES(admitted_mutex_);
   /// Why `peer` may change nothing; null if it may.
   const char* WhyReadOnly(const PeerInfo& peer) const {
     return read_only_ ? kReadOnlyText : peer.yields && taken_ ? kTakenText : nullptr;
@@ -53,8 +69,11 @@ class NetServices {
   Logger logger_;
   const Clock& clock_;
   const Encodings encodings_;
-  const bool read_only_;
+  const bool read_only_, trusts_this_machine_;
   std::atomic<bool> taken_{false};
+  std::atomic<bool> admits_only_known_{false};
+  mutable Mutex admitted_mutex_;
+  std::set<std::string> admitted_ GUARDED_BY(admitted_mutex_);  // NetworkOf()
   PeerLogLimiter limiter_;
   std::atomic<ClientId> last_client_{0};
   std::atomic<Nanoseconds> exhausted_{std::numeric_limits<Nanoseconds>::min()};  // time of the last

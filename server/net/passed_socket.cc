@@ -27,7 +27,7 @@ constexpr char kTrusted = 't', kStranger = 's', kYields = 'y';
 constexpr char kEndOfPeer = '\n';
 
 bool IsKind(char c) {
-  return c == 'N' || c == 'P' || c == 'T' || c == 'G';
+  return c == 'N' || c == 'P' || c == 'T' || c == 'G' || c == 'A';
 }
 
 /// False: the path is too long.

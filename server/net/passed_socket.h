@@ -26,6 +26,7 @@ enum class PassedKind : char {
   kPage = 'P',   // a connection to the page
   kTaken = 'T',  // the teacher drives: students may only watch
   kGiven = 'G',  // they may drive again
+  kAdmit = 'A',  // the machine of `peer` may connect to the daemon's own ports
 };
 
 struct PassedSocket {

@@ -30,6 +30,8 @@ endif()
 find_program(NPM npm REQUIRED)
 set(packages ${CMAKE_CURRENT_BINARY_DIR}/packages)
 set(bundle ${CMAKE_CURRENT_BINARY_DIR}/bundle)
+set(entries app.js style.css login.js login.css wall.js wall.css)
+list(TRANSFORM entries PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/page/)
 add_custom_command(
   OUTPUT ${packages}/installed
   COMMAND ${CMAKE_COMMAND} -DPAGE=${CMAKE_CURRENT_SOURCE_DIR}/page -DPACKAGES=${packages} -DNPM=${NPM}
@@ -40,7 +42,7 @@ add_custom_command(
   OUTPUT ${bundle}/app.js
   COMMAND ${CMAKE_COMMAND} -E rm -rf ${bundle}
   COMMAND ${CMAKE_COMMAND} -E env NODE_PATH=${packages}/node_modules ${packages}/node_modules/.bin/esbuild
-          ${CMAKE_CURRENT_SOURCE_DIR}/page/app.js ${CMAKE_CURRENT_SOURCE_DIR}/page/style.css --bundle --splitting
+          ${entries} --bundle --splitting "--external:*.svg"
           --format=esm --minify --legal-comments=none --target=es2022 --log-level=warning --outdir=${bundle}
   DEPENDS ${scripts} ${packages}/installed
   VERBATIM)

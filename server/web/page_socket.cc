@@ -78,10 +78,13 @@ void PageSocket::Start(http::request<http::string_body> upgrade) {
   socket_.async_accept(upgrade_, [self = shared_from_this()](error_code failed) {
     if (failed) return self->Close();
     self->open_ = true;
-    self->context_.status.Watch(self);
-    self->person_ = self->context_.people.Enter(self);
+    const bool only_poses = self->upgrade_.target().ends_with(kOnlyPoses);
+    if (!only_poses) {
+      self->context_.status.Watch(self);
+      self->person_ = self->context_.people.Enter(self);
+    }
     self->OnHello({});
-    self->context_.people.Set(self->person_, {});
+    if (!only_poses) self->context_.people.Set(self->person_, {});
     self->Read();
   });
 }

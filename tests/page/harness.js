@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import {spawn} from 'node:child_process';
 import {once} from 'node:events';
 import {connect} from 'node:net';
-import {mkdirSync, mkdtempSync, rmSync, writeFileSync} from 'node:fs';
+import {mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {dirname, join} from 'node:path';
 import {createInterface} from 'node:readline';
@@ -26,6 +26,14 @@ export const startDaemonIn = (environment, scenario, ...flags) => start(environm
 
 /** Plays a recording on free ports; as startDaemon(). */
 export const startPlayer = (file, ...flags) => start({}, 'play', file, ...flags);
+
+/** A class with these seats ({seat, name, group}; the PIN of each is 7305), as startDaemon(); it has `folder` and `token`, too. */
+export async function startClass(seats, ...lessons) {
+  const folder = newFolder(), list = join(folder, 'list.csv');
+  writeFileSync(list, ['seat,name,group,pin', ...seats.map(({seat, name, group = ''}) => `${seat},${name},${group},7305`)].join('\n'));
+  const host = await start({}, 'host', ...lessons, '--class', list, '--folder', join(folder, 'class'), '--no-render');
+  return Object.assign(host, {folder: join(folder, 'class'), token: readFileSync(join(folder, 'class', 'token'), 'utf8').trim()});
+}
 
 async function start(environment, ...words) {
   const binary = process.env.COOPDYN_BINARY;

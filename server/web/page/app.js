@@ -18,8 +18,10 @@ import {Plots} from './plots.js';
 import {Record, Runs} from './recordings.js';
 import {Robots} from './robots.js';
 import {Scores} from './scores.js';
+import {askHost, isAwake, SEAT} from './seat.js';
 import {Strip} from './strip.js';
 import {StripHistory} from './strip_history.js';
+import {Task} from './task.js';
 import {Timeline} from './timeline.js';
 import {keepToken, rememberedToken} from './token.js';
 import {View} from './view.js';
@@ -27,7 +29,8 @@ import {World} from './world.js';
 
 startLayout();
 for (const [id, title] of [['world', 'World'], ['arena', 'Arena'], ['plots', 'Plots'], ['runs', 'Runs'], ['text', 'Text'], ['cost', 'Cost']]) tab(id, title);
-const connection = new Connection(rememberedToken());
+const connection = new Connection(rememberedToken(), SEAT ? isAwake : undefined);
+if (SEAT) import('./class.js').then(({ClassBar}) => new ClassBar(connection));
 const strip = new Strip();
 const rates = new StripHistory();
 const controls = new Controls(connection);
@@ -45,6 +48,7 @@ const joystick = new Joystick(connection);
 const robots = new Robots(connection);
 const lines = new Console(connection);
 const scores = new Scores();
+const task = new Task();
 
 /** The view drawn by the browser; without WebGL, or with ?view=server, the daemon's pictures. */
 async function openView() {
@@ -79,9 +83,10 @@ async function refreshModules(listed) {
   const turn = ++asked;
   try {
     const answer = await (await fetch('api/modules')).json();
+    const namePort = SEAT ? (await askHost()).names : answer.name_port;
     if (turn !== asked) return;  // a later request is pending
-    robots.setNamePort(answer.name_port);
-    lines.setModules(answer.modules, listed.map((robot) => ofType(robot.modules, 'motors')).find(Boolean)?.name, answer.name_port);
+    robots.setNamePort(namePort);
+    lines.setModules(answer.modules, listed.map((robot) => ofType(robot.modules, 'motors')).find(Boolean)?.name, namePort);
     showVersion(answer.version);
     await controls.refreshScenarios();
   } catch {  // the banner shows that the daemon is gone
@@ -100,6 +105,7 @@ connection.addEventListener('status', ({detail: status}) => {
   controls.update(status);
   if (!status) return;  // the other parts keep their last state
   scores.update(status);
+  task.update(status);
   timeline.update(status.playback);
   if (greeted) links.follow(status);
   plots.update(status);

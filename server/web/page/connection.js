@@ -2,6 +2,14 @@
 // The WebSocket to the daemon: calls with replies, pushes, status and pictures. Reconnects automatically.
 
 const SILENCE_MS = 2000;  // the status comes five times a second
+const REFUSED_MS = 1000;
+
+/** The address of a WebSocket at `path`, relative to the page. */
+export function socketAddress(path) {
+  const address = new URL(path, location.href);
+  address.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
+  return address;
+}
 
 export class Connection extends EventTarget {
   #socket = null;
@@ -11,14 +19,17 @@ export class Connection extends EventTarget {
   #heard = 0;
   #silence = 0;
   #token;
+  #mayOpen;
 
-  /** Events: open, lost, hello (detail: {trusted, pictures, version}; wrong_token: true if the token sent is wrong;
+  /** `mayOpen`: asked before each try to reconnect; resolves to whether to try now.
+   *  Events: open, lost, hello (detail: {trusted, pictures, version}; wrong_token: true if the token sent is wrong;
    *  token_wait: after too many wrong ones, how long tokens are ignored), status (detail: object or null),
    *  silence (no status for two seconds), picture (detail: {about, jpeg}), poses (detail: the message), push (detail: message). */
-  constructor(token) {
+  constructor(token, mayOpen = async () => true) {
     super();
     this.#token = token;
-    this.#open();
+    this.#mayOpen = mayOpen;
+    this.open();
     setInterval(() => {
       // The status comes five times a second; silence means that the daemon hangs or the cable is out.
       if (this.isOpen && performance.now() - this.#heard > 6000) this.#socket.close();
@@ -52,9 +63,15 @@ export class Connection extends EventTarget {
     });
   }
 
-  #open() {
-    const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
-    const socket = new WebSocket(`${scheme}://${location.host}/ws`);
+  async #reopen() {
+    if (await this.#mayOpen()) this.open();
+    else setTimeout(() => this.#reopen(), REFUSED_MS);
+  }
+
+  /** Connects, unless it is connected or connecting. */
+  open() {
+    if (this.#socket && this.#socket.readyState !== WebSocket.CLOSED) return;
+    const socket = new WebSocket(socketAddress('ws'));
     socket.binaryType = 'arraybuffer';
     this.#socket = socket;
     socket.onopen = () => {
@@ -76,7 +93,7 @@ export class Connection extends EventTarget {
       }
       this.#waiting.clear();
       this.dispatchEvent(new Event('lost'));
-      setTimeout(() => this.#open(), this.#retry);
+      setTimeout(() => this.#reopen(), this.#retry);
       this.#retry = Math.min(2 * this.#retry, 2000);
     };
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Translates a console command into runnable code in the clients' languages. No drawing.
+import {connectArguments, SEAT} from './seat.js';
 
 const DEFAULT_NAME_PORT = 10000;
 
@@ -57,10 +58,10 @@ export function inLanguages({module, name, line, params = [], data = [], text = 
 export function headOf(language, host, namePort) {
   const server = namePort === DEFAULT_NAME_PORT ? host : `${host}:${namePort}`;
   switch (language) {
-    case 'MATLAB': return `sim = coopdyn.connect('${server}');`;
-    case 'Python': return `import coopdyn\nsim = coopdyn.connect("${server}")`;
-    case 'C++': return `auto sim = coopdyn::client::connect("${server}");`;
-    default: return `telnet ${host.replace(/^\[|\]$/g, '')} ${namePort}`;
+    case 'MATLAB': return `sim = coopdyn.connect(${connectArguments(language, server, "'")});`;
+    case 'Python': return `import coopdyn\nsim = coopdyn.connect(${connectArguments(language, server)})`;
+    case 'C++': return `auto sim = coopdyn::client::connect(${connectArguments(language, server)});`;
+    default: return `telnet ${host.replace(/^\[|\]$/g, '')} ${namePort}${SEAT ? `\nSEAT ${SEAT.name} PIN` : ''}`;
   }
 }
 

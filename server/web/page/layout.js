@@ -80,7 +80,7 @@ function listenToSplitter() {
 }
 
 /** The system's theme, light, or dark. `document` receives the event `theme`. */
-function listenToTheme() {
+export function listenToTheme() {
   const themes = {'': 'Auto', light: 'Light', dark: 'Dark'};
   const button = byId('theme');
   const show = (theme) => {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Ready-made lines that connect a client to a robot, with the address of this page.
 import {make} from './dom.js';
+import {connectArguments, SEAT} from './seat.js';
 
 const DEFAULT_NAME_PORT = 10000;
 
@@ -19,14 +20,14 @@ export function linesFor(robot, modules, namePort) {
   const motors = ofType(modules, 'motors') ?? modules[0];
   const lines = [];
   if (namePort > 0) {
-    lines.push(['MATLAB', `sim = coopdyn.connect("${server}");\nr = sim.robot("${robot}");`]);
-    lines.push(['Python', `import coopdyn\nsim = coopdyn.connect("${server}")\nr = sim.robot("${robot}")`]);
+    lines.push(['MATLAB', `sim = coopdyn.connect(${connectArguments('MATLAB', server)});\nr = sim.robot("${robot}");`]);
+    lines.push(['Python', `import coopdyn\nsim = coopdyn.connect(${connectArguments('Python', server)})\nr = sim.robot("${robot}")`]);
   }
   if (motors?.port > 0) {
     lines.push(['telnet', `telnet ${plainHost()} ${motors.port}`]);
   } else if (motors && namePort > 0) {
     lines.push(['telnet', `telnet ${plainHost()} ${namePort}`]);
-    lines.push(['then', `OPEN ${motors.name}`]);
+    lines.push(['then', `${SEAT ? `SEAT ${SEAT.name} PIN\n` : ''}OPEN ${motors.name}`]);
   }
   return lines;
 }
@@ -45,6 +46,7 @@ async function copy(button, line) {
 
 export function connectionLines(robot, modules, namePort) {
   const list = make('dl', {class: 'lines'});
+  if (SEAT) list.append(make('dt', {class: 'quiet'}, 'PIN: it stands on your sheet'));
   for (const [title, line] of linesFor(robot, modules, namePort)) {
     const code = make('code', {}, line);
     const button = make('button', {type: 'button', class: 'small'}, 'copy');
