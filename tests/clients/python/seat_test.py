@@ -9,18 +9,20 @@ import tempfile
 import unittest
 from unittest import mock
 
-from cases import FakeTestCase
+from cases import LIMIT_S, FakeTestCase
 import coopdyn
 
 
 class SeatTestCase(FakeTestCase):
     def take(self, daemon, **options):
-        return self.connect(daemon, seat="ana", pin="0912", **options)
+        return self.connect(daemon, seat="ana", pin="0912", timeout=LIMIT_S, **options)
 
-    def variable(self, **values):
-        patch = mock.patch.dict(os.environ, values)
+    def enter(self, patch):
         patch.start()
         self.addCleanup(patch.stop)
+
+    def variable(self, **values):
+        self.enter(mock.patch.dict(os.environ, values))
 
 
 class Seat(SeatTestCase):
@@ -80,8 +82,9 @@ class Seat(SeatTestCase):
 
     def test_a_seat_without_a_daemon_is_told_in_words(self):
         daemon = self.start(seat="ana:0912")
-        daemon.seat_ends = 10**6
-        self.assert_error(-1, lambda: self.take(daemon, timeout=0.3), "closed the connection of the seat ana without an answer",
+        daemon.seat_ends = 1
+        self.enter(mock.patch.object(coopdyn, "_SEAT_AGAIN_S", LIMIT_S))  # so it does not try again
+        self.assert_error(-1, lambda: self.take(daemon), "closed the connection of the seat ana without an answer",
                           "ask your teacher")
 
     def test_a_lost_daemon_starts_again_by_itself(self):
