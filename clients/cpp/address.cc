@@ -19,6 +19,8 @@
 #include <cstring>
 #include <memory>
 #include <sstream>
+#include <string_view>
+#include <thread>
 
 #include "clients/cpp/words.h"
 
@@ -27,6 +29,9 @@ namespace {
 
 constexpr double kYear_s = 3.2e7;
 constexpr std::size_t kMaxLine = 65536;  // of the name server
+constexpr double kSeatStart_s = 20;      // of a seat's daemon: when a class begins all of them start at once
+constexpr double kSeatAgain_s = 0.2;
+constexpr std::string_view kUnix = "unix:";
 
 std::string DefaultName() {
   const passwd* account = getpwuid(getuid());
@@ -55,6 +60,27 @@ int Connect(int fd, const addrinfo& to, Deadline deadline) {
   socklen_t size = sizeof(error);
   getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size);
   return error;
+}
+
+/// Connected and non-blocking; none: errno says why. `name` is a path, or in the abstract namespace after a
+/// zero.
+Socket ConnectUnix(const std::string& name) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (name.size() >= sizeof(address.sun_path)) {
+    errno = ENAMETOOLONG;
+    return Socket();
+  }
+  std::memcpy(address.sun_path, name.data(), name.size());
+  const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + name.size());
+  Socket socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  const bool connected = connect(socket.fd(), reinterpret_cast<const sockaddr*>(&address), length) == 0;
+  return connected ? std::move(socket) : Socket();
+}
+
+bool ConsistsOf(std::string_view text, std::string_view characters, std::size_t least, std::size_t most) {
+  return text.size() >= least && text.size() <= most &&
+         text.find_first_not_of(characters) == std::string_view::npos;
 }
 
 }  // namespace
@@ -96,12 +122,24 @@ bool WriteAll(int fd, const std::string& bytes) {
 }
 
 Address::Address(const std::string& server, const std::string& name, const std::string& token,
-                 double timeout_s)
+                 double timeout_s, const std::optional<std::string>& seat, const std::string& pin)
     : name_(name.empty() ? DefaultName() : name), token_(token), timeout_s_(timeout_s) {
+  TakeServer(server);
+  TakeSeat(seat, pin);
+  if (std::any_of(name_.begin(), name_.end(), [](unsigned char c) { return c <= ' '; }))
+    throw Error(3, "a client name has no spaces, not '" + name_ + "'; write e.g. \"ana\"");
+}
+
+void Address::TakeServer(const std::string& server) {
   std::string given = server;
   if (const char* variable = std::getenv("COOPDYN_SERVER"); given.empty() && variable != nullptr)
     given = variable;
   if (given.empty()) given = "127.0.0.1";
+  if (given.starts_with(std::string(kUnix) + "/")) {
+    host_ = given;
+    port_ = 0;
+    return;
+  }
   if (given.find("://") != std::string::npos)
     throw Error(4, given +
                        " is the address of the page; a program connects to the name server, whose HOST:PORT "
@@ -118,13 +156,35 @@ Address::Address(const std::string& server, const std::string& name, const std::
     port_ = PortOf(given.substr(given.find(':') + 1));
   }
   if (host_.empty() || port_ == 0)
-    throw Error(4, "cannot read the server '" + given +
-                       "'; write HOST, HOST:PORT, or a port of this machine, e.g. \"labserver:10100\"");
-  if (std::any_of(name_.begin(), name_.end(), [](unsigned char c) { return c <= ' '; }))
-    throw Error(3, "a client name has no spaces, not '" + name_ + "'; write e.g. \"ana\"");
+    throw Error(
+        4, "cannot read the server '" + given +
+               "'; write HOST, HOST:PORT, or a port of this machine, e.g. \"labserver:10100\"; for a unix "
+               "socket unix:/PATH");
+}
+
+void Address::TakeSeat(const std::optional<std::string>& seat, const std::string& pin) {
+  seat_ = seat.value_or("");
+  pin_ = pin;
+  if (const char* variable = std::getenv("COOPDYN_SEAT"); !seat && pin.empty() && variable != nullptr) {
+    std::istringstream given(variable);
+    std::getline(given, seat_, ':');
+    std::getline(given, pin_);
+  }
+  if (seat_.empty() && pin_.empty()) return;
+  const std::string how =
+      "; write connect(\"labserver\", {.seat = \"ana\", .pin = \"7305\"}) as on your sheet, or "
+      "COOPDYN_SEAT=ana:7305";
+  if (pin_.empty()) throw Error(3, "the seat " + seat_ + " needs its PIN" + how);
+  if (seat_.empty()) throw Error(3, "a PIN needs its seat" + how);
+  constexpr std::string_view kLower = "abcdefghijklmnopqrstuvwxyz0123456789_-";
+  if (!ConsistsOf(seat_, kLower, 1, 32) || seat_[0] == '_' || seat_[0] == '-')
+    throw Error(3, "the name of a seat has only a-z, 0-9, - and _, not '" + seat_ + "'" + how);
+  if (!ConsistsOf(pin_, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789", 4, 16))
+    throw Error(3, "a PIN has 4 to 16 letters or digits, not '" + pin_ + "'" + how);
 }
 
 std::string Address::text() const {
+  if (port_ == 0) return host_;
   return (host_.find(':') != std::string::npos ? "[" + host_ + "]" : host_) + ":" + std::to_string(port_);
 }
 
@@ -133,9 +193,30 @@ std::string Address::HelloText(bool drives, int number) const {
          (token_.empty() ? "" : " " + token_);
 }
 
+std::string Address::Authorization() const {
+  return seat_.empty() ? "" : "Bearer " + seat_ + ":" + pin_;
+}
+
+std::string Address::WhyLost() const {
+  if (seat_.empty()) return "is the daemon still running?";
+  return "the class starts the daemon of the seat " + seat_ + " again where it was: run your program again";
+}
+
 Socket Address::Dial(Deadline deadline) const {
   Socket local = DialLocal();
-  return local.fd() >= 0 ? std::move(local) : DialTcp(deadline);
+  return local.fd() >= 0 ? std::move(local) : DialPort(deadline);
+}
+
+Socket Address::DialPort(Deadline deadline) const {
+  return port_ == 0 ? DialUnix() : DialTcp(deadline);
+}
+
+Socket Address::DialUnix() const {
+  Socket socket = ConnectUnix(host_.substr(kUnix.size()));
+  if (socket.fd() >= 0) return socket;
+  const std::string why = std::strerror(errno);
+  throw Error(Error::kNoConnection,
+              "nothing can be reached at " + host_ + ": " + why + "; a daemon's port is HOST:PORT");
 }
 
 /// On the unix socket an exchange costs half of what it does by TCP.
@@ -143,14 +224,10 @@ Socket Address::DialLocal() const {
 #ifdef __linux__
   const char* const forced = std::getenv("COOPDYN_TCP");
   const bool by_tcp = forced != nullptr && *forced != '\0' && std::strcmp(forced, "0") != 0;
-  if ((host_ != "127.0.0.1" && host_ != "localhost" && host_ != "::1") || by_tcp) return Socket();
-  const std::string name = "coopdyn-" + std::to_string(port_);
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  std::memcpy(address.sun_path + 1, name.data(), name.size());  // after a zero: the abstract namespace
-  const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
-  Socket socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (connect(socket.fd(), reinterpret_cast<const sockaddr*>(&address), length) != 0) return Socket();
+  const bool here = host_ == "127.0.0.1" || host_ == "localhost" || host_ == "::1";
+  if (!here || by_tcp || !seat_.empty()) return Socket();
+  Socket socket = ConnectUnix(std::string(1, '\0') + "coopdyn-" + std::to_string(port_));
+  if (socket.fd() < 0) return Socket();
   // Anybody of this machine can take the name when no daemon has it: what listens must be of this user, or
   // root's.
   ucred who{};
@@ -223,10 +300,34 @@ Error Address::NotADaemon(const std::string& said) const {
                    "); name the server's port, which `coopdyn serve` prints: HOST:PORT");
 }
 
+Error Address::Refusal(const std::string& said) const {
+  // error 10 no such name /robot9/motors; did you mean /robot1/motors
+  std::istringstream words(said);
+  std::string word, why;
+  int code = 0;
+  if (words >> word >> code >> std::ws && word == "error" && std::getline(words, why))
+    return Error(code, why);
+  if (seat_.empty() || !said.empty()) return NotADaemon(said);
+  return Error(Error::kNoConnection, text() + " closed the connection of the seat " + seat_ +
+                                         " without an answer; ask your teacher whether the class runs there, "
+                                         "and this seat");
+}
+
+Deadline Address::Begin(const Socket& socket, const std::string& line, Deadline deadline) const {
+  WriteAll(socket.fd(), (seat_.empty() ? "" : "SEAT " + seat_ + " " + pin_ + " cpp\n") + line + "\n");
+  if (seat_.empty()) return deadline;
+  const std::string said = ReadLine(socket, deadline);
+  if (said.starts_with("***"))  // a name server's answer to a word that it does not know
+    throw Error(kNotPossible, text() + " is no class: leave seat and pin out" +
+                                  (std::getenv("COOPDYN_SEAT") != nullptr ? ", and COOPDYN_SEAT, too" : ""));
+  if (said != "ok") throw Refusal(said);
+  return std::max(deadline, After(kSeatStart_s));
+}
+
 std::vector<Module> Address::Modules() const {
-  const Deadline deadline = After(timeout_s_);
+  Deadline deadline = After(timeout_s_);
   const Socket socket = Dial(deadline);
-  WriteAll(socket.fd(), "NAME_SERVER list\n");
+  deadline = Begin(socket, "NAME_SERVER list", deadline);
   std::vector<Module> modules;
   while (true) {
     const std::string line = ReadLine(socket, deadline);
@@ -235,7 +336,7 @@ std::vector<Module> Address::Modules() const {
     std::string registration, word;
     Module module;
     words >> registration >> word >> module.name >> word >> module.host >> word >> module.port;
-    if (registration != "registration") throw NotADaemon(line);
+    if (registration != "registration") throw Refusal(line);
     if (module.name.starts_with("/")) modules.push_back(module);
   }
   if (modules.empty()) throw NotADaemon("a list without modules");
@@ -243,16 +344,14 @@ std::vector<Module> Address::Modules() const {
 }
 
 Socket Address::OpenModule(const std::string& module, Deadline deadline) const {
-  Socket socket = Dial(deadline);
-  WriteAll(socket.fd(), "OPEN " + module + "\n");
-  const std::string said = ReadLine(socket, deadline);
-  if (said == "ok") return socket;
-  // error 10 no such name /robot9/motors; did you mean /robot1/motors
-  std::istringstream words(said);
-  std::string word, why;
-  int code = 0;
-  if (words >> word >> code >> std::ws && word == "error" && std::getline(words, why)) throw Error(code, why);
-  throw NotADaemon(said);
+  while (true) {
+    Socket socket = Dial(deadline);
+    const std::string said = ReadLine(socket, Begin(socket, "OPEN " + module, deadline));
+    if (said == "ok") return socket;
+    const bool starts_again = !seat_.empty() && said.empty() && Until(deadline) > kSeatAgain_s;
+    if (!starts_again) throw Refusal(said);
+    std::this_thread::sleep_for(std::chrono::duration<double>(kSeatAgain_s));
+  }
 }
 
 }  // namespace coopdyn::client

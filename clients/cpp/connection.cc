@@ -56,7 +56,7 @@ void Connection::Open() {
   Close();
   socket_ = address_.OpenModule(module_, After(address_.timeout_s()));
   try {
-    if (!WriteAll(fd(), std::string(kBinaryMagic))) throw Closed("");
+    if (!WriteAll(fd(), std::string(kBinaryMagic))) throw Closed("", address_.WhyLost());
     Ask({.command = command::kHello,
          .text = address_.HelloText(drives_, team_number_),
          .timeout_s = address_.timeout_s()});
@@ -100,7 +100,7 @@ void Connection::Send(std::int32_t command, std::vector<std::int32_t> params, st
   while (TryRead()) {
   }  // throws what the daemon said before it closed, if anything
   Close();
-  throw Closed("");
+  throw Closed("", address_.WhyLost());
 }
 
 /// The first message of those that have come whole.
@@ -125,7 +125,7 @@ std::optional<Message> Connection::TryRead() {
       }
       if (message->command == command::kClosing) {
         Close();
-        throw Closed(message->text);
+        throw Closed(message->text, address_.WhyLost());
       }
       pushes.push_back(std::move(*message));
     }
@@ -137,7 +137,7 @@ std::optional<Message> Connection::TryRead() {
     }
     if (n < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return std::nullopt;
     Close();
-    throw Closed("");
+    throw Closed("", address_.WhyLost());
   }
 }
 

@@ -2,6 +2,7 @@
 // Drives the robots of a coopdyn daemon from C++; the same names and meaning as in Python and MATLAB.
 //
 //   auto sim = coopdyn::client::connect();        // this machine, or COOPDYN_SERVER; "labserver:10100"
+//   // in a class: connect("labserver", {.seat = "ana", .pin = "7305"}), or COOPDYN_SEAT=ana:7305
 //   auto r = sim.robot("robot1");
 //   r.set_velocity(0.2, 0.5);                     // m/s, rad/s; left is positive
 //   sim.step();                                   // waits for the next step of time
@@ -426,9 +427,14 @@ struct Options {
   std::string token = {};  // needed from other machines to change the world
   double timeout = 3;      // seconds until connecting gives up
   bool watch = false;      // never drives a robot, only looks on
+  /// Of a class (`coopdyn host`), with its PIN, as on your sheet. Neither: COOPDYN_SEAT=ana:7305; an empty
+  /// seat: none.
+  std::optional<std::string> seat = {};
+  std::string pin = {};
 };
 
-/// Connects to "HOST", "HOST:PORT" or "PORT" of this machine; empty: COOPDYN_SERVER, else this machine.
+/// Connects to "HOST", "HOST:PORT" or "PORT" of this machine, or "unix:/PATH", a unix socket; empty:
+/// COOPDYN_SERVER, else this machine.
 Simulation connect(const std::string& server = "", const Options& options = {});
 /// How a daemon of the program's own runs.
 struct LaunchOptions {
@@ -449,5 +455,6 @@ Simulation launch(const std::string& scenario = "classroom", const LaunchOptions
 /// Walks from the name of the server to a round trip; prints ok, or cause and cure, per line. True if all is
 /// ok.
 bool doctor(const std::string& server = "", const std::string& token = "");
+bool doctor(const std::string& server, const Options& options);
 
 }  // namespace coopdyn::client

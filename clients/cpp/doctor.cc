@@ -7,15 +7,19 @@
 
 namespace coopdyn::client {
 
-bool doctor(const std::string& server, const std::string& token) {
+bool doctor(const std::string& server, const Options& options) {
   try {
-    const Address address(server, "", token, 3);
+    const Address address(server, options.name, options.token, options.timeout, options.seat, options.pin);
     std::cout << "ok    server: " << address.text() << std::endl;
-    address.DialTcp(After(address.timeout_s()));
-    std::cout << "ok    port: " << address.port() << " is open" << std::endl;
-    std::cout << "ok    names: " << address.Modules().size() << " modules; this client needs port "
-              << address.port() << " only" << std::endl;
-    Simulation sim = connect(server, {.token = token});
+    address.DialPort(After(address.timeout_s()));
+    const std::string way = address.port() == 0 ? address.text() : std::to_string(address.port());
+    std::cout << "ok    port: " << way << " is open" << std::endl;
+    const std::size_t modules = address.Modules().size();
+    if (!address.seat().empty())
+      std::cout << "ok    seat: " << address.seat() << " is yours, by its PIN" << std::endl;
+    std::cout << "ok    names: " << modules << " modules; this client needs port " << way << " only"
+              << std::endl;
+    Simulation sim = connect(server, options);
     const Json status = sim.status();
     std::cout << "ok    versions: daemon " << status["version"].text() << ", protocol "
               << status["protocol"].number() << std::endl;
@@ -45,6 +49,10 @@ bool doctor(const std::string& server, const std::string& token) {
     std::cout << "FAIL  " << e.what() << std::endl;
     return false;
   }
+}
+
+bool doctor(const std::string& server, const std::string& token) {
+  return doctor(server, Options{.token = token});
 }
 
 }  // namespace coopdyn::client

@@ -38,9 +38,9 @@ class WorldReset : public Error {
 /// The daemon closed the connection; `notice` says why, if it said so.
 class Closed : public Error {
  public:
-  explicit Closed(const std::string& notice)
-      : Error(kNoConnection, "the daemon closed the connection" +
-                                 (notice.empty() ? "; is it still running?" : ": " + notice)),
+  Closed(const std::string& notice, const std::string& why_lost)
+      : Error(kNoConnection,
+              "the daemon closed the connection" + (notice.empty() ? "; " + why_lost : ": " + notice)),
         notice_(notice) {}
   const std::string& notice() const { return notice_; }
   /// A load has dropped the robot of the connection.

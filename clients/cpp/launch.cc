@@ -151,7 +151,7 @@ Simulation launch(const std::string& scenario, const LaunchOptions& options) {
   if (!options.record.empty()) add("--record", options.record);
   words.insert(words.end(), options.options.begin(), options.options.end());
   auto daemon = std::make_shared<LaunchedDaemon>(std::move(words), is_text ? scenario : "");
-  Simulation sim = connect(daemon->Server(options.timeout));
+  Simulation sim = connect(daemon->Server(options.timeout), {.seat = ""});
   sim.session_->set_daemon(std::move(daemon));
   return sim;
 }

@@ -68,6 +68,8 @@ struct PartFile {
 }  // namespace
 
 std::string UrlHere(const Address& daemon, const std::string& url) {
+  if (daemon.port() == 0)
+    return url.starts_with("http") ? url : "";  // a unix socket: the page is this machine's
   const std::size_t begin = url.find("://");
   if (begin == std::string::npos) return "";
   const std::size_t path = std::min(url.find('/', begin + 3), url.size());
@@ -83,10 +85,15 @@ void Download(const Address& daemon, const std::string& url, const std::string& 
   if (here.empty())
     throw Error(kNotPossible, "the daemon was started with --no-http, so there are no pictures and no files");
   here = here.substr(here.find("://") + 3);
-  const Address page(here.substr(0, here.find('/', here.rfind(':'))), "", "", daemon.timeout_s());
-  PageStream stream(page.Dial(After(daemon.timeout_s())), timeout_s);
-  WriteAll(stream.fd(),
-           "GET " + path + " HTTP/1.1\r\nHost: " + page.text() + "\r\nConnection: close\r\n\r\n");
+  const std::size_t slash = std::min(here.find('/'), here.size());
+  std::string prefix = here.substr(slash);  // of a seat: /s/ana/
+  if (prefix.ends_with('/')) prefix.pop_back();
+  const Address page(here.substr(0, slash), "", "", daemon.timeout_s(), "");
+  PageStream stream(page.DialPort(After(daemon.timeout_s())), timeout_s);
+  const std::string authorization = daemon.Authorization();
+  WriteAll(stream.fd(), "GET " + prefix + path + " HTTP/1.1\r\nHost: " + page.text() + "\r\n" +
+                            (authorization.empty() ? "" : "Authorization: " + authorization + "\r\n") +
+                            "Connection: close\r\n\r\n");
 
   error_code failed;
   const auto throw_if_silent = [&] {

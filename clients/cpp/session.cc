@@ -277,7 +277,7 @@ void Session::CountUnstepped(RobotLink& link) {
 void Session::Lose(const Closed& closed, const std::string& label, const std::string& take_again,
                    std::optional<Error>& lost) {
   if (closed.notice().empty())
-    throw Error(Error::kNoConnection, "the connection to " + label + " broke; is the daemon still running?");
+    throw Error(Error::kNoConnection, "the connection to " + label + " broke; " + address_.WhyLost());
   if (closed.by_load()) throw NewWorld(kLoad);
   // Opening it again would take the robot back from whoever got it.
   lost.emplace(kOwned, label + " is not driven by this sim any more: " + closed.notice() + "; " + take_again +

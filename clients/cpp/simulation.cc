@@ -263,8 +263,9 @@ void Simulation::close() {
 }
 
 Simulation connect(const std::string& server, const Options& options) {
-  auto session =
-      std::make_shared<Session>(Address(server, options.name, options.token, options.timeout), options.watch);
+  auto session = std::make_shared<Session>(
+      Address(server, options.name, options.token, options.timeout, options.seat, options.pin),
+      options.watch);
   const Json status = session->Status();
   if (const std::int64_t spoken = Whole(status["protocol"].number()); spoken != kProtocolVersion)
     throw Error(5, "the daemon at " + session->address().text() + " (version " + status["version"].text() +

@@ -3,6 +3,7 @@
 
     import coopdyn
     sim = coopdyn.connect()                  # this machine, or COOPDYN_SERVER; "labserver", "labserver:10100"
+    # in a class: coopdyn.connect("labserver", seat="ana", pin="7305"), or COOPDYN_SEAT=ana:7305
     r = sim.robot("robot1")
     r.set_velocity(0.2, 0.5)                 # m/s, rad/s; left is positive
     sim.step()                               # waits for the next step of time
@@ -37,6 +38,7 @@ import math
 import operator
 import os
 import queue
+import re
 import select
 import shutil
 import socket
@@ -90,6 +92,8 @@ _LAST = {"motors": _STOP, "joints": _HOLD}  # what actuators are told when a sim
 _GET_NEIGHBOURS, _SEND_MESSAGE, _GET_MESSAGES = 200, 201, 202
 
 _CLOSE_S = 0.2
+_SEAT_AGAIN_S = 0.2
+_SEAT_START_S = 20.0  # for the daemon of a seat: at the beginning of a class all of them start at once
 _REQUEST_TIMEOUT_S = 10.0  # for what is answered at once
 _LOAD_TIMEOUT_S = 60.0  # for what builds a world, closes a file, repeats a part of a run
 _END_TIMEOUT_S = 10.0  # of a daemon that was launched
@@ -867,13 +871,16 @@ def _nearest(name: str, known: Sequence[str]) -> str:
 
 
 def _parse_server(server: Union[str, int, None]) -> Tuple[str, int]:
-    forms = 'write HOST, HOST:PORT, or a port of this machine, e.g. "labserver:10100"'
+    """Host and port; of a unix socket "unix:/PATH" and 0."""
+    forms = 'write HOST, HOST:PORT, or a port of this machine, e.g. "labserver:10100"; for a unix socket unix:/PATH'
     is_port = not isinstance(server, (str, type(None)))
     try:
         given = str(operator.index(server)) if is_port else server or os.environ.get("COOPDYN_SERVER") or "127.0.0.1"
     except TypeError:
         raise Error(4, f"cannot read the server {server!r}; {forms}") from None
     host, port = given.strip(), str(DEFAULT_PORT)
+    if host.startswith("unix:/"):
+        return host, 0
     if "://" in host:
         raise Error(4, f"{host} is the address of the page; a program connects to the name server, whose HOST:PORT "
                        '`coopdyn serve` prints: write e.g. connect("127.0.0.1:10000")')
@@ -887,6 +894,24 @@ def _parse_server(server: Union[str, int, None]) -> Tuple[str, int]:
     if not host or not port.isdigit() or not 0 < int(port) < 65536:
         raise Error(4, f"cannot read the server {given!r}; {forms}")
     return host, int(port)
+
+
+def _seat_and_pin(seat: Optional[str], pin: Optional[str]) -> Tuple[str, str]:
+    """A seat of a class and its PIN: as given, else from COOPDYN_SEAT; both "": none."""
+    if seat is None and pin is None:
+        seat, _, pin = os.environ.get("COOPDYN_SEAT", "").strip().partition(":")
+    how = '; write connect(seat="ana", pin="7305") as on your sheet, or COOPDYN_SEAT=ana:7305'
+    if isinstance(pin, int):
+        raise Error(3, f'a PIN is a text, since a number loses the zeros at its beginning: write pin="{pin:04d}"')
+    if not seat and not pin:
+        return "", ""
+    if not seat or not pin:
+        raise Error(3, (f"the seat {seat} needs its PIN" if seat else "a PIN needs its seat") + how)
+    if not isinstance(seat, str) or not re.fullmatch("[a-z0-9][a-z0-9_-]{0,31}", seat):
+        raise Error(3, f"the name of a seat has only a-z, 0-9, - and _, not {seat!r}{how}")
+    if not isinstance(pin, str) or not re.fullmatch("[A-Za-z0-9]{4,16}", pin):
+        raise Error(3, f"a PIN has 4 to 16 letters or digits, not {pin!r}{how}")
+    return seat, pin
 
 
 def _default_name() -> str:
@@ -983,9 +1008,11 @@ class _Address:
     """Where the daemon is and who we are: what every connection needs."""
 
     def __init__(
-        self, server: Union[str, int, None], name: Optional[str], token: Optional[str], timeout: float
+        self, server: Union[str, int, None], name: Optional[str], token: Optional[str], timeout: float,
+        seat: Optional[str] = None, pin: Optional[str] = None,
     ) -> None:
         self.host, self.port = _parse_server(server)
+        self.seat, self.pin = _seat_and_pin(seat, pin)
         if type(name) is int:
             self.port = name
             raise Error(3, f'a client name is a text, not {name}; a port is part of the server: write connect("{self}")')
@@ -997,6 +1024,8 @@ class _Address:
         self.ended = ""  # why the run and its daemon have ended, once the daemon has said it
 
     def __str__(self) -> str:
+        if self.port == 0:
+            return self.host
         return f"{'[' + self.host + ']' if ':' in self.host else self.host}:{self.port}"
 
     def hello_text(self, drives: bool, number: int = 1) -> str:
@@ -1005,13 +1034,41 @@ class _Address:
         suffix = ":reader" if not drives else "" if number == 1 else f":{number}"
         return f"{self.name}{suffix} {self.token}".rstrip()
 
+    def page_headers(self) -> Dict[str, str]:
+        """Of requests to the page."""
+        return {"Authorization": f"Bearer {self.seat}:{self.pin}"} if self.seat else {}
+
+    def why_lost(self) -> str:
+        """What is said of a daemon that closed a connection without a word."""
+        if self.seat:
+            return f"the class starts the daemon of the seat {self.seat} again where it was: run your program again"
+        return "is the daemon still running?"
+
     def dial(self, deadline: float) -> socket.socket:
         """A connected socket to the daemon: by its unix socket if it is on this machine and has one (and COOPDYN_TCP is
-        not set), else by its port. Error -1 or 11 with cause and cure."""
-        sock = _dial_local(self.host, self.port)
+        not set), else by its port. Error -1 or 11 with cause and cure. A class has a port only: on a socket of that
+        name another daemon would answer."""
+        sock = None if self.seat else _dial_local(self.host, self.port)
         if sock is None:
-            return self.dial_tcp(deadline)
+            return self.dial_port(deadline)
         sock.settimeout(max(0.01, deadline - _clock.monotonic()))
+        return sock
+
+    def dial_port(self, deadline: float) -> socket.socket:
+        """dial() as the server's address says: by the port, or the unix socket at a path."""
+        return self.dial_tcp(deadline) if self.port else self.dial_unix(deadline)
+
+    def dial_unix(self, deadline: float) -> socket.socket:
+        """dial() by the unix socket at the path."""
+        if not hasattr(socket, "AF_UNIX"):
+            raise Error(-1, f"this system has no unix sockets for Python: write HOST:PORT instead of {self}")
+        sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        sock.settimeout(max(0.01, deadline - _clock.monotonic()))
+        try:
+            sock.connect(self.host[len("unix:"):])
+        except OSError as e:
+            sock.close()
+            raise Error(-1, f"nothing can be reached at {self}: {e.strerror or e}; a daemon's port is HOST:PORT") from None
         return sock
 
     def dial_tcp(self, deadline: float) -> socket.socket:
@@ -1038,12 +1095,37 @@ class _Address:
         return Error(-1, f"what listens at {self} is not a coopdyn daemon ({heard}); name the server's port, which "
                          "`coopdyn serve` prints: HOST:PORT")
 
+    def refusal(self, said: str) -> Error:
+        """The error in the line that was said instead of what was asked for."""
+        words = said.split(" ", 2)  # error 10 no such name /robot9/motors; did you mean /robot1/motors
+        if len(words) == 3 and words[0] == "error" and words[1].isdigit():
+            return Error(int(words[1]), words[2])
+        if self.seat and not said:
+            return Error(-1, f"{self} closed the connection of the seat {self.seat} without an answer; ask your teacher whether "
+                             "the class runs there, and this seat")
+        return self.not_a_daemon(said)
+
+    def begin(self, sock: socket.socket, line: str, deadline: float) -> float:
+        """Sends the first line of a connection; in a class one before it says whose seat this is. Returns the deadline
+        of the answer: the daemon of a seat may have to start first."""
+        entry = f"SEAT {self.seat} {self.pin} python\n" if self.seat else ""
+        with contextlib.suppress(OSError):  # what it said before it closed is read
+            sock.sendall(f"{entry}{line}\n".encode())
+        if not entry:
+            return deadline
+        said = self._line(sock, deadline)
+        if said.startswith("***"):  # a name server's answer to a word that it does not know
+            raise Error(5, f"{self} is no class: leave seat and pin out" +
+                        (", and COOPDYN_SEAT, too" if os.environ.get("COOPDYN_SEAT") else ""))
+        if said != "ok":
+            raise self.refusal(said)
+        return max(deadline, _clock.monotonic() + _SEAT_START_S)
+
     def ask_names(self, command: str) -> List[str]:
         """The lines that the name server answers, without the last."""
         deadline = _clock.monotonic() + self.timeout
         with self.dial(deadline) as sock:
-            with contextlib.suppress(OSError):  # what it said before it closed
-                sock.sendall(f"NAME_SERVER {command}\n".encode())
+            deadline = self.begin(sock, f"NAME_SERVER {command}", deadline)
             received = b""
             while b"*** end of message" not in received:
                 more = self._receive(sock, deadline)
@@ -1051,7 +1133,7 @@ class _Address:
                 first = received.split(b"\n")[0]
                 known = first.startswith((b"registration ", b"***"))
                 if not more or (b"\n" in received and not known):
-                    raise self.not_a_daemon(first.decode("utf-8", "replace").strip())
+                    raise self.refusal(first.decode("utf-8", "replace").strip())
         lines = received.decode("utf-8", "replace").splitlines()
         return [line for line in lines if not line.startswith("***")]
 
@@ -1075,23 +1157,26 @@ class _Address:
         except OSError:
             return b""
 
+    def _line(self, sock: socket.socket, deadline: float) -> str:
+        line = b""
+        while not line.endswith(b"\n"):
+            byte = self._receive(sock, deadline, 1)
+            if not byte:
+                break
+            line += byte
+        return line.decode("utf-8", "replace").strip()
+
     def open_module(self, module: str, deadline: float) -> socket.socket:
         """A socket that talks binary to `module`. Error 10 if the daemon has no such name."""
         sock = self.dial(deadline)
         try:
-            sock.sendall(f"OPEN {module}\n".encode())
-            line = b""
-            while not line.endswith(b"\n"):
-                byte = self._receive(sock, deadline, 1)
-                if not byte:
-                    break
-                line += byte
-            said = line.decode("utf-8", "replace").strip()
+            said = self._line(sock, self.begin(sock, f"OPEN {module}", deadline))
+            if self.seat and not said and _clock.monotonic() + _SEAT_AGAIN_S < deadline:  # it has just ended and starts again
+                sock.close()
+                _clock.sleep(_SEAT_AGAIN_S)
+                return self.open_module(module, deadline)
             if said != "ok":
-                words = said.split(" ", 2)  # error 10 no such name /robot9/motors; did you mean /robot1/motors
-                if len(words) == 3 and words[0] == "error" and words[1].isdigit():
-                    raise Error(int(words[1]), words[2])
-                raise self.not_a_daemon(said)
+                raise self.refusal(said)
             sock.sendall(_MAGIC)
             sock.setblocking(False)
             return sock
@@ -1164,7 +1249,7 @@ class _Connection:
                 if message.command < 0 and message.error == 0:
                     if message.command == -1:
                         self.close()
-                        raise _Closed(message.text)
+                        raise _Closed(message.text, self.address)
                     self.pushes.append(message)
                     continue
                 self.busy = False
@@ -1177,7 +1262,7 @@ class _Connection:
                 more = b""
             if not more:
                 self.close()
-                raise _Closed("")
+                raise _Closed("", self.address)
             self.buffer += more
 
     def _raise_lost(self) -> None:
@@ -1187,7 +1272,7 @@ class _Connection:
         while self.try_read() is not None:
             pass
         self.close()
-        raise _Closed("")
+        raise _Closed("", self.address)
 
     def __del__(self) -> None:
         if self.sock is not None:
@@ -1241,10 +1326,9 @@ class _Connection:
 class _Closed(Error):
     """The daemon closed the connection; `notice` says why, if it said so."""
 
-    def __init__(self, notice: str) -> None:
+    def __init__(self, notice: str, address: _Address) -> None:
         self.notice = notice
-        super().__init__(-1, f"the daemon closed the connection: {notice}" if notice else
-                         "the daemon closed the connection; is it still running?")
+        super().__init__(-1, "the daemon closed the connection" + (f": {notice}" if notice else f"; {address.why_lost()}"))
 
 
 def _checked(reply: Message, who: str = "") -> Message:
@@ -2326,7 +2410,7 @@ class _Session:
         except Error as e:
             if e.code != -1:
                 raise
-            raise self.lose(link, _Closed("")) from None  # the daemon has ended meanwhile
+            raise self.lose(link, _Closed("", self.address)) from None  # the daemon has ended meanwhile
         if waits_for_step:
             link.kept = link.kept or link.sent
             self.open_motors(link)
@@ -2360,7 +2444,7 @@ class _Session:
         again automatically: that would take the robot back from its new driver."""
         link.forget_commands()
         if not closed.notice:
-            return Error(-1, f"the connection to {link.label} broke; is the daemon still running?")
+            return Error(-1, f"the connection to {link.label} broke; {self.address.why_lost()}")
         if closed.notice.endswith(_NOT_IN_SCENARIO):
             return self.world_reset("load")
         if closed.notice.startswith(_ENDED):
@@ -4183,7 +4267,7 @@ class Simulation:
         kind = ".mat" if file.lower().endswith(".mat") else ".run"
         url = f"{_page(self._session.address, self.status())}/runs/{urllib.parse.quote(name + kind)}"
         try:
-            _download(url, file)
+            _download(self._session.address, url, file)
         except Error as e:
             if e.code != 10:
                 raise
@@ -4289,7 +4373,7 @@ class Simulation:
                 if not hasattr(point, "__len__") or len(point) != 3:
                     raise Error(3, f"{word} is a point: write ({word}_x, {word}_y, {word}_z)")
                 url += f"&{word}=" + ",".join(repr(_number(c, word)) for c in point)
-        _download(url, file, "picture", 30)
+        _download(self._session.address, url, file, "picture", 30)
         return file
 
     @_usage('sim.describe("/robot1/motors")')
@@ -4327,6 +4411,8 @@ def _page(address: _Address, status: Dict[str, Any]) -> str:
 
 def _here(address: _Address, url: str) -> str:
     """The same URL with the host that reaches the daemon from here."""
+    if address.port == 0:  # a unix socket: the page is this machine's
+        return url
     there, slash, path = url.split("://", 1)[1].partition("/")
     host = f"[{address.host}]" if ":" in address.host else address.host
     return f"http://{host}:{there.rsplit(':', 1)[-1]}{slash}{path}"
@@ -4346,7 +4432,7 @@ def _run_name(text: Any) -> str:
     return text
 
 
-def _download(url: str, file: str, what: str = "recording", timeout: float = _EXPORT_TIMEOUT_S) -> None:
+def _download(address: _Address, url: str, file: str, what: str = "recording", timeout: float = _EXPORT_TIMEOUT_S) -> None:
     """Copies what is at `url` to `file`, whole or not at all."""
     import http.client
     import tempfile
@@ -4355,8 +4441,9 @@ def _download(url: str, file: str, what: str = "recording", timeout: float = _EX
 
     def pieces() -> Iterator[bytes]:
         got = 0
+        request = urllib.request.Request(url, headers=address.page_headers())
         try:
-            with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(url, timeout=timeout) as reply:
+            with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(request, timeout=timeout) as reply:
                 length = reply.headers.get("Content-Length")
                 for piece in iter(lambda: reply.read(1 << 20), b""):
                     got += len(piece)
@@ -4462,16 +4549,17 @@ def _await_one(session: _Session, connection: _Connection, timeout: Optional[flo
 @_usage('coopdyn.connect(), coopdyn.connect("labserver") or coopdyn.connect("labserver:10100", watch=True)')
 def connect(
     server: Union[str, int, None] = None, name: Optional[str] = None, token: Optional[str] = None, timeout: float = 3,
-    watch: bool = False,
+    watch: bool = False, seat: Optional[str] = None, pin: Optional[str] = None,
 ) -> Simulation:
-    """Connects to a daemon: "labserver", "labserver:10100", or 10100, a port of this machine; without, COOPDYN_SERVER or this
-    machine.
+    """Connects to a daemon: "labserver", "labserver:10100", or 10100, a port of this machine; "unix:/PATH", a unix socket;
+    without, COOPDYN_SERVER or this machine.
 
     `name`: who drives (default user@host:pid, no spaces); a new connection of the same name takes a robot over.
     `token`: what the daemon printed, needed from other machines to change the world. `timeout`: seconds until
-    connecting gives up. `watch`: never drives a robot, only looks on.
+    connecting gives up. `watch`: never drives a robot, only looks on. `seat` and `pin`: of a class (`coopdyn host`), as on
+    your sheet; without, COOPDYN_SEAT=ana:7305; seat="": none.
     """
-    session = _Session(_Address(server, name, token, _number(timeout, "timeout [s]")), watch)
+    session = _Session(_Address(server, name, token, _number(timeout, "timeout [s]"), seat, pin), watch)
     try:
         status = json.loads(session.control(_GET_STATUS, timeout=session.address.timeout).text)
         if status.get("protocol", PROTOCOL) != PROTOCOL:
@@ -4581,7 +4669,7 @@ def launch(
             words += [flag, str(value)]
     daemon = _Daemon(_program(program), [*words, *options], scenario if is_text else None)
     try:
-        sim = connect(daemon.server(_number(timeout, "timeout [s]")))
+        sim = connect(daemon.server(_number(timeout, "timeout [s]")), seat="")
     except BaseException:
         daemon.end()
         raise
@@ -5090,30 +5178,38 @@ def read_run(file: Union[str, "os.PathLike[str]"]) -> Run:
 
 
 @_usage('coopdyn.doctor() or coopdyn.doctor("labserver:10100")')
-def doctor(server: Union[str, int, None] = None, token: Optional[str] = None) -> bool:
-    """Walks from the name of the server to a round trip; prints `ok`, or cause and cure, per line. True if all is ok."""
+def doctor(
+    server: Union[str, int, None] = None, token: Optional[str] = None, seat: Optional[str] = None, pin: Optional[str] = None
+) -> bool:
+    """Walks from the name of the server to a round trip; prints `ok`, or cause and cure, per line. True if all is ok.
+    `server`, `token`, `seat` and `pin` as in connect()."""
 
     def say(ok: bool, text: str) -> bool:
         print(f"{'ok   ' if ok else 'FAIL '} {text}", flush=True)
         return ok
 
     try:
-        address = _Address(server, None, token, 3.0)
+        address = _Address(server, None, token, 3.0, seat, pin)
     except Error as e:
         return say(False, e.text)
     say(True, f"server: {address} (Python {sys.version.split()[0]}, coopdyn.py {__version__})")
     try:
-        found = socket.getaddrinfo(address.host, address.port, type=socket.SOCK_STREAM)
-        say(True, f"name lookup: {address.host} is {_list_of(sorted({str(f[4][0]) for f in found}))}")
+        if address.port:
+            found = socket.getaddrinfo(address.host, address.port, type=socket.SOCK_STREAM)
+            say(True, f"name lookup: {address.host} is {_list_of(sorted({str(f[4][0]) for f in found}))}")
     except socket.gaierror:
         return say(False, f"name lookup: no machine is called {address.host!r}; write its address")
+    way = str(address.port or address)
     try:
-        address.dial_tcp(_clock.monotonic() + address.timeout).close()
-        say(True, f"port: {address.port} is open")
+        address.dial_port(_clock.monotonic() + address.timeout).close()
+        say(True, f"port: {way} is open")
         modules = address.modules()
-        say(True, f"names: {len(modules)} modules on ports {min((m.port for m in modules), default=0)} to "
-                  f"{max((m.port for m in modules), default=0)}; this client needs {address.port} only")
-        sim = connect(server, token=token)
+        if address.seat:
+            say(True, f"seat: {address.seat} is yours, by its PIN")
+        ports = [m.port for m in modules if m.port]
+        on = f" on ports {min(ports)} to {max(ports)}" if ports else ""
+        say(True, f"names: {len(modules)} modules{on}; this client needs {way} only")
+        sim = connect(server, token=token, seat=seat, pin=pin)
     except Error as e:
         return say(False, e.text)
     with sim:
@@ -5144,7 +5240,8 @@ def _hello(server: Optional[str]) -> None:
 
 
 def _main(arguments: Sequence[str]) -> int:
-    usage = "write: python3 coopdyn.py doctor [HOST[:PORT]]   or   python3 coopdyn.py hello [HOST[:PORT]]"
+    usage = ("write: python3 coopdyn.py doctor [HOST[:PORT]]   or   python3 coopdyn.py hello [HOST[:PORT]]; in a class "
+             "COOPDYN_SEAT=ana:7305 before it")
     if arguments and arguments[0] in ("-h", "--help", "help"):
         print(usage)
         return 0

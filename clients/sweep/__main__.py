@@ -1,40 +1,21 @@
 # SPDX-License-Identifier: MIT
 """coopdyn sweep: many runs of a scenario with different values, controllers and seeds. Started by the program coopdyn."""
-import argparse
-import concurrent.futures
 import contextlib
 import io
-import json
 import os
-import signal
 import subprocess
 import sys
-import threading
-import time
 
 import engines
 import evolve
 import plan
 import report
 import rerun
+from common import Bar, Parser, catch_signals, look, positive
 from plan import Wrong
 from results import Results
 
 kShownRuns = 20
-kGrace_s = 20
-
-
-def positive(text):
-    value = float(text)
-    if not 0 < value < float("inf"):
-        raise ValueError
-    return value
-
-
-class Parser(argparse.ArgumentParser):
-    def error(self, message):
-        print(f"{self.prog}: {message} ({self.prog} --help shows how to write it)", file=sys.stderr)
-        sys.exit(2)
 
 
 def read_options(words):
@@ -91,43 +72,6 @@ def show_plan(jobs, done):
     return missing
 
 
-class Bar:
-    """Shows the progress of a sweep: continuously on a terminal, else after each tenth of the runs."""
-
-    def __init__(self, count):
-        self._count, self._done, self._failed, self._began, self._told = count, 0, 0, time.monotonic(), 0
-
-    def add(self, failed):
-        self._done += 1
-        self._failed += failed
-        spent_s = time.monotonic() - self._began
-        left_s = spent_s / self._done * (self._count - self._done)
-        text = f"{self._done}/{self._count}" + (f", {self._failed} with errors" if self._failed else "") + f", {left_s:.0f} s left"
-        if sys.stderr.isatty():
-            width = 30 * self._done // self._count
-            print(f"\r\033[K[{'#' * width:<30}] {text}", end="\n" if self._done == self._count else "", file=sys.stderr, flush=True)
-        elif 10 * self._done // self._count > self._told:
-            self._told = 10 * self._done // self._count
-            print(text, file=sys.stderr, flush=True)
-
-
-def check_one(words):
-    """Runs a `coopdyn check --digests`. Returns the digests and the lines of its warnings. Raises Wrong on an error."""
-    done = subprocess.run(words, capture_output=True, text=True, check=False)
-    if done.returncode == 0:
-        return json.loads(done.stdout), done.stderr.splitlines()
-    raise Wrong(done.stderr.strip() or done.stdout.strip() or f"coopdyn check ended with exit code {done.returncode}")
-
-
-def look(commands, processes=1):
-    """Returns the digests of each command; prints each warning once."""
-    with concurrent.futures.ThreadPoolExecutor(processes) as pool:
-        found = list(pool.map(check_one, commands))
-    for line in dict.fromkeys(line for _, lines in found for line in lines):
-        print(line, file=sys.stderr)
-    return [digests for digests, _ in found]
-
-
 def show_conflicts(results):
     for key in results.conflicts:
         print(f"{key}: two results of this run have different hashes, though files, build and libraries are the same: a client or a controller "
@@ -154,7 +98,7 @@ def sweep(given, jobs):
     results = Results(given.out)
     show_older(results)
     if given.again_failed:
-        results.forget_failed()
+        results.forget(lambda one: one["error"])
     missing = show_plan(jobs, results.done)
     if given.dry_run:
         return 0
@@ -243,15 +187,6 @@ def main():
         return 130
 
 
-def stop(*_):
-    """Signal handler: ends the sweep in order, or by force if that takes too long. Daemons end with this process."""
-    force = threading.Timer(kGrace_s, os._exit, [130])
-    force.daemon = True
-    force.start()
-    raise KeyboardInterrupt
-
-
 if __name__ == "__main__":
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, stop)
+    catch_signals()
     sys.exit(main())

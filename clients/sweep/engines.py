@@ -24,8 +24,8 @@ def lost_too_often(job, why):
     return dict(run.empty_result(job), ended="lost", error=f"lost {kTries} times: {why}")
 
 
-def local(jobs, processes):
-    """Processes on this machine, `processes` at a time."""
+def local(jobs, processes, carry_out=run.run_one):
+    """Processes on this machine, `processes` at a time. `carry_out(job, started)` does a job."""
     started = run.Started()
     # An exception from a signal handler could leave a lock of the pool locked. Killed runs end the wait below instead.
     handlers = {number: signal.signal(number, lambda *_: started.kill()) for number in (signal.SIGINT, signal.SIGTERM)}
@@ -37,7 +37,9 @@ def local(jobs, processes):
             while waiting or running:
                 while waiting and len(running) < processes and not started.killed:
                     job = waiting.pop()
-                    running[pool.submit(run.run_one, job, started)] = job
+                    running[pool.submit(carry_out, job, started)] = job
+                if started.killed and not running:  # all of them had just ended
+                    raise KeyboardInterrupt
                 # With a timeout: a signal just before the wait does not end it.
                 done, _ = concurrent.futures.wait(running, kPoll_s, concurrent.futures.FIRST_COMPLETED)
                 for future in done:

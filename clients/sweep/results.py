@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The results of a sweep on disk: OUT/results.jsonl, a line of JSON for each run, written once. One process writes."""
+"""The results of a sweep, or of a grading, on disk: OUT/results.jsonl, a line of JSON for each run, written once. One process writes."""
 import contextlib
 import csv
 import fcntl
@@ -52,7 +52,7 @@ class Results:
     `done`: the results by key. `older`: lines without all inputs of their runs. `conflicts`: keys with two results of
     different hashes."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, what="sweep"):
         try:
             os.makedirs(folder, exist_ok=True)
         except OSError as error:
@@ -65,7 +65,7 @@ class Results:
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
-            raise Wrong(f"another sweep writes to {folder}: wait for it, or write another --out") from None
+            raise Wrong(f"another {what} writes to {folder}: wait for it, or write another --out") from None
         self._file = opened(os.path.join(folder, "results.jsonl"), os.O_RDWR | os.O_CREAT)
         self._end = self._read()
         os.ftruncate(self._file, self._end)
@@ -111,9 +111,11 @@ class Results:
                                                      newline="", encoding="utf-8") as stream:
             stream.write(table([[result["key"], *took]]))
 
-    def forget_failed(self):
-        """Removes the results with errors from the file, so that their runs are repeated."""
-        kept = [one for one in self.done.values() if not one["error"]]
+    def forget(self, unwanted):
+        """Removes the results for which `unwanted(result)` holds from the file, so that their runs are repeated."""
+        kept = [one for one in self.done.values() if not unwanted(one)]
+        if len(kept) == len(self.done):
+            return
         put(os.path.join(self.folder, "results.jsonl"), "".join(line_of(one) for one in self.older + kept))
         os.close(self._file)
         self._file = opened(os.path.join(self.folder, "results.jsonl"), os.O_RDWR)

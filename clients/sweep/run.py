@@ -82,7 +82,7 @@ def run_one(job, started=None):
         text, client_text = _content(said), _content(heard)
     if code != 0 and os.strerror(errno.ENOSPC) in text:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-    changed = _take_summary(told, result) + _changed_files(job)
+    changed = take_summary(told, result) + _changed_files(job)
     result["exit"] = code
     if ended and ended[0] == "client failed" and result["ended"] in _ENDED_AS_MEANT:
         ended = None  # the client failed after the end of the run, while the daemon was closing its files
@@ -92,7 +92,7 @@ def run_one(job, started=None):
         if ended[0] == "client failed" and client_text:
             result["error"] += ": " + client_text.splitlines()[-1].strip()
     elif code != 0:
-        result["error"] = _last_words(text) or f"coopdyn ended with exit code {code}"
+        result["error"] = last_words(text) or f"coopdyn ended with exit code {code}"
         if inputs["memory_limit_mib"]:
             result["error"] += f" (--memory-limit gives it {inputs['memory_limit_mib']} MiB)"
     if changed and not result["error"]:
@@ -102,8 +102,13 @@ def run_one(job, started=None):
             os.replace(recording, os.path.join(job["recordings"], job["key"] + ".run"))
         else:
             os.remove(recording)
-    return dict(result, wall_s=round(time.monotonic() - began, 6), host=socket.gethostname(),
-                started=time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(started_at)))
+    return dict(result, **where_and_when(began, started_at))
+
+
+def where_and_when(began, started_at):
+    """What of a run is no part of its result: it differs each time."""
+    return {"wall_s": round(time.monotonic() - began, 6), "host": socket.gethostname(),
+            "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(started_at))}
 
 
 def empty_result(job):
@@ -166,7 +171,7 @@ def _start_client(daemon, job, heard, started):
         if words[:1] == ["ready"]:
             server = words[1].partition("=")[2]
             command = [word.replace("{server}", server).replace("{seed}", str(job["inputs"]["seed"])) for word in shlex.split(job["inputs"]["client"])]
-            environment = dict(os.environ, COOPDYN_SERVER=server)
+            environment = dict(os.environ, COOPDYN_SERVER=server, COOPDYN_SEAT="")
             try:
                 return started.start(command, env=environment, stdout=heard, stderr=heard), None
             except OSError as error:
@@ -202,7 +207,7 @@ def _wait_for_client(daemon, client, limit):
     return None
 
 
-def _take_summary(told, result):
+def take_summary(told, result):
     """Copies the summary, the JSON in the daemon's output, to `result`; a killed daemon has none. Returns the names of digests
     that differ from the planned ones."""
     try:
@@ -230,7 +235,7 @@ def _changed_files(job):
     return changed
 
 
-def _last_words(text):
+def last_words(text):
     lines = [line for line in text.splitlines() if "error" in line] or text.splitlines()[-1:]
     return "\n".join(lines[:20])
 

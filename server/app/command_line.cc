@@ -143,8 +143,9 @@ int RunBench(std::vector<std::string> words) {
   return kExitErrors;
 }
 
-/// Sweeps are in Python, to use Dask: clients/sweep.
-int RunSweep(std::vector<std::string> words) {
+/// Replaces this program by the Python program clients/NAME: sweeps use Dask, grading starts what students
+/// wrote.
+int RunPython(const std::string& name, std::vector<std::string> words) {
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe");
   const char* named = std::getenv("COOPDYN_PYTHON");
   // Debian's own Python has Debian's Dask and matplotlib.
@@ -152,15 +153,24 @@ int RunSweep(std::vector<std::string> words) {
                              : std::filesystem::exists("/usr/bin/python3") ? "/usr/bin/python3"
                                                                            : "python3";
   for (const std::filesystem::path& folder : DataPath({}).folders) {
-    const std::filesystem::path sweep = folder / "clients" / "sweep";
-    if (!std::filesystem::is_directory(sweep)) continue;
-    words.insert(words.begin(), {python, sweep, program, folder});
+    const std::filesystem::path package = folder / "clients" / name;
+    if (!std::filesystem::is_directory(package)) continue;
+    words.insert(words.begin(), {python, package, program, folder});
     HandOver(words);
-    PrintError("coopdyn: coopdyn sweep needs Python 3: {} cannot be started\n", python);
+    PrintError("coopdyn: coopdyn {} needs Python 3: {} cannot be started\n", name, python);
     return kExitErrors;
   }
-  PrintError("coopdyn: coopdyn sweep needs the folder clients/sweep of the sources or of the installation\n");
+  PrintError("coopdyn: coopdyn {0} needs the folder clients/{0} of the sources or of the installation\n",
+             name);
   return kExitErrors;
+}
+
+int RunSweep(std::vector<std::string> words) {
+  return RunPython("sweep", std::move(words));
+}
+
+int RunGrade(std::vector<std::string> words) {
+  return RunPython("grade", std::move(words));
 }
 
 /// Runs `serve` with the options of YARS.
@@ -225,6 +235,7 @@ int RunCommandLine(int argc, const char* const* argv) {
   AddHandedOver(app, "bench", "Measure the speed of this machine and build", RunBench, chosen);
   AddHandedOver(app, "yars", "Run an experiment of YARS, with the options of YARS", RunYars, chosen);
   AddHandedOver(app, "sweep", "Run a scenario with many values, controllers and seeds", RunSweep, chosen);
+  AddHandedOver(app, "grade", "Grade what students hand in, by a scenario's scores", RunGrade, chosen);
   try {
     CheckCommand(app, arguments);
     CheckValues(app, arguments);

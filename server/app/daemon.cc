@@ -35,7 +35,8 @@ std::string RandomToken() {
 }
 
 std::string TokenOf(const ServeOptions& options) {
-  if (!options.token.empty() || options.no_net || !BeyondLoopback(options)) return options.token;
+  const bool asked_for = BeyondLoopback(options) || options.token_for_all;
+  if (!options.token.empty() || options.no_net || !asked_for) return options.token;
   return RandomToken();
 }
 
@@ -71,11 +72,12 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
       models_(PathOf(options, uploads_)),
       yarp_(names_, logger_,
             {options.yarp_server, told_host(), Addresses(options.hosts).front(), DialectOf(options),
+             !options.token_for_all,
              [this](std::uint64_t id, const std::string& name, std::uint64_t step, int every) {
                board_.NoteSampleTaken(id, name, step, every);
              },
              [this](std::uint64_t id) { board_.ForgetReader(id); }}),
-      net_(logger_, clock_, AllEncodings(), options.read_only),
+      net_(logger_, clock_, AllEncodings(), options.read_only, !options.token_for_all),
       wrong_tokens_(logger_),
       robot_guard_(token_, options.private_robots, &wrong_tokens_),
       control_guard_(token_, true, &wrong_tokens_),
@@ -472,7 +474,10 @@ std::string Daemon::HowToGoOn() const {
       << "Python:  import coopdyn; sim = coopdyn.connect(" << server << "); r = sim.robot(\"" << robot
       << "\")\n"
       << "telnet:  telnet " << host << ' ' << port << "   then: OPEN /" << robot << '/' << module << "\n";
-  if (!token_.empty()) out << "token:   " << token_ << "   (other machines need it to change the world)\n";
+  if (!token_.empty()) {
+    out << "token:   " << token_ << "   (" << (options_.token_for_all ? "all programs" : "other machines")
+        << " need it to change the world)\n";
+  }
   return out.str();
 }
 

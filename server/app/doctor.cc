@@ -66,7 +66,7 @@ void VisitRobot(const ServerAddress& server, const std::vector<std::string>& reg
 
 int Doctor(const ServerOptions& options) {
   try {
-    const ServerAddress server(options.server);
+    const ServerAddress server(options.server, options.seat);
     const std::string place = server.host + ":" + std::to_string(server.port);
     std::optional<RemoteConnection> names;
     Walk("the daemon's name port answers at " + place, [&] {

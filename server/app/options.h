@@ -54,6 +54,7 @@ struct ServeOptions {
   std::string advertise;
   std::string token;
   bool weak_token = false;            // accept a short token
+  bool token_for_all = false;         // programs of this machine need it, too
   std::string yarp_server;            // HOST:PORT; empty: own name server only
   std::string yarp_dialect = "auto";  // of readers: "3", "4", or "auto" to ask each reader
   std::string seat;                   // the socket by which `coopdyn host` passes connections; empty: none

@@ -349,7 +349,7 @@ void CallSimulation(RemoteConnection& connection, const RemoteOptions& options, 
 
 int Remote(const RemoteOptions& options, const Verb& verb) {
   try {
-    const ServerAddress server(options.at->server);
+    const ServerAddress server(options.at->server, options.at->seat);
     const bool is_world = options.verb == "world";
     const Message request = is_world ? WorldMessageOf(options.words) : MakeRequest(options, verb.command);
     RemoteConnection connection(server);

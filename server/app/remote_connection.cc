@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::chrono::seconds kConnectTime{3};
 constexpr std::chrono::seconds kAnswerTime{10};  // for the name server, which answers at once
+constexpr std::chrono::seconds kSeatTime{30};    // for the daemon of a seat, which may have to start
 constexpr std::size_t kMostShown = 200;          // characters of an unexpected line
 constexpr std::size_t kOfEachLine = 32;          // overhead per stored line, bytes
 
@@ -28,10 +29,20 @@ std::shared_ptr<ServerOptions> AddServerOptions(CLI::App& command) {
       ->envname("COOPDYN_SERVER");
   command.add_option("--token", options->token, "The daemon's token, from another machine")
       ->envname("COOPDYN_TOKEN");
+  command.add_option("--seat", options->seat, "NAME:PIN of a seat in a class (coopdyn host), e.g. ana:7305")
+      ->envname("COOPDYN_SEAT");
   return options;
 }
 
-ServerAddress::ServerAddress(const std::string& text) {
+ServerAddress::ServerAddress(const std::string& text, const std::string& seat) {
+  if (!seat.empty()) {
+    const std::size_t middle = seat.find(':');
+    const bool pair = middle != std::string::npos && middle == seat.rfind(':') && middle > 0 &&
+                      middle + 1 < seat.size() && seat.find_first_of(" \t\r\n") == std::string::npos;
+    if (!pair)
+      throw RemoteError(kExitWrongUse, "--seat is NAME:PIN as on your sheet, e.g. ana:7305, not " + seat);
+    seat_line = "SEAT " + seat.substr(0, middle) + " " + seat.substr(middle + 1);
+  }
   const RemoteError wrong(kExitWrongUse, "--server is HOST or HOST:PORT, e.g. labserver:10000, not " + text);
   const bool digits = text.find_first_not_of("0123456789") == std::string::npos;
   const std::size_t end = text.starts_with('[') ? text.find(']') : 0;
@@ -68,6 +79,17 @@ RemoteConnection::RemoteConnection(const ServerAddress& server) {
   }
   stream_.expires_after(kAnswerTime);
   stream_.socket().set_option(asio::ip::tcp::no_delay(true));
+  if (!server.seat_line.empty()) TakeSeat(server);
+}
+
+void RemoteConnection::TakeSeat(const ServerAddress& server) {
+  Send(server.seat_line + "\n");
+  const std::string reply = ReadLine();
+  if (reply.starts_with("***"))  // a name server's answer to a word that it does not know
+    throw RemoteError(kExitErrors, server.host + ":" + std::to_string(server.port) +
+                                       " is no class: leave --seat and COOPDYN_SEAT out");
+  if (reply != "ok") throw RemoteError(kExitErrors, reply.substr(0, kMostShown));
+  stream_.expires_after(kSeatTime);
 }
 
 void RemoteConnection::Send(const std::string& bytes) {
@@ -103,6 +125,8 @@ std::vector<std::string> RemoteConnection::AskNames(const std::string& line) {
   std::vector<std::string> answer;
   std::size_t bytes = 0;
   for (std::string reply = ReadLine(); !reply.starts_with("*** end of message"); reply = ReadLine()) {
+    if (reply.starts_with("error "))
+      throw RemoteError(kExitErrors, reply.substr(0, kMostShown));  // of a class
     if (bytes += reply.size() + kOfEachLine; bytes > kMaxReplyBytes) throw Unreadable();
     answer.push_back(std::move(reply));
   }

@@ -23,21 +23,25 @@ struct RemoteError : std::runtime_error {
 struct ServerOptions {
   std::string server;  // HOST[:PORT]; empty: this machine, port 10000
   std::string token;
+  std::string seat;  // of a class, NAME:PIN; empty: none
 };
-/// Adds --server and --token to a command.
+/// Adds --server, --token and --seat to a command.
 std::shared_ptr<ServerOptions> AddServerOptions(CLI::App& command);
 
-/// Parses "lab:10100", "[::1]:10000", "10.0.0.5", "10100" or "". Throws RemoteError.
+/// Parses "lab:10100", "[::1]:10000", "10.0.0.5", "10100" or "", and the seat "ana:7305" or "". Throws
+/// RemoteError.
 struct ServerAddress {
-  explicit ServerAddress(const std::string& text);
+  explicit ServerAddress(const std::string& text, const std::string& seat = "");
   std::string host = "127.0.0.1";
   int port = 10000;
+  std::string seat_line;  // what takes the seat, "SEAT ana 7305"; empty: no seat
 };
 
 /// All functions throw RemoteError with a text that says what is wrong and what to do.
 class RemoteConnection {
  public:
-  /// Connects to the name port. Times out after 3 s; requests to the name server time out 10 s later.
+  /// Connects to the name port, and takes the seat. Times out after 3 s; requests to the name server time out
+  /// 10 s later, of a seat, whose daemon may have to start, 30 s.
   explicit RemoteConnection(const ServerAddress& server);
 
   /// Sends one line to the name server and returns the lines of its answer, without the end line.
@@ -52,6 +56,7 @@ class RemoteConnection {
   std::string AskComments(const std::string& line);
 
  private:
+  void TakeSeat(const ServerAddress& server);
   void Send(const std::string& bytes);
   std::string ReadLine();
   /// The error for a missing answer.

@@ -120,7 +120,7 @@ RecordWhat ReadRecordWhat(const std::string& given) {
 }
 
 /// Lets environment variables set all options except those in `only_flags`: COOPDYN_ROBOT_THREADS sets
-/// --robot-threads.
+/// --robot-threads. COOPDYN_SEAT is a student's seat and PIN, for programs.
 void TakeVariables(CLI::App* sub, const std::set<std::string>& only_flags) {
   for (CLI::Option* option : sub->get_options()) {
     if (option->get_lnames().empty() || only_flags.contains(option->get_lnames().front())) continue;
@@ -162,6 +162,9 @@ void AddNetwork(CLI::App* sub, ServeOptions& serve) {
   sub->add_flag("--seat-ports", serve.seat_ports, "Besides, ports for machines that coopdyn host admits")
       ->group("");
   sub->add_option("--seat-url", serve.seat_url, "The address of the page, as the host shows it")->group("");
+  sub->add_flag(
+      "--token-for-all", serve.token_for_all,
+      "Programs of this machine need the token, too; without it they may only drive robots and read");
   sub->add_flag("--private", serve.private_robots, "Robots' modules need the token too");
   sub->add_flag("--read-only", serve.read_only, "Clients and the page may only read and watch");
   sub->add_option("--yarp-server", serve.yarp_server,
@@ -291,7 +294,8 @@ void AddPlay(CLI::App& app, const std::string& command_line, Chosen& chosen) {
   sub->add_flag("--loop", serve.play.loop, "Start again at the end");
   sub->add_flag("--paused", serve.play.paused, "Start paused at the first frame");
   AddNetwork(sub, serve);
-  TakeVariables(sub, {"help", "scenarios", "speed", "at", "loop", "paused"});
+  TakeVariables(sub,
+                {"help", "scenarios", "speed", "at", "loop", "paused", "seat", "seat-ports", "seat-url"});
   sub->callback([given, &chosen] {
     CheckStrength(*given);
     CheckChannelPort(*given);
@@ -382,7 +386,8 @@ void AddServe(CLI::App& app, const std::string& command_line, Chosen& chosen) {
   AddRecording(sub, serve);
   AddNetwork(sub, serve);
   sub->set_config("--config", "", "Read options from this file (name=value lines)");
-  TakeVariables(sub, {"help", "scenarios", "force", "from", "set", "with-process"});
+  TakeVariables(
+      sub, {"help", "scenarios", "force", "from", "set", "with-process", "seat", "seat-ports", "seat-url"});
   sub->callback([sub, given, &chosen] {
     CheckServe(*sub, *given);
     RunOptions& run = given->run;

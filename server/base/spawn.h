@@ -11,9 +11,9 @@
 
 namespace coopdyn {
 
-/// kGroup: the program has its own process group; Ctrl-C in the terminal reaches only coopdyn, which then ends
-/// the program. kSession: it has its own session; it outlives coopdyn and the terminal, and the kernel gives
-/// the session its own fair share of the processors (autogroup, sched(7)).
+/// kGroup: the program has its own process group; Ctrl-C in the terminal reaches only coopdyn, which then
+/// ends the program. kSession: it has its own session; it outlives coopdyn and the terminal, and the kernel
+/// gives the session its own fair share of the processors (autogroup, sched(7)).
 enum class SpawnApart { kGroup, kSession };
 
 /// Starts `program`, a path or a name in PATH, with only `streams` open as its stdin, stdout and stderr, and

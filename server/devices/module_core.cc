@@ -59,11 +59,10 @@ std::optional<Message> ModuleCore::Refuse(const Message& request) const {
 }
 
 Message ModuleCore::NotAllowed(const Message& request) {
-  return ErrorReply(
-      request.command, Error::kNotAllowed,
-      "not allowed from another machine without the token, which the daemon printed at its start: write "
-      "connect(..., token=\"TOKEN\") in Python, connect(..., 'token', 'TOKEN') in MATLAB, "
-      "connect(..., {.token = \"TOKEN\"}) in C++, or send hello NAME TOKEN first");
+  return ErrorReply(request.command, Error::kNotAllowed,
+                    "not allowed without the token, which the daemon printed at its start: write "
+                    "connect(..., token=\"TOKEN\") in Python, connect(..., 'token', 'TOKEN') in MATLAB, "
+                    "connect(..., {.token = \"TOKEN\"}) in C++, or send hello NAME TOKEN first");
 }
 
 bool ModuleCore::OnlyReads(const CommandSpec& spec) {

@@ -48,7 +48,8 @@ using boost::system::error_code;
 using Request = http::request<http::string_body>;
 
 constexpr std::chrono::milliseconds kEventsEvery{500};
-constexpr int kHeartbeat = 30;  // pauses without an event
+constexpr unsigned kPassed = 0, kLater = 1;  // instead of a status of HTTP
+constexpr int kHeartbeat = 30;               // pauses without an event
 constexpr std::chrono::seconds kDrainTime{2}, kCollectTime{600};
 constexpr const char* kWallCookie = "coopdyn_wall";
 
@@ -128,7 +129,8 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     });
   }
 
-  /// One request; each answer ends its connection, as the next request may be for another seat.
+  /// One request; each answer ends its connection, as the next request may be for another seat. (No
+  /// temporaries in expressions that await: GCC 12 destroys some of them twice.)
   asio::awaitable<void> Serve(GuestPtr guest) {
     auto& parser = guest->parser.emplace();
     parser.header_limit(kMaxHeaderBytes);
@@ -137,23 +139,27 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     const auto [failed, header] =
         co_await http::async_read_header(guest->stream, guest->buffer, parser, kAwait);
     if (failed) co_return;
-    if (const std::string why = Objection(parser.get()); !why.empty()) {
-      HttpAnswer answer = ErrorAnswer(403, why);
-      co_return co_await Answer(guest, std::move(answer));
-    }
+    HttpAnswer answer;
     const ClassRoute route = FindClassRoute(parser.get().target());
-    if (route.kind == ClassRouteKind::kSeat || route.kind == ClassRouteKind::kWallSeat) {
-      HttpAnswer refusal = PassOn(*guest, route);
-      if (refusal.status != 200) co_await Answer(guest, std::move(refusal));
-      co_return;
+    if (const std::string why = Objection(parser.get()); !why.empty()) {
+      answer = ErrorAnswer(403, why);
+    } else if (route.kind == ClassRouteKind::kSeat || route.kind == ClassRouteKind::kWallSeat) {
+      answer = PassOn(*guest, route);
+      if (answer.status == kPassed) co_return;
+    } else {
+      const auto [lost, body] = co_await http::async_read(guest->stream, guest->buffer, parser, kAwait);
+      if (lost && lost != http::error::body_limit) co_return;
+      answer = lost ? ErrorAnswer(413, "at most 1 MiB") : Judge(*guest, route);
+      if (answer.status == 200 && answer.body.empty()) answer = Handle(*guest, route);
     }
-    const auto [lost, body] = co_await http::async_read(guest->stream, guest->buffer, parser, kAwait);
-    if (lost == http::error::body_limit) {
-      HttpAnswer answer = ErrorAnswer(413, "at most 1 MiB");
-      co_return co_await Answer(guest, std::move(answer));
+    if (answer.status == kLater) {
+      const Later later = LaterOf(route);
+      if (later == Later::kEvents) co_return co_await Stream(guest, route);
+      if (later == Later::kArchive) co_return co_await Collect(guest);
+      const std::string error = co_await HandIn(route);
+      answer = error.empty() ? JsonAnswer("{}") : ErrorAnswer(500, error);
     }
-    if (lost) co_return;
-    co_await Handle(guest, route);
+    co_await Answer(guest, answer);
   }
 
   /// Guards against pages of others: of names that somebody else's DNS resolves to us, and of other origins.
@@ -190,7 +196,7 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     return guard.Judge(seat, bearer.substr(colon + 1), guest.peer.text);
   }
 
-  /// Passes the connection to the seat's daemon. Status 200: done.
+  /// Passes the connection to the seat's daemon. Status kPassed: done.
   HttpAnswer PassOn(Guest& guest, const ClassRoute& route) {
     Request& request = guest.parser->get();
     const bool teaches = route.kind == ClassRouteKind::kWallSeat;
@@ -205,7 +211,7 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
       }
     }
     if (seat == nullptr) return ErrorAnswer(404, "there is no seat " + route.seat);
-    if (seat->state() == SeatState::kFailed) return ErrorAnswer(503, seat->trouble());
+    if (seat->HasFailed()) return ErrorAnswer(503, seat->trouble());
     if (route.rest.empty()) return GoTo(prefix + "/");
     // Each request is judged here, so the daemon ends the connection with its answer.
     request.target(route.rest);
@@ -223,47 +229,50 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     error_code failed;
     passed.fd = UniqueFd(guest.stream.release_socket().release(failed));
     if (!failed) seat->Pass(std::move(passed));
-    return {};
+    return {.status = kPassed};
   }
 
-  // No temporary lives across a co_await here: GCC 12 destroys some of them twice.
-  asio::awaitable<void> Handle(const GuestPtr& guest, const ClassRoute& route) {
-    const bool asks_seat = route.kind == ClassRouteKind::kSeatAsks;
-    const std::string why = asks_seat ? WhyNotStudent(*guest, route.seat) : std::string();
-    if (asks_seat && why.empty()) co_return co_await HandleStudent(guest, route);
-    const bool teaches = route.kind == ClassRouteKind::kWallAsks && IsTeacher(guest->parser->get());
-    if (teaches) co_return co_await HandleTeacher(guest, route.rest);
-    HttpAnswer answer = ErrorAnswer(403, why);
-    if (!asks_seat) answer = AnswerTo(*guest, route);
-    co_await Answer(guest, std::move(answer));
+  /// Whether the guest may ask for that: status 200 without a body.
+  HttpAnswer Judge(const Guest& guest, const ClassRoute& route) const {
+    if (route.kind == ClassRouteKind::kSeatAsks) {
+      const std::string why = WhyNotStudent(guest, route.seat);
+      return why.empty() ? HttpAnswer() : ErrorAnswer(403, why);
+    }
+    const bool stranger = route.kind == ClassRouteKind::kWallAsks && !IsTeacher(guest.parser->get());
+    return stranger ? ErrorAnswer(403, "this needs the teacher's token") : HttpAnswer();
   }
 
-  HttpAnswer AnswerTo(const Guest& guest, const ClassRoute& route) const {
+  /// The answer; kLater: it takes longer.
+  HttpAnswer Handle(const Guest& guest, const ClassRoute& route) {
     const Request& request = guest.parser->get();
     const bool post = request.method() == http::verb::post;
     switch (route.kind) {
       case ClassRouteKind::kAsset:
         return AssetAnswer(route.rest, request);
-      case ClassRouteKind::kLink: {
-        const RollEntry* const entry = room.FindLink(route.rest);
-        if (entry == nullptr)
-          return ErrorAnswer(404, "this link is not valid any more: ask your teacher for another");
-        const std::string path = "/s/" + entry->seat + "/";
-        return WithCookie(GoTo(path), SeatCookie(entry->seat), entry->link, path);
-      }
+      case ClassRouteKind::kLink:
+        return LinkAnswer(route.rest);
       case ClassRouteKind::kLogin:
-        return post ? Login(guest) : ErrorAnswer(405, "this address takes POST only");
       case ClassRouteKind::kWallLogin:
-        return post ? WallLogin(guest) : ErrorAnswer(405, "this address takes POST only");
-      case ClassRouteKind::kWallAsks:
-        return ErrorAnswer(403, "this needs the teacher's token");
-      case ClassRouteKind::kUnknown:
+        if (!post) return ErrorAnswer(405, "this address takes POST only");
+        return route.kind == ClassRouteKind::kLogin ? Login(guest) : WallLogin(guest);
       case ClassRouteKind::kSeatAsks:
+        return HandleStudent(request, route);
+      case ClassRouteKind::kWallAsks:
+        return HandleTeacher(request, route.rest);
+      case ClassRouteKind::kUnknown:
       case ClassRouteKind::kSeat:
       case ClassRouteKind::kWallSeat:
         break;
     }
     return ErrorAnswer(404, "there is nothing at this address");
+  }
+
+  HttpAnswer LinkAnswer(const std::string& link) const {
+    const RollEntry* const entry = room.FindLink(link);
+    if (entry == nullptr)
+      return ErrorAnswer(404, "this link is not valid any more: ask your teacher for another");
+    const std::string path = "/s/" + entry->seat + "/";
+    return WithCookie(GoTo(path), SeatCookie(entry->seat), entry->link, path);
   }
 
   HttpAnswer AssetAnswer(const std::string& path, const Request& request) const {
@@ -299,67 +308,59 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     return WithCookie(JsonAnswer("{}"), kWallCookie, token, "/wall/");
   }
 
-  asio::awaitable<void> HandleStudent(const GuestPtr& guest, const ClassRoute& route) {
-    const Request& request = guest->parser->get();
-    const std::string& seat = route.seat;
+  HttpAnswer HandleStudent(const Request& request, const ClassRoute& route) {
     const bool post = request.method() == http::verb::post;
-    HttpAnswer answer = ErrorAnswer(404, "a seat's page may ask for me, events, hand and hand-in");
-    if (!post && route.rest == "events") {
-      std::function<std::string()> text = [this, seat] { return json::serialize(room.StudentJson(seat)); };
-      co_return co_await Stream(guest, std::move(text));
-    }
-    if (!post && route.rest == "me") {
-      answer = JsonAnswer(json::serialize(room.StudentJson(seat)));
-    } else if (post && route.rest == "hand") {
-      const json::object said = ObjectIn(request.body());
-      const json::value* const up = said.if_contains("up");
-      room.RaiseHand(seat, up != nullptr && up->is_bool() && up->as_bool());
-      answer = JsonAnswer("{}");
-    } else if (post && route.rest == "hand-in") {
-      const std::string error = co_await HandIn(seat);
-      answer = error.empty() ? JsonAnswer("{}") : ErrorAnswer(500, error);
-    }
-    co_await Answer(guest, std::move(answer));
+    if (!post && route.rest == "me") return JsonAnswer(json::serialize(room.StudentJson(route.seat)));
+    if (post == (route.rest == "hand-in") && (post || route.rest == "events")) return {.status = kLater};
+    if (!post || route.rest != "hand")
+      return ErrorAnswer(404, "a seat's page may ask for me, events, hand and hand-in");
+    const json::object said = ObjectIn(request.body());
+    const json::value* const up = said.if_contains("up");
+    room.RaiseHand(route.seat, up != nullptr && up->is_bool() && up->as_bool());
+    return JsonAnswer("{}");
   }
 
-  asio::awaitable<void> HandleTeacher(const GuestPtr& guest, const std::string& what) {
-    const Request& request = guest->parser->get();
+  HttpAnswer HandleTeacher(const Request& request, const std::string& what) {
     const bool post = request.method() == http::verb::post;
-    if (!post && what == "events") {
-      std::function<std::string()> text = [this] { return json::serialize(room.WallJson()); };
-      co_return co_await Stream(guest, std::move(text));
-    }
-    if (!post && what == "collect.tar") co_return co_await Collect(guest);
-    HttpAnswer answer = ErrorAnswer(404, "the wall may ask for seats, events, sheet, do and collect.tar");
-    if (!post && what == "seats") {
-      answer = JsonAnswer(json::serialize(room.WallJson()));
-    } else if (!post && what == "sheet") {
-      answer = HtmlAnswer(SheetPage(room.roll(), room.url()));
-    } else if (post && what == "do") {
+    if (post && what == "do") {
       const std::string error = room.Do(ObjectIn(request.body()));
-      answer = error.empty() ? JsonAnswer("{}") : ErrorAnswer(400, error);
+      return error.empty() ? JsonAnswer("{}") : ErrorAnswer(400, error);
     }
-    co_await Answer(guest, std::move(answer));
+    if (!post && what == "seats") return JsonAnswer(json::serialize(room.WallJson()));
+    if (!post && what == "sheet") return HtmlAnswer(SheetPage(room.roll(), room.url()));
+    if (!post && (what == "events" || what == "collect.tar")) return {.status = kLater};
+    return ErrorAnswer(404, "the wall may ask for seats, events, sheet, do and collect.tar");
   }
 
-  asio::awaitable<std::string> HandIn(const std::string& seat) {
-    std::optional<std::string> result;
-    asio::steady_timer done(context, asio::steady_timer::time_point::max());
-    room.HandIn(seat, [&](std::string error) {
-      result = std::move(error);
-      done.cancel();
+  enum class Later { kEvents, kArchive, kHandIn };
+  static Later LaterOf(const ClassRoute& route) {
+    return route.rest == "events"    ? Later::kEvents
+           : route.rest == "hand-in" ? Later::kHandIn
+                                     : Later::kArchive;
+  }
+
+  asio::awaitable<std::string> HandIn(const ClassRoute& route) {
+    struct Wait {
+      explicit Wait(asio::io_context& context) : timer(context) {}
+      std::optional<std::string> error;
+      asio::steady_timer timer;
+    };
+    const auto wait = std::make_shared<Wait>(context);
+    room.HandIn(route.seat, [wait](std::string error) {
+      wait->error = std::move(error);
+      wait->timer.cancel();
     });
-    if (!result) co_await done.async_wait(kAwait);
-    co_return result.value_or("");
+    while (!wait->error) {
+      wait->timer.expires_after(kRequestTime);
+      co_await wait->timer.async_wait(kAwait);
+    }
+    co_return *wait->error;
   }
 
   /// All that the class keeps, as an archive; its length is not known before.
-  asio::awaitable<void> Collect(const GuestPtr& guest) {
+  asio::awaitable<void> Collect(GuestPtr guest) {
     std::array<int, 2> ends{-1, -1};
-    if (::pipe2(ends.data(), O_CLOEXEC) != 0) {
-      HttpAnswer answer = ErrorAnswer(503, "no more files can be open");
-      co_return co_await Answer(guest, std::move(answer));
-    }
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0) co_return;
     asio::readable_pipe from(context, ends[0]);
     UniqueFd into(ends[1]);
     const UniqueFd nothing(::open("/dev/null", O_RDWR | O_CLOEXEC));
@@ -369,10 +370,7 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
                              "--warning=none", "-cf", "-", "seats"},
                             {nothing.get(), into.get(), nothing.get()}, process);
     into.Reset();
-    if (error != 0) {
-      HttpAnswer answer = ErrorAnswer(500, "tar cannot be started");
-      co_return co_await Answer(guest, std::move(answer));
-    }
+    if (error != 0) co_return;
     const std::string head = StreamHeader(
         "Content-Type: application/x-tar\r\nContent-Disposition: attachment; filename=\"class.tar\"\r\n");
     guest->stream.expires_after(kCollectTime);
@@ -391,18 +389,21 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     WaitFor(process);  // it has closed its end, or was killed
   }
 
-  /// Events for an EventSource: what `text` gives, whenever it has changed.
-  asio::awaitable<void> Stream(const GuestPtr& guest, std::function<std::string()> text) {
+  std::string EventOf(const ClassRoute& route) const {
+    const bool student = route.kind == ClassRouteKind::kSeatAsks;
+    return json::serialize(student ? room.StudentJson(route.seat) : room.WallJson());
+  }
+
+  /// Events for an EventSource: EventOf(), whenever the class has changed.
+  asio::awaitable<void> Stream(GuestPtr guest, const ClassRoute& route) {
     const std::string head = StreamHeader("Content-Type: text/event-stream\r\nCache-Control: no-store\r\n");
-    std::string out = head, told;
-    std::uint64_t version = 0;
+    std::string out = head;
+    std::uint64_t told = 0;
     asio::steady_timer pause(context);
     for (int quiet = 0;; ++quiet) {
-      std::string now = version == room.version() ? told : text();
-      version = room.version();
-      if (now != told || quiet >= kHeartbeat) {
-        out += now == told ? ": still here\n\n" : "data: " + now + "\n\n";
-        told = std::move(now);
+      if (told != room.version() || quiet >= kHeartbeat) {
+        out += told == room.version() ? ": still here\n\n" : "data: " + EventOf(route) + "\n\n";
+        told = room.version();
         quiet = 0;
       }
       guest->stream.expires_after(kRequestTime);
@@ -415,14 +416,14 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     }
   }
 
-  asio::awaitable<void> Answer(const GuestPtr& guest, HttpAnswer answer) {
+  asio::awaitable<void> Answer(GuestPtr guest, const HttpAnswer& answer) {
     const Request& request = guest->parser->get();
     http::response<http::string_body> response(static_cast<http::status>(answer.status), 11);
     for (const auto& [name, value] : CommonHeaders()) response.set(name, value);
     for (const auto& [name, value] : answer.headers) response.insert(name, value);
     if (answer.status != 304) response.set(http::field::content_type, answer.type);
     response.keep_alive(false);
-    response.body() = std::move(answer.body);
+    response.body() = answer.body;
     response.prepare_payload();
     if (request.method() == http::verb::head) response.body().clear();
     guest->stream.expires_after(kRequestTime);

@@ -43,6 +43,14 @@ std::size_t ClientsIn(const json::object& status) {
   }));
 }
 
+/// What `load_scenario` takes for a scenario of the command line: a bare name, or the text of a file.
+std::string TextToLoad(const std::string& lesson) {
+  if (lesson.find('/') == std::string::npos) return lesson;
+  std::ifstream file(lesson);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  return text + "\n# file: " + fs::path(lesson).filename().string() + "\n";
+}
+
 /// A page that finds its seat put aside leaves it so.
 const char* StateWord(const Seat& seat) {
   return seat.put_aside() ? ToString(SeatState::kAsleep) : ToString(seat.state());
@@ -132,7 +140,7 @@ void ClassRoom::SetRoll(Roll roll) {
 void ClassRoom::PutAllAside(std::function<void()> done) {
   bool waits = false;
   for (auto& [name, place] : places_) {
-    place.seat->PutAside();
+    place.seat->Close();
     waits =
         waits || place.seat->state() == SeatState::kRunning || place.seat->state() == SeatState::kStarting;
   }
@@ -254,20 +262,26 @@ void ClassRoom::HandIn(const std::string& seat, std::function<void(std::string)>
     fs::copy_file(folder / name, into / name, fs::copy_options::overwrite_existing, missing);
   }
   const int run = NewestRun(folder / "runs");
-  if (run == 0 || found->second.seat->state() != SeatState::kRunning) return done("");
-  CallSeat(
-      context_, *found->second.seat, "/runs/" + RunFileName(run), {},
-      [into, done = std::move(done)](const SeatAnswer& answer) {
-        if (answer.status != 200) return done("the recording cannot be kept: " + Printable(answer.body, 200));
-        std::ofstream file(into / "recording.run", std::ios::binary);
-        file.write(answer.body.data(), static_cast<std::streamsize>(answer.body.size()));
-        done(file.good() ? "" : "the recording cannot be kept: is the disk full?");
-      },
-      std::chrono::seconds(60));
+  if (run == 0) return done("");
+  // A recording can be copied when it has ended; the run goes on in the next one.
+  const auto keep = [this, alive = alive_, seat, run, from = folder / "runs" / RunFileName(run), into,
+                     done = std::move(done)](const SeatAnswer&) {
+    if (!*alive) return;
+    std::error_code failed;
+    fs::copy_file(from, into / "recording.run", failed);
+    const auto place = places_.find(seat);
+    if (place != places_.end()) Command(place->second, "/recorder", "start", RunFileName(run + 1));
+    done(failed ? "the recording cannot be kept: " + failed.message() : "");
+  };
+  if (found->second.seat->state() != SeatState::kRunning) return keep({});
+  CallSeat(context_, *found->second.seat, "/api/call",
+           json::serialize(json::object{{"module", "/recorder"}, {"command", "stop"}}), keep,
+           std::chrono::seconds(60));
 }
 
-void ClassRoom::Command(Place& place, const std::string& command, const std::string& text) {
-  const json::object call{{"module", "/simulation"}, {"command", command}, {"text", text}};
+void ClassRoom::Command(Place& place, const std::string& module, const std::string& command,
+                        const std::string& text) {
+  const json::object call{{"module", module}, {"command", command}, {"text", text}};
   CallSeat(context_, *place.seat, "/api/call", json::serialize(call),
            [logger = logger_, seat = place.seat->name(), command](const SeatAnswer& answer) {
              if (answer.status != 200)
@@ -275,8 +289,21 @@ void ClassRoom::Command(Place& place, const std::string& command, const std::str
            });
 }
 
-void ClassRoom::Push(Place& place, const std::string& lesson) {
-  if (place.seat->state() == SeatState::kRunning) return Command(place, "load_scenario", lesson);
+std::string ClassRoom::KeepLesson(const std::string& text) const {
+  if (text.find('\n') == std::string::npos) return text;
+  const fs::path folder = options_.folder / "lessons";
+  std::error_code code;
+  fs::create_directories(folder, code);
+  const fs::path file = folder / (ClockTime("{:%Y%m%d-%H%M%S}") + ".scenario");
+  std::ofstream out(file);
+  out << text << (text.ends_with('\n') ? "" : "\n");
+  out.close();
+  return out.good() ? file.string() : "";
+}
+
+void ClassRoom::Push(Place& place, const std::string& lesson, const std::string& text) {
+  if (place.seat->state() == SeatState::kRunning)
+    return Command(place, "/simulation", "load_scenario", text.empty() ? TextToLoad(lesson) : text);
   place.seat->BeginAnew(lesson);
 }
 
@@ -287,6 +314,12 @@ std::string ClassRoom::Do(const json::object& order) {
   if (std::ranges::find(known, what) == known.end())
     return "the order is none of " + fmt::format("{}", fmt::join(known, ", "));
   if ((what == "message" || what == "push") && TextOf(order, "text").empty()) return what + " needs a text";
+  json::object given = order;
+  if (what == "push") {
+    const std::string lesson = KeepLesson(TextOf(order, "text"));
+    if (lesson.empty()) return "the scenario cannot be written into " + options_.folder.string();
+    given["lesson"] = lesson;
+  }
   if (what == "next") {
     if (lesson_ + 1 >= options_.lessons.size()) return "this was the last scenario of the lesson";
     ++lesson_;
@@ -304,7 +337,7 @@ std::string ClassRoom::Do(const json::object& order) {
   }
   for (const std::string& name : names) {
     Place& place = places_.find(name)->second;
-    Order(name, place, order);
+    Order(name, place, given);
     SaveDesk(name, place.desk);
   }
   Changed();
@@ -318,18 +351,18 @@ void ClassRoom::Order(const std::string& name, Place& place, const json::object&
   if (what == "freeze" || what == "thaw") {
     desk.frozen = what == "freeze";
     place.seat->SetTaken(desk.frozen);
-    if (runs) Command(place, desk.frozen ? "pause" : "run");
+    if (runs) Command(place, "/simulation", desk.frozen ? "pause" : "run");
   } else if (what == "take" || what == "give") {
     place.seat->SetTaken(what == "take");
     if (what == "take") place.seat->Wake();
   } else if (what == "reset") {
-    if (runs) Command(place, "reset");
+    if (runs) Command(place, "/simulation", "reset");
   } else if (what == "restart") {
     place.seat->BeginAnew(options_.lessons[lesson_]);
   } else if (what == "aside") {
     place.seat->PutAside();
   } else if (what == "push" || what == "next") {
-    Push(place, what == "next" ? options_.lessons[lesson_] : text);
+    Push(place, what == "next" ? options_.lessons[lesson_] : TextOf(order, "lesson"), text);
   } else if (what == "message") {
     desk.notes.push_back({ClockTime("{:%H:%M}"), PrintableLines(text, kMaxNoteBytes)});
     if (desk.notes.size() > kMaxNotes) desk.notes.erase(desk.notes.begin());

@@ -119,9 +119,13 @@ class ClassRoom {
   void PutIdleAside(Place& place);
   Need NeedOf(const Place& place) const;
   void Order(const std::string& name, Place& place, const boost::json::object& order);
-  /// A request to /simulation of the seat.
-  void Command(Place& place, const std::string& command, const std::string& text = {});
-  void Push(Place& place, const std::string& lesson);
+  /// A request to a module of the seat's daemon, if that runs.
+  void Command(Place& place, const std::string& module, const std::string& command,
+               const std::string& text = {});
+  /// `lesson` as the command line takes it; `text`: the same as a text or a bare name, or empty.
+  void Push(Place& place, const std::string& lesson, const std::string& text);
+  /// The file in which a pushed text is kept; a bare name stays. Empty: it cannot be written.
+  std::string KeepLesson(const std::string& text) const;
   void Changed() { ++version_; }
   void SaveDesk(const std::string& name, const Desk& desk) const;
   void LoadDesk(const std::string& name, Desk& desk) const;

@@ -87,11 +87,14 @@ struct FrontDoor::Impl : std::enable_shared_from_this<FrontDoor::Impl> {
     }
     const std::optional<SeatLine> line =
         end == std::string::npos ? std::nullopt : ReadSeatLine(std::string_view(in).substr(0, end));
-    const std::string refusal = line ? guard.Judge(line->seat, line->pin, peer.text) : std::string();
+    std::string refusal = line ? guard.Judge(line->seat, line->pin, peer.text) : std::string();
+    if (const Seat* const failed = line && refusal.empty() ? room.FindSeat(line->seat) : nullptr;
+        failed != nullptr && failed->HasFailed())
+      refusal = failed->trouble();
     const std::string answer = !line ? kNoSeatLine : refusal.empty() ? "ok\n" : "error 12 " + refusal + "\n";
     const auto [failed, written] = co_await asio::async_write(*guest, asio::buffer(answer), kAwait);
     if (failed || !guest->is_open()) co_return;
-    Seat* const seat = line && refusal.empty() ? room.FindSeat(line->seat) : nullptr;
+    Seat* const seat = line && refusal.empty() ? room.FindSeat(line->seat) : nullptr;  // it may have gone
     if (seat == nullptr) {
       guest->shutdown(Socket::shutdown_send);
       co_await guest->async_read_some(asio::buffer(block), kAwait);  // so that the answer arrives

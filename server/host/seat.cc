@@ -111,9 +111,29 @@ void Seat::Find() {
 }
 
 void Seat::Pass(PassedSocket passed) {
-  if (waiting_.size() >= kMaxWaiting) return;
+  if (closed_ || waiting_.size() >= kMaxWaiting) return;
+  if (state_ == SeatState::kFailed) {
+    if (HasFailed()) return;
+    deaths_.clear();
+    SetState(SeatState::kAsleep, trouble_);
+  }
   waiting_.push_back(std::move(passed));
-  state_ == SeatState::kRunning ? SendWaiting() : Wake();
+  // A daemon that is ending would drop it.
+  state_ == SeatState::kRunning && !ends_ ? SendWaiting() : Wake();
+}
+
+bool Seat::HasFailed() const {
+  return state_ == SeatState::kFailed && !deaths_.empty() && clock_.Now() - deaths_.back() < kCrashWindow;
+}
+
+bool Seat::PassNow(const PassedSocket& passed) {
+  return state_ == SeatState::kRunning && !ends_ && SendPassed(door_->native_handle(), passed) == 0;
+}
+
+void Seat::Close() {
+  closed_ = true;
+  waiting_.clear();
+  PutAside();
 }
 
 void Seat::Wake() {
@@ -236,7 +256,7 @@ void Seat::OnDeath() {
   state_ = SeatState::kAsleep;
   if (by_us) {
     SetState(SeatState::kAsleep, {});
-    if (wanted_ || !waiting_.empty()) Wake();
+    if (!closed_ && (wanted_ || !waiting_.empty())) Wake();
     return;
   }
   const Nanoseconds now = clock_.Now();

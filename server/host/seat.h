@@ -68,6 +68,8 @@ class Seat {
   const std::string& name() const { return name_; }
   const std::filesystem::path& folder() const { return folder_; }
   SeatState state() const { return state_; }
+  /// Whether it crashes again and again; after kCrashWindow it is tried once more.
+  bool HasFailed() const;
   /// What has gone wrong last, for the wall; empty: nothing.
   const std::string& trouble() const { return trouble_; }
   /// Called when state or trouble has changed.
@@ -77,10 +79,14 @@ class Seat {
   void Find();
   /// Passes a connection to the daemon, which is started if it does not run.
   void Pass(PassedSocket passed);
+  /// Passes a connection only if the daemon runs. False: it does not.
+  bool PassNow(const PassedSocket& passed);
   /// Starts the daemon if it does not run.
   void Wake();
   /// Ends the daemon in order. Its run is recorded; the next Wake() continues it.
   void PutAside();
+  /// PutAside(), and nothing starts it again.
+  void Close();
   /// Ends the daemon; the next Wake() begins `lesson`, and not where this run was.
   void BeginAnew(const std::string& lesson);
   /// `peer`, who has shown the PIN, may use the seat's own ports from its machine.
@@ -129,6 +135,7 @@ class Seat {
   bool wanted_ = false;             // it is to start again when it has ended
   bool anew_ = false;               // the next start does not continue the newest run
   bool taken_ = false;
+  bool closed_ = false;
   std::map<std::string, std::string> admitted_;  // by NetworkOf(): the peer that showed the PIN
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };

@@ -80,7 +80,7 @@ void CallSeat(asio::io_context& context, Seat& seat, const std::string& target, 
   PassedSocket passed{.kind = PassedKind::kPage};
   passed.peer = {.text = "the class's host", .trusted = true};
   passed.fd = std::move(far);
-  seat.Pass(std::move(passed));
+  if (!seat.PassNow(passed)) passed.fd.Reset();  // which ends the call
 }
 
 }  // namespace coopdyn

@@ -22,7 +22,8 @@ struct SeatAnswer {
 /// The longest answer that is read.
 inline constexpr std::uint64_t kMaxSeatAnswer = std::uint64_t{512} << 20;
 
-/// Sends `body` (none: GET) to `target` of the seat's page, as the teacher. `done` is called once.
+/// Sends `body` (none: GET) to `target` of the page of a seat that runs, as the teacher. `done` is called
+/// once.
 void CallSeat(boost::asio::io_context& context, Seat& seat, const std::string& target,
               const std::string& body, std::function<void(SeatAnswer)> done,
               std::chrono::seconds time = std::chrono::seconds(10));

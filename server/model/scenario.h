@@ -115,6 +115,18 @@ struct RandomKey {
   std::string value;
 };
 
+/// [TASK]: what a student is asked to do. Texts are Markdown.
+struct Task {
+  static constexpr std::size_t kMaxHints = 20, kMaxTextBytes = 20'000;
+
+  std::string title;
+  std::string text;                 // its paragraphs, with an empty line between two
+  std::vector<std::string> hints;   // opened one after the other
+  std::vector<std::string> counts;  // what is worth points
+
+  bool empty() const { return title.empty() && text.empty() && hints.empty() && counts.empty(); }
+};
+
 struct Scenario {
   std::string name;                  // file name without folder and extension; "(text)" if unknown
   std::string file;                  // path as found; empty if by socket, kPipe if by pipe
@@ -128,6 +140,7 @@ struct Scenario {
   std::vector<RobotEntry> robots;
   std::vector<SwarmEntry> swarms;  // in file order
   std::vector<ScoreEntry> scores;  // in file order
+  Task task;
   SimulationOptions simulation;
   std::vector<RandomKey> random;    // in file order; drawn anew for each seed
   std::vector<SourceText> sources;  // all other texts, each once

@@ -367,14 +367,50 @@ class ScenarioReader {
     return {};
   }
 
+  /// The keys of [TASK] may repeat: each `text` is a paragraph or, if it begins with '-', an item of a list.
+  void ReadTask(const Section& section) {
+    Task& task = scenario_->task;
+    bool in_list = false;
+    for (const Entry& entry : section.entries) {
+      const std::string value(Trim(entry.value));
+      const bool is_text = entry.key == "text";
+      if (value.empty()) {
+        diagnostics_.Error(entry.In(label_), "'" + entry.key + "' in [TASK] has no text");
+      } else if (entry.key == "title") {
+        if (!task.title.empty()) diagnostics_.Error(entry.In(label_), "[TASK] has one title");
+        task.title = value;
+      } else if (is_text) {
+        const bool item = value.starts_with("- ");
+        if (!task.text.empty()) task.text += item && in_list ? "\n" : "\n\n";
+        task.text += value;
+        in_list = item;
+      } else if (entry.key == "hint") {
+        task.hints.push_back(value);
+      } else if (entry.key == "counts") {
+        task.counts.push_back(value);
+      } else {
+        static const std::vector<std::string> kKeys = {"title", "text", "hint", "counts"};
+        diagnostics_.Error(entry.In(label_),
+                           "unknown key '" + entry.key + "' in [TASK]" + DidYouMean(entry.key, kKeys));
+      }
+      if (task.text.size() > Task::kMaxTextBytes || task.hints.size() > Task::kMaxHints ||
+          task.counts.size() > Task::kMaxHints) {
+        diagnostics_.Error(entry.In(label_),
+                           "[TASK] has at most 20000 bytes of text, 20 hints and 20 lines of 'counts'");
+        return;
+      }
+    }
+  }
+
   /// Reads robots and objects.
   void ReadPlain(const Section& section) {
-    static const std::vector<std::string> kOwn = {"WORLD",   "SIMULATION", "TARGET",  "FLOOR", "ROBOT_1",
-                                                  "SWARM_1", "LIGHT_1",    "SCORE_1", "RANDOM"};
+    static const std::vector<std::string> kOwn = {"WORLD",   "SIMULATION", "TARGET",  "FLOOR",  "ROBOT_1",
+                                                  "SWARM_1", "LIGHT_1",    "SCORE_1", "RANDOM", "TASK"};
     for (const char* word : {"world", "simulation", "target", "floor"}) {
       if (section.word == word) return;
     }
     if (IsNumbered(section.word, "swarm")) return;
+    if (section.word == "task") return ReadTask(section);
     SectionReader reader(section, label_, degrees_, diagnostics_);
     if (IsNumbered(section.word, "robot")) {
       if (const std::optional<WorldObject> bar = robots_.ReadRobot(reader)) {
@@ -449,7 +485,7 @@ std::shared_ptr<const Scenario> ReadInsertion(const std::string& text, RobotLibr
   Diagnostics found(label);
   for (const Section& section : ReadSections(text, label, found)) {
     const std::string word = IsNumbered(section.word, "random") ? "random" : section.word;
-    for (const char* whole : {"world", "simulation", "floor", "random"}) {
+    for (const char* whole : {"world", "simulation", "floor", "random", "task"}) {
       if (word != whole) continue;
       found.Error({label, section.line}, "[" + section.name +
                                              "] cannot be inserted, only things, robots, swarms, targets and "

@@ -201,6 +201,7 @@ struct Listener::Impl : std::enable_shared_from_this<Listener::Impl> {
       }
       SetClientSocketOptions(fd.get());
       PeerInfo peer = DescribePeer(fd.get());
+      peer.trusted = peer.trusted && services.trusts_this_machine();
       if (!services.Admits(peer)) continue;
       on_accept(std::move(fd), std::move(peer));
     }

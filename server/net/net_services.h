@@ -27,15 +27,21 @@ inline constexpr const char* kTakenText =
 /// One per daemon; outlives every server. `clock` must outlive it.
 class NetServices {
  public:
-  /// `read_only`: no client may change anything (`--read-only`).
+  /// `read_only`: no client may change anything (`--read-only`). `trusts_this_machine`: whoever connects from
+  /// this machine needs no token (not with `--token-for-all`).
   NetServices(Logger logger, const Clock& clock, Encodings encodings = StandardEncodings(),
-              bool read_only = false)
-      : logger_(std::move(logger)), clock_(clock), encodings_(std::move(encodings)), read_only_(read_only) {}
+              bool read_only = false, bool trusts_this_machine = true)
+      : logger_(std::move(logger)),
+        clock_(clock),
+        encodings_(std::move(encodings)),
+        read_only_(read_only),
+        trusts_this_machine_(trusts_this_machine) {}
 
   const Logger& logger() const { return logger_; }
   const Clock& clock() const { return clock_; }
   const Encodings& encodings() const { return encodings_; }
   bool read_only() const { return read_only_; }
+  bool trusts_this_machine() const { return trusts_this_machine_; }
   /// While the teacher drives, the students of this seat may change nothing.
   bool taken() const { return taken_; }
   void SetTaken(bool taken) { taken_ = taken; }
@@ -63,7 +69,7 @@ class NetServices {
   Logger logger_;
   const Clock& clock_;
   const Encodings encodings_;
-  const bool read_only_;
+  const bool read_only_, trusts_this_machine_;
   std::atomic<bool> taken_{false};
   std::atomic<bool> admits_only_known_{false};
   mutable Mutex admitted_mutex_;

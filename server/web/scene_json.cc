@@ -178,6 +178,17 @@ std::string Glb(const MeshData& mesh) {
   return glb + chunks;
 }
 
+json::value TaskJson(const Task& task) {
+  if (task.empty()) return nullptr;
+  const auto list = [](const std::vector<std::string>& texts) {
+    json::array all;
+    for (const std::string& text : texts) all.push_back(json::string(text));
+    return all;
+  };
+  return json::object{
+      {"title", task.title}, {"text", task.text}, {"hints", list(task.hints)}, {"counts", list(task.counts)}};
+}
+
 }  // namespace
 
 std::string SceneJson(const Frame& frame, std::uint32_t number) {
@@ -223,6 +234,7 @@ std::string SceneJson(const Frame& frame, std::uint32_t number) {
   }
   return JsonText(json::object{{"scene", number},
                                {"scenario", scene.scenario->name},
+                               {"task", TaskJson(scene.scenario->task)},
                                {"floor",
                                 {{"size", {scene.floor.length_m, scene.floor.width_m, scene.floor.height_m}},
                                  {"color", Numbers(scene.floor.color)},

@@ -153,6 +153,7 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
     auto encoding =
         std::make_unique<YarpOutput>(target.carrier, output.dialect, output.stream, std::move(events));
     PeerInfo peer = DescribePeer(session.get());
+    peer.trusted = peer.trusted && options.trusts_this_machine;
     source->adopt(session.Release(), welcome, std::move(peer), std::move(encoding));
     return {};
   }
@@ -211,7 +212,7 @@ struct YarpNetwork::Impl : std::enable_shared_from_this<YarpNetwork::Impl> {
       if (const auto impl = weak.lock()) impl->links.Forget(id);
     });
     // A datagram's sender is not verified.
-    PeerInfo peer{sender + " by udp", address.is_loopback()};
+    PeerInfo peer{sender + " by udp", options.trusts_this_machine && address.is_loopback()};
     module->adopt(session.Release(), YarpHello(YarpCarrier::kFastTcp, sender), std::move(peer), nullptr);
     asio::co_spawn(context, WatchSender(context, sender, asker, id, relay),
                    [self = shared_from_this()](const std::exception_ptr& /*ended*/) {});

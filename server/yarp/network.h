@@ -31,6 +31,7 @@ struct YarpNetworkOptions {
   std::string own_ip;                  // for names in the table without an address
   std::string address;                 // receives datagrams
   std::optional<YarpDialect> dialect;  // of readers; nullopt: each is asked
+  bool trusts_this_machine = true;     // its programs need no token
   /// Reader `name` acknowledged step `step`; it receives every `every`th step. gone: the reader has gone. Any
   /// thread.
   std::function<void(std::uint64_t id, const std::string& name, std::uint64_t step, int every)> taken = {};

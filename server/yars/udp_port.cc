@@ -175,7 +175,9 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
   // Connection
   ClientId id() const override { return id_; }
   const std::string& peer() const override { return client_ ? client_->peer_text : nobody_; }
-  bool trusted() const override { return client_ && client_->peer.address().is_loopback(); }
+  bool trusted() const override {
+    return net_.trusts_this_machine() && client_ && client_->peer.address().is_loopback();
+  }
   bool input_ended() const override { return false; }
   bool output_ended() const override { return false; }
   bool Push(const UnaskedPtr& /*message*/, std::int64_t /*dropped*/) override { return true; }

@@ -325,6 +325,24 @@ class ChannelTest(unittest.TestCase):
         driver.sensors()
         self.assertEqual(self.steps_run(), 0)
 
+    def test_with_a_token_for_all_udp_clients_of_this_machine_drive_and_do_not_reset(self):
+        self.serve(STILL, "--token-for-all")
+        driver = self.udp()
+        driver.step([1, 1, 0])
+        self.assertIn(b"may drive its robot, not change the world", driver.ask(50, 0, -1))
+        self.assertFalse(driver.load(STILL))
+        self.assertEqual(self.steps_run(), 5)
+
+    def test_with_a_token_for_all_tcp_clients_of_this_machine_drive_and_do_not_reset(self):
+        self.serve(STILL, "--token-for-all")
+        client = self.tcp()
+        client.actuators([1, 1, 0])
+        client.sensors()
+        client.reset(seed=9)
+        client.sensors()
+        until(lambda: "may drive its robot, not change the world" in self.daemon.stderr())
+        self.assertGreaterEqual(self.steps_run(), 5)
+
     def test_a_client_that_dies_in_the_middle_leaves_the_robot_to_the_next(self):
         self.serve()
         first = self.tcp()

@@ -131,6 +131,10 @@ class Host:
                 return int(pid)
         return 0
 
+    def await_other_daemon(self, name, old):
+        """Until the seat has another daemon, to which the host passes connections."""
+        until(lambda: self.daemon(name) not in (0, old) and self.tiles()[name]["daemon"] == "running")
+
     def kill(self):
         """As a power cut would, but for the daemons."""
         self.process.kill()

@@ -96,6 +96,13 @@ class SweepTest(SweepCase):
         self.sweep("--client", "python3 nofile.py {server}", "--duration", "1", code=1)
         self.assertRegex(self.results()[0]["error"], "exit code 2: .*nofile.py")
 
+    def test_a_client_has_no_seat_of_a_class(self):
+        """Whatever COOPDYN_SEAT says: the daemon of a run is no class."""
+        client = self.write("mine.py", "import os\nraise SystemExit('the seat is ' + repr(os.environ['COOPDYN_SEAT']))\n")
+        self.scenario = self.write("one.scenario", "[FLOOR]\nsize 8 8\n[ROBOT_1]\ntype coopbot\nname eva\nposition 0 0\n")
+        self.sweep("--client", f"python3 {client}", "--duration", "1", code=1, env=dict(os.environ, COOPDYN_SEAT="ana:7305"))
+        self.assertIn("the seat is ''", self.results()[0]["error"])
+
     def test_what_a_client_logs_after_the_end_is_refused(self):
         client = self.write("mine.py", "import sys\nsys.path.insert(0, sys.argv[2])\nimport coopdyn\nsim = coopdyn.connect(sys.argv[1])\nr = sim.robot('eva')\n"
                             "k = 0\nwhile True:\n    r.set_velocity(0.2, 0)\n    sim.log('turns', k)\n    sim.step()\n    k += 1\n")

@@ -16,7 +16,8 @@ classdef Simulation < coopdyn.internal.RunCalls
   end
   methods
     function sim = Simulation(options)
-      address = coopdyn.internal.address(options.server, options.name, options.token, options.timeout);
+      address = coopdyn.internal.address(options.server, options.name, options.token, options.timeout, ...
+                                         options.seat, options.pin);
       session = coopdyn.internal.Session(address, options.watch);
       if isfield(options, 'process')
         session.process = options.process;  % coopdyn.launch has started it

@@ -7,6 +7,8 @@ function sim = connect(varargin)
 %   sim = coopdyn.connect('labserver', 'name', 'ana', 'token', 'T', 'timeout', 3, 'watch', false)
 %   name: who drives (default user@host:pid, no spaces); a new connection of the same name takes a robot over.
 %   token: what the daemon printed, needed from other machines to change the world.
+%   sim = coopdyn.connect('labserver', 'seat', 'ana', 'pin', '7305')   your seat in a class (coopdyn host), as on your sheet;
+%     without, COOPDYN_SEAT=ana:7305; 'seat', '': none. A PIN is a text: a number loses the zeros at its beginning.
 %   timeout: seconds until connecting gives up.   watch: never drives a robot, only looks on.
 %   Errors have identifiers coopdyn:owned, coopdyn:no_such_name, coopdyn:timed_out, coopdyn:connection ...
 %   If another client resets the world or loads a scenario, the next reading, command or step raises coopdyn:reset, once.
@@ -16,7 +18,7 @@ function sim = connect(varargin)
     server = varargin{1};
     varargin(1) = [];
   end
-  known = struct('server', {server}, 'name', '', 'token', '', 'timeout', 3, 'watch', false);
+  known = struct('server', {server}, 'name', '', 'token', '', 'timeout', 3, 'watch', false, 'seat', [], 'pin', []);
   if nargin > 1 && mod(nargin, 2) == 0 && isnumeric(varargin{2}) && isscalar(varargin{2}) ...
       && coopdyn.internal.is_text(varargin{1}) && ~isfield(known, lower(char(varargin{1})))
     host = char(varargin{1});

@@ -2,21 +2,25 @@
 function ok = doctor(server, varargin)
 %DOCTOR Walks from the name of the server to a round trip; prints ok, or cause and cure, per line.
 %   coopdyn.doctor()   coopdyn.doctor('labserver:10100')   coopdyn.doctor('labserver', 'token', 'T')
+%   coopdyn.doctor('labserver', 'seat', 'ana', 'pin', '7305')
   if nargin < 1
     server = '';
   end
-  options = coopdyn.internal.options(varargin, struct('token', ''));
+  options = coopdyn.internal.options(varargin, struct('token', '', 'seat', [], 'pin', []));
   ok = false;
   try
-    a = coopdyn.internal.address(server, '', options.token, 3);
+    a = coopdyn.internal.address(server, '', options.token, 3, options.seat, options.pin);
     say(['server: ' a.text ' (' environment() ')']);
     socket = coopdyn.internal.dial(a);
     clear socket
     say(sprintf('port: %d is open', a.port));
     modules = coopdyn.internal.ask_names(a);
+    if ~isempty(a.seat)
+      say(['seat: ' a.seat ' is yours, by its PIN']);
+    end
     ports = [modules.port 0];
     say(sprintf('names: %d modules on ports up to %d; this client needs %d only', numel(modules), max(ports), a.port));
-    sim = coopdyn.connect(server, 'token', options.token);
+    sim = coopdyn.connect(server, 'token', options.token, 'seat', options.seat, 'pin', options.pin);
     s = sim.status();
     say(sprintf('versions: daemon %s, protocol %d', char(s.version), s.protocol));
     took = zeros(1, 50);

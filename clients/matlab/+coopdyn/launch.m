@@ -60,7 +60,8 @@ function sim = launch(scenario, varargin)
   process = str2double(said);
   server = wait_for(process, files, o.timeout);
   try
-    sim = coopdyn.Simulation(struct('server', server, 'name', '', 'token', '', 'timeout', 3, 'watch', false, 'process', process));
+    sim = coopdyn.Simulation(struct('server', server, 'name', '', 'token', '', 'timeout', 3, 'watch', false, ...
+                                    'seat', '', 'pin', '', 'process', process));
   catch failed
     coopdyn.internal.end_process(process);
     rethrow(failed);

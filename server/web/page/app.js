@@ -21,6 +21,7 @@ import {Scores} from './scores.js';
 import {askHost, isAwake, SEAT} from './seat.js';
 import {Strip} from './strip.js';
 import {StripHistory} from './strip_history.js';
+import {Task} from './task.js';
 import {Timeline} from './timeline.js';
 import {keepToken, rememberedToken} from './token.js';
 import {View} from './view.js';
@@ -47,6 +48,7 @@ const joystick = new Joystick(connection);
 const robots = new Robots(connection);
 const lines = new Console(connection);
 const scores = new Scores();
+const task = new Task();
 
 /** The view drawn by the browser; without WebGL, or with ?view=server, the daemon's pictures. */
 async function openView() {
@@ -103,6 +105,7 @@ connection.addEventListener('status', ({detail: status}) => {
   controls.update(status);
   if (!status) return;  // the other parts keep their last state
   scores.update(status);
+  task.update(status);
   timeline.update(status.playback);
   if (greeted) links.follow(status);
   plots.update(status);

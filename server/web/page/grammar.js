@@ -41,6 +41,12 @@ export const GRAMMAR = {
     supervisor: ['a loaded controller of the world', 'supervisor referee rounds=5'],
     waits_for: ['programs of YARP that a step of lockstep waits for', 'waits_for yarp /my/controller'],
   },
+  TASK: {
+    title: ['what it is called', 'title Reach the red target'],
+    text: ['a paragraph, or with "- " an item of a list, in Markdown; may be repeated', 'text Do not touch the **walls**.'],
+    hint: ['opened by the student, one after the other; may be repeated', 'hint Turn towards the target first.'],
+    counts: ['what is worth points; may be repeated', 'counts 2 points: the target is reached within 20 s'],
+  },
   FLOOR: {
     size: ['length width [height], m', 'size 10 8'],
     color: ['a colour word, or R G B', 'color lightgray', COLORS],
@@ -92,7 +98,7 @@ export const GRAMMAR = {
 
 /** Section templates: the name in brackets, and the first lines. */
 export const TEMPLATES = [
-  ['WORLD', 'file arena.world'], ['SIMULATION', 'mode realtime'], ['FLOOR', 'size 10 8'], ['TARGET', 'red 2 0'],
+  ['WORLD', 'file arena.world'], ['TASK', 'title Reach the red target\ntext Do not touch the **walls**.'], ['SIMULATION', 'mode realtime'], ['FLOOR', 'size 10 8'], ['TARGET', 'red 2 0'],
   ['ROBOT_1', 'type coopbot\nposition 0 0'], ['SWARM_1', 'type minibot\ncount 20'], ['LIGHT_1', 'position 0 0 2.5'],
   ['BOX_1', 'type box\nsize 0.5 0.5 0.5\nposition 1 1\nmass 2'], ['WALL_1', 'type box\nsize 4 0.1 0.5\nposition 0 2'],
   ['BALL_1', 'type sphere\nsize 0.3\nposition 1 0\nmass 0.5'], ['CYLINDER_1', 'type cylinder\nsize 0.4 0.4 0.5\nposition -1 0'],

@@ -68,10 +68,12 @@ class FakeDaemon:
     """`refuse`: the robot whose commands get error 4 while it is set. `silent`: accepts and says nothing.
     `says`: answers every line with this. `break_replies`: how many times a reply ends in its middle, and the
     connection with it. `delay_s`: how late replies to actuator commands come in real time. `hold`: requests for a pose get no reply
-    until it is false. `page`: there is one. `sensors`: robots have those of fake_sensors, too. A client may set these too: `load_scenario` with the text `!refuse=robot3`, `!delay_s=0.3` …"""
+    until it is false. `page`: there is one. `seat`: it is a class with this seat, "ana:7305";
+    `entries` has the first line of each connection to it, and `seat_ends` of the next ones end once the seat is taken. `path`: of a unix
+    socket, in place of the port. `sensors`: robots have those of fake_sensors, too. A client may set these too: `load_scenario` with the text `!refuse=robot3`, `!delay_s=0.3` …"""
 
     def __init__(self, robots=1, mode=0, protocol=1, silent=False, says="", dribble=False, refuse="", delay_s=0.0, targets=TARGETS,
-                 sensors=False):
+                 sensors=False, seat="", path=""):
         self.targets = targets
         self.kinds = {**{m: m for m in FIRST}, **(fake_sensors.MODULES if sensors else {})}  # types of modules, by name
         self.robots = [Robot(i + 1) for i in range(robots)]
@@ -79,12 +81,19 @@ class FakeDaemon:
         self.dribble, self.refuse, self.delay_s, self.break_replies, self.hold = dribble, refuse, delay_s, 0, False
         self.dt, self.step, self.resets, self.state, self.stopping = 0.01, 0, 0, "running", False
         self.swarm, self.runs, self.page = Swarm(self), Runs(self), True
+        self.seat, self.entries, self.seat_ends = seat, [], 0
         self.received = []  # (module, command, params, data) of every request
         self.lock = threading.Condition()
         self.connections = []
-        self.listener = socket.create_server(("127.0.0.1", 0), backlog=64)
-        self.port = self.listener.getsockname()[1]
-        self.server = f"127.0.0.1:{self.port}"
+        if path:
+            self.listener = socket.socket(socket.AF_UNIX)
+            self.listener.bind(path)
+            self.listener.listen(64)
+            self.port, self.server = 0, f"unix:{path}"
+        else:
+            self.listener = socket.create_server(("127.0.0.1", 0), backlog=64)
+            self.port = self.listener.getsockname()[1]
+            self.server = f"127.0.0.1:{self.port}"
         self.threads = [threading.Thread(target=run, daemon=True) for run in (self._accept, self._pace)]
         for t in self.threads:
             t.start()
@@ -162,7 +171,8 @@ class FakeDaemon:
                 sock, _ = self.listener.accept()
             except OSError:
                 return
-            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            if self.port:
+                sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             connection = Connection(self, sock)
             self.connections.append(connection)
             self.threads.append(threading.Thread(target=self._serve, args=(connection,), daemon=True))
@@ -194,6 +204,20 @@ class FakeDaemon:
             return
         if line.startswith("GET "):
             return c.write(self.runs.page(line, file))
+        if self.seat:
+            self.entries.append(line)
+            if not line.startswith("SEAT "):
+                return c.write(b"error 12 this is a class: begin with SEAT NAME PIN\n")
+            if line.split()[1:3] != self.seat.split(":"):
+                return c.write(b"error 12 no seat with this PIN\n")
+            line = file.readline().decode().strip()  # which has come with the one before
+            c.write(b"ok\n")
+            if self.seat_ends:
+                self.seat_ends -= 1
+                return
+        elif line.startswith("SEAT "):
+            c.write(b'*** refused: "SEAT" is not a request: help lists all\r\n*** end of message\r\n')
+            line = file.readline().decode().strip()
         name = ""
         while name not in self.modules():
             if line.startswith("NAME_SERVER list"):
@@ -392,10 +416,12 @@ def main():
     parser.add_argument("--delay", type=float, default=0.0)
     parser.add_argument("--no-targets", action="store_true")
     parser.add_argument("--sensors", action="store_true")
+    parser.add_argument("--seat", default="")
+    parser.add_argument("--path", default="")
     a = parser.parse_args()
     targets = () if a.no_targets else TARGETS
     daemon = FakeDaemon(a.robots, MODES.index(a.mode), a.protocol, a.silent, a.says, a.dribble, a.refuse, a.delay, targets,
-                         a.sensors)
+                         a.sensors, a.seat, a.path)
     print(f"ready names={daemon.server} http=off robots={a.robots}", flush=True)
     sys.stdin.read()  # until whoever started it goes away
     daemon.stop()

@@ -161,6 +161,26 @@ TEST(SimulationTest, MisspeltSectionIsGuessed) {
   EXPECT_THAT(Read("[SIMULATON]\nmode free\n").messages, HasSubstr("did you mean [SIMULATION]?"));
 }
 
+TEST(TaskTest, LinesAreParagraphsAndThoseWithADashAList) {
+  const auto scenario = Good(
+      "[TASK]\ntitle Reach the red target\ntext Drive **there**.\ntext - slowly\ntext - gently\ntext Then "
+      "stop.\n"
+      "hint Look first.\nhint Turn left.\ncounts 2 points: arrived\n");
+  EXPECT_EQ(scenario->task.title, "Reach the red target");
+  EXPECT_EQ(scenario->task.text, "Drive **there**.\n\n- slowly\n- gently\n\nThen stop.");
+  EXPECT_EQ(scenario->task.hints, (std::vector<std::string>{"Look first.", "Turn left."}));
+  EXPECT_EQ(scenario->task.counts, (std::vector<std::string>{"2 points: arrived"}));
+}
+
+TEST(TaskTest, UnknownKeysAreGuessedAndTooMuchTextIsRefused) {
+  EXPECT_THAT(Read("[TASK]\nhits Look\n").messages,
+              HasSubstr("unknown key 'hits' in [TASK]; did you mean 'hint'?"));
+  EXPECT_THAT(Read("[TASK]\ntitle a\ntitle b\n").messages, HasSubstr("[TASK] has one title"));
+  std::string hints = "[TASK]\n";
+  for (int i = 0; i < 25; ++i) hints += "hint more\n";
+  EXPECT_THAT(Read(hints).messages, HasSubstr("at most 20000 bytes of text, 20 hints"));
+}
+
 TEST(TargetTest, ColoursRepeatAndNumbersTakeAPalette) {
   const auto scenario = Good("[TARGET]\nred 1 0 0\nred 2 0 0\ncolor_3 3 0 0\n");
   ASSERT_EQ(scenario->targets.size(), 3u);

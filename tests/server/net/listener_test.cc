@@ -43,6 +43,22 @@ TEST_F(LocalListenerTest, AcceptsWithTheProcessOfThePeer) {
   thread_.Call([this] { EXPECT_EQ(peer_, "unix:" + std::to_string(getpid()) + " trusted"); });
 }
 
+TEST_F(LocalListenerTest, WithATokenForAllNoPeerOfThisMachineIsTrusted) {
+  NetServices wary(NullLogger(), clock_, StandardEncodings(), false, false);
+  std::string peers;
+  auto listener = std::make_unique<Listener>(
+      thread_.context(), wary,
+      [&peers](UniqueFd, const PeerInfo& peer) { peers += peer.trusted ? "+" : "-"; });
+  ASSERT_EQ(listener->Listen({"127.0.0.1"}, 0), "");
+  ASSERT_EQ(listener->ListenLocal(name_), "");
+  EXPECT_EQ(TestClient::ConnectLocal(name_).Line(), "<end>");
+  EXPECT_EQ(TestClient::Connect(listener->port()).Line(), "<end>");
+  thread_.Call([&] {
+    EXPECT_EQ(peers, "--");
+    listener.reset();
+  });
+}
+
 TEST_F(LocalListenerTest, ANameThatIsTakenIsSaidAndTcpListensOn) {
   Listener other(thread_.context(), services_, nullptr);
   ASSERT_EQ(other.ListenLocal(name_), "");

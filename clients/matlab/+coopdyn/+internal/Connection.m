@@ -40,16 +40,17 @@ classdef Connection < handle
     % Opens (again) and says hello.
       c.close();
       c.notice = '';
-      socket = coopdyn.internal.dial(c.address);
-      write(socket, uint8(['OPEN ' c.module char(10)]));
-      said = c.line_of(socket);
-      if ~strcmp(said, 'ok')
-        % error 10 no such name /robot9/motors; did you mean /robot1/motors
-        found = regexp(said, '^error (\d+) (.+)$', 'tokens', 'once');
-        if ~isempty(found)
-          coopdyn.internal.fail(str2double(found{1}), found{2});
+      started = tic;
+      while true
+        socket = coopdyn.internal.dial(c.address);
+        said = strtrim(strtok(coopdyn.internal.begin(c.address, socket, ['OPEN ' c.module], '\n'), char(10)));
+        if ~isempty(said) || isempty(c.address.seat) || toc(started) > c.address.timeout
+          break
         end
-        coopdyn.internal.not_a_daemon(c.address, said);
+        pause(0.2);  % the daemon of the seat has just ended: the class starts it again
+      end
+      if ~strcmp(said, 'ok')
+        coopdyn.internal.refuse(c.address, said);
       end
       c.socket = socket;
       if c.octave && exist('__tcpclient_read__')  % of instrument-control
@@ -283,31 +284,9 @@ classdef Connection < handle
     function lost(c)
       c.close();
       if isempty(c.notice)
-        coopdyn.internal.fail(-1, 'the daemon closed the connection; is it still running?');
+        coopdyn.internal.fail(-1, ['the daemon closed the connection; ' c.address.why_lost]);
       end
       coopdyn.internal.fail(-1, ['the daemon closed the connection: ' c.notice]);
-    end
-
-    function said = line_of(c, socket)
-    % The one line that the name port answers; nothing follows it unasked.
-      said = '';
-      started = tic;
-      while isempty(said) || said(end) ~= char(10)
-        n = socket.NumBytesAvailable;
-        if n > 0
-          said = [said char(read(socket, n))]; %#ok<AGROW>
-        elseif toc(started) > c.address.timeout
-          coopdyn.internal.fail(11, [c.address.text ' accepts connections but does not answer: the daemon is stopped ' ...
-                                     'or busy, or something else listens there; try coopdyn status']);
-        elseif toc(started) > 0.002
-          pause(0.001);
-        end
-      end
-      said = strtrim(said);
-      newline = find(said == char(10), 1);
-      if ~isempty(newline)
-        said = strtrim(said(1:newline - 1));
-      end
     end
   end
 end

@@ -1,6 +1,11 @@
 % SPDX-License-Identifier: MIT
-function a = address(server, name, token, timeout)
-%ADDRESS Where the daemon is and who we are: host, port, text, name, hello, reader_hello, timeout.
+function a = address(server, name, token, timeout, seat, pin)
+%ADDRESS Where the daemon is and who we are: host, port, text, name, hello, reader_hello, timeout, seat, pin, why_lost.
+%   seat and pin: of a class; both []: COOPDYN_SEAT; seat '': none.
+  if nargin < 6
+    seat = [];
+    pin = [];
+  end
   forms = '; write HOST, HOST:PORT, or a port of this machine, e.g. ''labserver:10100''';
   if isnumeric(server) && isempty(server)
     server = '';
@@ -19,6 +24,10 @@ function a = address(server, name, token, timeout)
   if ~isempty(strfind(given, '://'))
     coopdyn.internal.fail(4, [given ' is the address of the page; a program connects to the name server, whose HOST:PORT ' ...
       '`coopdyn serve` prints: write e.g. coopdyn.connect(''127.0.0.1:10000'')']);
+  end
+  if strncmp(given, 'unix:/', 6)
+    coopdyn.internal.fail(4, ['MATLAB and Octave connect by TCP only, not to ' given ': write HOST:PORT, or use the client in ' ...
+      'Python or C++']);
   end
   host = given;
   port = 10000;
@@ -53,6 +62,11 @@ function a = address(server, name, token, timeout)
   a.hello = strtrim([name ' ' char(token)]);
   a.reader_hello = strtrim([name ':reader ' char(token)]);
   a.timeout = coopdyn.internal.number(timeout, 'timeout [s]');
+  [a.seat, a.pin] = coopdyn.internal.seat_and_pin(seat, pin);
+  a.why_lost = 'is the daemon still running?';
+  if ~isempty(a.seat)
+    a.why_lost = ['the class starts the daemon of the seat ' a.seat ' again where it was: run your program again'];
+  end
 end
 
 function name = default_name()

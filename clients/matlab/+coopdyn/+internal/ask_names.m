@@ -2,22 +2,12 @@
 function modules = ask_names(a)
 %ASK_NAMES Every name of the daemon: a 1 x n struct with name, host, port.
   socket = coopdyn.internal.dial(a);
-  write(socket, uint8(['NAME_SERVER list' char(10)]));
-  said = '';
-  started = tic;
-  while isempty(strfind(said, '*** end of message'))
-    n = socket.NumBytesAvailable;
-    if n > 0
-      said = [said char(read(socket, n))]; %#ok<AGROW>
-      if any(said == char(10)) && isempty(regexp(said, '^(registration |\*\*\*)', 'once'))
-        coopdyn.internal.not_a_daemon(a, strtrim(strtok(said, char(10))));
-      end
-    elseif toc(started) > a.timeout
-      coopdyn.internal.fail(11, [a.text ' does not answer: the daemon is stopped or busy, or something else listens there']);
-    else
-      pause(0.001);
-    end
+  known = '^(registration |\*\*\*)';
+  said = coopdyn.internal.begin(a, socket, 'NAME_SERVER list', '\n');
+  if isempty(regexp(said, known, 'once'))
+    coopdyn.internal.refuse(a, strtrim(strtok(said, char(10))));
   end
+  said = coopdyn.internal.hear(a, socket, said, '\*\*\* end of message', a.timeout);
   found = regexp(said, 'registration name (/\S+) ip (\S+) port (\d+)', 'tokens');
   if isempty(found)
     coopdyn.internal.not_a_daemon(a, 'a list without modules');

@@ -10,13 +10,20 @@ function download(session, path, file, what, limit)
   part = [file '.part'];
   cleanup = onCleanup(@() remove(part));
   try
-    if coopdyn.internal.is_octave()
+    seat = session.address.seat;
+    more = weboptions('Timeout', limit);
+    if ~isempty(seat)
+      more.HeaderFields = {'Authorization', ['Bearer ' seat ':' session.address.pin]};
+    end
+    if ~coopdyn.internal.is_octave()
+      websave(part, url, more);
+    elseif isempty(seat)
       [~, ok, message] = urlwrite(url, part);
       if ~ok
         coopdyn.internal.raise('coopdyn:not_possible', message);
       end
-    else
-      websave(part, url, weboptions('Timeout', limit));
+    else  % Octave has no websave, and urlwrite no headers
+      save_bytes(part, webread(url, more));
     end
   catch cause
     coopdyn.internal.fail(5, ['no ' what ' from ' url ': ' strtrim(cause.message)]);
@@ -24,6 +31,13 @@ function download(session, path, file, what, limit)
   [ok, message] = movefile(part, file, 'f');
   if ~ok
     coopdyn.internal.fail(5, ['cannot write ' file ': ' message]);
+  end
+end
+
+function save_bytes(file, bytes)
+  f = fopen(file, 'w');
+  if f < 0 || fwrite(f, uint8(bytes)) < numel(bytes) || fclose(f) ~= 0
+    coopdyn.internal.raise('coopdyn:not_possible', ['cannot write ' file]);
   end
 end
 

@@ -15,8 +15,8 @@ function lose(session, link, cause)
   if isempty(why)  % Octave loses a notice that comes together with the end of the connection
     why = new_owner(session.address, link.names{1});
   end
-  if isempty(why)
-    coopdyn.internal.fail(-1, ['the connection to ' link.label ' broke; is the daemon still running?']);
+  if isempty(why) || (~isempty(session.address.seat) && strcmp(why, 'it was freed'))  % the seat's next daemon says so, too
+    coopdyn.internal.fail(-1, ['the connection to ' link.label ' broke; ' session.address.why_lost]);
   end
   if ~isempty(regexp(why, 'is not in the new scenario$|^it is not there any more$', 'once'))
     session.new_world('load');

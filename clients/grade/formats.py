@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: MIT
+"""Grades as others' systems read them: Gradescope, Autolab, Moodle, and a table."""
+import csv
+import json
+import os
+
+import page
+from plan import Wrong
+from results import put, table
+
+kKept = ("key", "label", "hidden", "seed", "steps", "time_s", "hash", "scores", "met_s", "points", "earned", "void", "ended", "sentence", "trouble", "recording")
+
+
+def rounded(value):
+    return round(value, 4)
+
+
+def gradescope(grading, grade, show_hidden):
+    """results.json: `score` counts; a test for each [POINTS_n]; the runs in `extra_data`, where an appeal finds them."""
+    assignment = grade.assignment
+    better = {id(points): (value, earned) for points, value, earned in grade.improvements()}
+    tests = []
+    for number, (points, earned) in enumerate(zip(assignment.points, grade.earned), 1):
+        test = {"number": str(number), "name": points.score, "score": rounded(earned), "max_score": points.most, "visibility": "visible"}
+        test["output"] = page.improvement(grade, points, *better[id(points)]) if id(points) in better else "All points."
+        tests.append(test)
+    lines = [] if grading.stage.sandbox.who != "none" else ["GRADED WITHOUT A SANDBOX."]
+    lines += [grade.sentence] if grade.submission.refused else [f"{one['label']}: {page.points_text(one['points'])} points. {one['sentence']}" for one in grade.runs]
+    lines.append(f"The grade is the mean of {len(grade.runs)} runs: {page.points_text(grade.points)} of {page.points_text(assignment.most)} points.")
+    seeds = {label: seed for label, seed, _ in grading.seeds}
+    runs = []
+    for one in grade.runs:
+        kept = {name: one[name] for name in kKept}
+        if one["hidden"] and show_hidden:
+            kept["seed"] = seeds[one["label"]]
+        runs.append({**kept, "points": rounded(kept["points"]), "earned": [rounded(earned) for earned in kept["earned"]]})
+    return {
+        "score": rounded(grade.points), "output": "\n".join(lines), "visibility": "visible", "stdout_visibility": "hidden", "tests": tests,
+        "extra_data": {"name": grade.name, "id": grade.submission.id, "max_score": assignment.most, "assignment": assignment.title,
+                       "assignment_digest": assignment.digest, "submission_digest": grade.submission.digest, "version": grading.version,
+                       "digests": grading.digests, "sandbox": grading.stage.sandbox.who != "none", "graded": not grade.troubles, "runs": runs}}
+
+
+def as_text(result):
+    return json.dumps(result, indent=1, sort_keys=True, ensure_ascii=False) + "\n"
+
+
+def autolab(grade):
+    """The last line that an autograder of Autolab prints."""
+    scores = {}
+    for points, earned in zip(grade.assignment.points, grade.earned):
+        scores[points.score] = rounded(scores.get(points.score, 0) + earned)
+    return json.dumps({"scores": scores})
+
+
+def grades_csv(grading, grades):
+    names = [one.score for one in grading.assignment.points]
+    rows = [["name", "id", "points", "of", *names, "runs", "runs that earn nothing", "sentence", "sandbox"]]
+    for grade in grades:
+        rows.append([grade.name, grade.submission.id, rounded(grade.points), grading.assignment.most, *map(rounded, grade.earned), len(grade.runs),
+                     sum(one["void"] for one in grade.runs), grade.sentence, "no" if grading.stage.sandbox.who == "none" else "yes"])
+    put(os.path.join(grading.out, "grades.csv"), table(rows))
+
+
+def moodle_csv(grading, grades, worksheet):
+    """The worksheet that Moodle takes under "Upload grading worksheet". With the one that Moodle has given, its rows with grades and comments;
+    else one with the columns that it needs."""
+    def comment(grade):
+        return "; ".join([*([grade.sentence] if grade.sentence else []), *(page.improvement(grade, *one) for one in grade.improvements())]) or "All points."
+
+    by_id = {grade.submission.id: grade for grade in grades if grade.submission.id}
+    if not worksheet:
+        rows = [["Identifier", "Full name", "Grade", "Maximum Grade", "Last modified (grade)", "Feedback comments"]]
+        rows += [[f"Participant {grade.submission.id}", grade.name, rounded(grade.points), grading.assignment.most, "-", comment(grade)] for grade in grades]
+    else:
+        try:
+            with open(worksheet, newline="", encoding="utf-8-sig") as stream:
+                rows = list(csv.reader(stream))
+        except (OSError, UnicodeDecodeError) as error:
+            raise Wrong(f"--worksheet {worksheet} cannot be read: {error}") from None
+        if not rows or not {"Identifier", "Grade"} <= set(rows[0]):
+            raise Wrong(f"--worksheet {worksheet}: its first line has no Identifier and Grade: download it from the assignment in Moodle")
+        for row in rows[1:]:
+            own = dict(zip(rows[0], range(len(row))))
+            grade = by_id.get(row[own["Identifier"]].rpartition(" ")[2])
+            if grade:
+                row[own["Grade"]] = rounded(grade.points)
+                if "Feedback comments" in own:
+                    row[own["Feedback comments"]] = comment(grade)
+    path = os.path.join(grading.out, "moodle.csv")
+    put(path, table(rows))
+    return path

@@ -1,0 +1,302 @@
+# SPDX-License-Identifier: MIT
+"""What students hand in: folders, .zip, .tar and .tar.gz, as Moodle and Gradescope name them. Copies each into a folder of its
+own, without links and without whatever leads out of it."""
+import gzip
+import hashlib
+import os
+import re
+import shutil
+import stat
+import tarfile
+import zipfile
+import zlib
+
+from plan import Wrong
+
+kMostBytes = 256 << 20
+kMostFiles = 10_000
+kArchives = (".zip", ".tar", ".tar.gz", ".tgz")
+kNotTheirs = ("__MACOSX", ".DS_Store", "Thumbs.db", ".git", "__pycache__")
+kChunk = 1 << 20
+
+
+class Refused(Exception):
+    """A submission that is not taken, and why: a sentence for its student."""
+
+
+class Submission:
+    """`name` of whoever handed it in, also that of its folder in OUT; `id` as the school's system has it, or empty; `source`, where
+    it is."""
+
+    def __init__(self, name, identity, source):
+        self.name, self.id, self.source = name, identity, source
+        self.files = {}  # name: (executable, digest), once copied
+        self.refused = None  # a sentence
+        self.folder = None
+
+    @property
+    def digest(self):
+        text = "".join(f"{name}\0{executable:d}{content}\n" for name, (executable, content) in sorted(self.files.items()))
+        return hashlib.sha256(text.encode("utf-8", "surrogateescape")).hexdigest()[:16]
+
+
+def is_archive(path):
+    return path.lower().endswith(kArchives)
+
+
+def without_ending(name):
+    for ending in sorted(kArchives, key=len, reverse=True):
+        if name.lower().endswith(ending):
+            return name[:-len(ending)]
+    return name
+
+
+def safe(name):
+    """A name for a folder."""
+    kept = re.sub(r"[^\w .@+-]", "_", name).strip(" .").lstrip("+-@")[:100]
+    return kept if kept and kept != "hidden" else f"_{kept}"
+
+
+def name_and_id(entry):
+    """Of a file or folder: Moodle's Name_12345_assignsubmission_file_main.zip, Gradescope's submission_12345, or anything else."""
+    moodle = re.match(r"(.+?)_(\d+)_assignsubmission_\w*?file", entry)
+    if moodle:
+        return moodle[1], moodle[2]
+    gradescope = re.fullmatch(r"submission_(\d+)", without_ending(entry))
+    return without_ending(entry), gradescope[1] if gradescope else ""
+
+
+def gradescope_names(folder):
+    """{folder: (name, id)} of an export's submission_metadata.yml, of which only these lines are looked at."""
+    try:
+        with open(os.path.join(folder, "submission_metadata.yml"), encoding="utf-8", errors="replace") as stream:
+            text = stream.read(16 << 20)
+    except OSError:
+        return {}
+    found = {}
+    for block in re.split(r"(?m)^(?=\S)", text):
+        head = re.match(r"[\"']?(submission_\d+)[\"']?:", block)
+        people = [name.strip(" \"'") for name in re.findall(r"(?m)^[\s-]*:name:\s*(.+?)\s*$", block)]
+        sid = re.search(r"(?m)^[\s-]*:sid:\s*[\"']?([\w.-]+)", block)
+        if head and people:
+            found[head[1]] = (" and ".join(people), sid[1] if sid else head[1].removeprefix("submission_"))
+    return found
+
+
+def find(sources, folders):
+    """Of paths, and of folders each entry of which is one."""
+    entries = []
+    for source in sources:
+        if not os.path.lexists(source):
+            raise Wrong(f"there is no submission {source}: name a folder, a .zip or a .tar, or --submissions FOLDER")
+        entries.append((source, name_and_id(os.path.basename(os.path.abspath(source)))))
+    for folder in folders:
+        try:
+            listed = sorted(os.listdir(folder))
+        except OSError as error:
+            raise Wrong(f"--submissions {folder} cannot be read: {error.strerror}") from None
+        known = gradescope_names(folder)
+        for entry in listed:
+            path = os.path.join(folder, entry)
+            if entry.startswith(".") or entry in kNotTheirs or not (os.path.isdir(path) or is_archive(entry)):
+                continue
+            entries.append((path, known.get(without_ending(entry)) or name_and_id(entry)))
+    found, taken = [], set()
+    for path, (name, identity) in entries:
+        own, number = safe(name), 2
+        while own.lower() in taken:
+            own, number = f"{safe(name)} {number}", number + 1
+        taken.add(own.lower())
+        found.append(Submission(own, identity, path))
+    if not found:
+        raise Wrong("there is nothing to grade: name a folder, a .zip or a .tar, or --submissions FOLDER with some in it")
+    return found
+
+
+class Store:
+    """Where a submission is copied to; counts what it takes."""
+
+    def __init__(self, folder):
+        self.folder, self.bytes, self.files = folder, 0, {}
+
+    def add(self, name, executable, chunks):
+        parts = self.parts_of(name)
+        if any(part in kNotTheirs for part in parts):
+            return
+        if len(self.files) >= kMostFiles:
+            raise Refused(f"It has more than {kMostFiles:,} files.")
+        name = "/".join(parts)
+        if name in self.files:
+            raise Refused(f"It has {name} twice.")
+        path = os.path.join(self.folder, *parts)
+        content = hashlib.sha256()
+        try:
+            os.makedirs(os.path.dirname(path), exist_ok=True)
+            with open(path, "xb") as stream:
+                for chunk in chunks:
+                    self.bytes += len(chunk)
+                    if self.bytes > kMostBytes:
+                        raise Refused(f"It has more than {kMostBytes >> 20} MiB.")
+                    content.update(chunk)
+                    stream.write(chunk)
+        except (NotADirectoryError, FileExistsError, IsADirectoryError):
+            raise Refused(f"It has a file and a folder of the same name: {name}.") from None
+        os.chmod(path, 0o755 if executable else 0o644)
+        self.files[name] = (executable, content.hexdigest())
+
+    @staticmethod
+    def parts_of(name):
+        if "\0" in name or name.startswith(("/", "\\")) or re.match(r"[A-Za-z]:[\\/]", name):
+            raise Refused(f"It has a file with an absolute path, {name!r}: write archives with paths from the submission's folder.")
+        parts = [part for part in re.split(r"[/\\]", name) if part not in ("", ".")]
+        if ".." in parts:
+            raise Refused(f"It has a file outside its folder, {name!r}.")
+        if not parts or len(parts) > 32 or any(len(part.encode("utf-8", "surrogateescape")) > 255 for part in parts):
+            raise Refused(f"It has a file whose name cannot be used, {name[:80]!r}.")
+        return parts
+
+
+def chunks_of(stream):
+    while chunk := stream.read(kChunk):
+        yield chunk
+
+
+def copy_folder(source, store):
+    for root, folders, files in os.walk(source, onerror=lambda error: (_ for _ in ()).throw(error)):
+        folders[:] = sorted(folder for folder in folders if folder not in kNotTheirs)
+        for entry in [*folders, *sorted(files)]:
+            path = os.path.join(root, entry)
+            mode = os.lstat(path).st_mode
+            name = os.path.relpath(path, source)
+            if stat.S_ISLNK(mode):
+                raise Refused(f"It has a link, {name}: put the file itself there.")
+            if stat.S_ISDIR(mode):
+                continue
+            if not stat.S_ISREG(mode):
+                raise Refused(f"It has {name}, which is no file.")
+            with open(os.open(path, os.O_RDONLY | os.O_NOFOLLOW), "rb") as stream:
+                store.add(name, bool(mode & 0o100), chunks_of(stream))
+
+
+def copy_zip(source, store):
+    with zipfile.ZipFile(source) as archive:
+        for item in archive.infolist():
+            mode = item.external_attr >> 16
+            if stat.S_ISLNK(mode):
+                raise Refused(f"It has a link, {item.filename}: put the file itself there.")
+            if stat.S_IFMT(mode) not in (0, stat.S_IFREG, stat.S_IFDIR):
+                raise Refused(f"It has {item.filename}, which is no file.")
+            if item.flag_bits & 1:
+                raise Refused("It has a password.")
+            if item.is_dir():
+                Store.parts_of(item.filename)
+                continue
+            with archive.open(item) as stream:
+                store.add(item.filename, bool(mode & 0o100), chunks_of(stream))
+
+
+class Limited:
+    """Of a tar's bytes: not more than a submission could have, as its headers may be large, too."""
+
+    def __init__(self, stream):
+        self.stream, self.left = stream, 2 * kMostBytes
+
+    def read(self, count):
+        read = self.stream.read(count)
+        self.left -= len(read)
+        if self.left < 0:
+            raise Refused(f"It has more than {kMostBytes >> 20} MiB.")
+        return read
+
+
+def opened_tar(source):
+    with open(source, "rb") as stream:
+        return gzip.open(source) if stream.read(2) == b"\x1f\x8b" else open(source, "rb")
+
+
+def copy_tar(source, store):
+    with opened_tar(source) as stream, tarfile.open(fileobj=Limited(stream), mode="r|") as archive:
+        for count, item in enumerate(archive):
+            if count > 2 * kMostFiles:
+                raise Refused(f"It has more than {kMostFiles:,} files.")
+            if item.issym() or item.islnk():
+                raise Refused(f"It has a link, {item.name}: put the file itself there.")
+            if item.isdir():
+                continue
+            if not item.isreg():
+                raise Refused(f"It has {item.name}, which is no file.")
+            store.add(item.name, bool(item.mode & 0o100), chunks_of(archive.extractfile(item)))
+
+
+def copy(source, store):
+    if os.path.islink(source):
+        raise Refused("It is a link: name what it leads to.")
+    if os.path.isdir(source):
+        return copy_folder(source, store)
+    if source.lower().endswith(".zip"):
+        return copy_zip(source, store)
+    if is_archive(source):
+        return copy_tar(source, store)
+    raise Refused("It is neither a folder nor a .zip or .tar archive.")
+
+
+def printable(text):
+    return "".join(c if c.isprintable() else c.encode("unicode_escape", "surrogatepass").decode() for c in text)
+
+
+def only_entry(folder):
+    entries = [entry for entry in os.listdir(folder) if entry not in kNotTheirs]
+    return entries[0] if len(entries) == 1 else None
+
+
+def take(submission, folder, needed):
+    """Copies it to `folder`. Never raises for what is in it: `refused` says what is wrong. An archive alone in a folder is unpacked;
+    a folder alone in it is taken for it unless `needed` files are beside it."""
+    os.mkdir(folder)
+    try:
+        source = submission.source
+        if os.path.isdir(source) and not os.path.islink(source):
+            entry = only_entry(source)
+            if entry and is_archive(entry) and entry not in needed:
+                source = os.path.join(source, entry)
+        store = Store(folder)
+        copy(source, store)
+        files = store.files
+        while (inner := only_entry(folder)) and os.path.isdir(os.path.join(folder, inner)) and not any(name in files for name in needed):
+            folder = os.path.join(folder, inner)
+            files = {name.partition("/")[2]: value for name, value in files.items()}
+        submission.files, submission.folder = files, folder
+        missing = [name for name in needed if name not in files]
+        if missing:
+            raise Refused(f"{', '.join(missing)} is missing." if len(missing) == 1 else f"{', '.join(missing)} are missing.")
+    except Refused as refused:
+        submission.refused = printable(str(refused))
+    except (zipfile.BadZipFile, tarfile.TarError, zlib.error, EOFError, NotImplementedError, ValueError, RuntimeError) as error:
+        submission.refused = printable(f"The archive cannot be read: {error}.")
+    except OSError as error:
+        submission.refused = f"It cannot be read: {error.strerror or error}."
+
+
+def open_to_all(folder):
+    """Whatever the grader's umask is, the sandbox's user reads it; the folder around it keeps others out."""
+    for root, _, files in os.walk(folder):
+        os.chmod(root, 0o755)
+        for name in files:
+            path = os.path.join(root, name)
+            os.chmod(path, 0o755 if os.stat(path).st_mode & 0o100 else 0o644)
+
+
+def keep(submission, path):
+    """A copy for appeals: the same files give the same bytes."""
+    part = path + ".part"
+    with open(part, "wb") as stream, tarfile.open(fileobj=stream, mode="w", format=tarfile.PAX_FORMAT) as archive:
+        for name, (executable, _) in sorted(submission.files.items()):
+            item = archive.gettarinfo(os.path.join(submission.folder, name), arcname=name)
+            item.mode, item.mtime, item.uid, item.gid, item.uname, item.gname = 0o755 if executable else 0o644, 0, 0, 0, "", ""
+            with open(os.path.join(submission.folder, name), "rb") as content:
+                archive.addfile(item, content)
+    os.replace(part, path)
+
+
+def remove(folder):
+    shutil.rmtree(folder, ignore_errors=True)
