@@ -394,16 +394,19 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     return json::serialize(student ? room.StudentJson(route.seat) : room.WallJson());
   }
 
-  /// Events for an EventSource: EventOf(), whenever the class has changed.
+  /// Events for an EventSource: EventOf(), whenever it has changed.
   asio::awaitable<void> Stream(GuestPtr guest, const ClassRoute& route) {
     const std::string head = StreamHeader("Content-Type: text/event-stream\r\nCache-Control: no-store\r\n");
-    std::string out = head;
-    std::uint64_t told = 0;
+    std::string out = head, told;
+    std::uint64_t version = 0;
     asio::steady_timer pause(context);
     for (int quiet = 0;; ++quiet) {
-      if (told != room.version() || quiet >= kHeartbeat) {
-        out += told == room.version() ? ": still here\n\n" : "data: " + EventOf(route) + "\n\n";
-        told = room.version();
+      // What changes at one seat mostly leaves the others' events as they were.
+      std::string now = version == room.version() ? told : EventOf(route);
+      version = room.version();
+      if (now != told || quiet >= kHeartbeat) {
+        out += now == told ? ": still here\n\n" : "data: " + now + "\n\n";
+        told = std::move(now);
         quiet = 0;
       }
       guest->stream.expires_after(kRequestTime);

@@ -56,8 +56,10 @@ const char* StateWord(const Seat& seat) {
   return seat.put_aside() ? ToString(SeatState::kAsleep) : ToString(seat.state());
 }
 
-bool IsRelevant(std::string_view level) {
-  return level == "error" || level == "warning";
+/// Whether an event of the daemon is of the student's making. A slow machine is not.
+bool IsRelevant(const json::object& event) {
+  const std::string level = TextOf(event, "level");
+  return (level == "error" || level == "warning") && !TextOf(event, "text").starts_with("real time is lost");
 }
 
 }  // namespace
@@ -207,7 +209,7 @@ void ClassRoom::TakeStatus(Place& place, const std::string& body) {
       events != nullptr && events->is_array()) {
     std::string newest;
     for (const json::value& event : events->as_array()) {
-      if (event.is_object() && IsRelevant(TextOf(event.as_object(), "level")))
+      if (event.is_object() && IsRelevant(event.as_object()))
         newest = Printable(TextOf(event.as_object(), "text"), kMaxError);
     }
     if (newest != desk.last_error) {

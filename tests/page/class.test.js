@@ -4,8 +4,9 @@ import assert from 'node:assert/strict';
 import {readFileSync} from 'node:fs';
 import {join} from 'node:path';
 import {before, test} from 'node:test';
-import {seatDaemon} from './seat_daemon.js';
+import {gridFor} from '../../server/web/page/wall_grid.js';
 import {eventually, hasText, newPage, startClass} from './harness.js';
+import {seatDaemon} from './seat_daemon.js';
 
 const SEATS = [{seat: 'ana', name: 'Ana Lima', group: '1'}, {seat: 'ben', name: 'Ben Okafor', group: '1'}, {seat: 'cleo', name: 'Cleo Rossi', group: '2'}];
 let host, ana, ben, wall;
@@ -103,6 +104,52 @@ test('a tile shows the world of a seat that runs', async () => {
 });
 
 test('the wall is nobody among the people at the seat', async () => assert.equal(await ana.locator('.person').count(), 0));
+
+test('a socket for poses alone gets no status and no people', async () => {
+  const said = await wall.evaluate(() => new Promise((done) => {
+    const socket = new WebSocket(new URL('s/ana/ws?only=poses', location.href).href.replace(/^http/, 'ws'));
+    const texts = [];
+    let poses = 0;
+    socket.binaryType = 'arraybuffer';
+    socket.onopen = () => socket.send(JSON.stringify({type: 'poses', rate: 10}));
+    socket.onmessage = ({data}) => {
+      if (typeof data === 'string') texts.push(JSON.parse(data).type);
+      else if (++poses === 10) { socket.close(); done(texts); }  // a second: five statuses would have come
+    };
+  }));
+  assert.deepEqual(said, ['hello']);
+});
+
+test('thirty tiles fit on a projector, three are not stretched over it, and a phone scrolls', () => {
+  assert.deepEqual([gridFor(30, 1900, 1010, 9).columns, gridFor(30, 1900, 1010, 9).scrolls], [6, false]);
+  assert.equal(gridFor(3, 1900, 1010, 9).columns, 2);
+  assert.deepEqual([gridFor(30, 370, 600, 9).columns, gridFor(30, 370, 600, 9).scrolls], [1, true]);
+});
+
+test('keys alone choose a tile, open its panel and close it', async () => {
+  await wall.focus(`${tile('ana')} .name`);
+  await wall.keyboard.press('ArrowRight');
+  await wall.keyboard.press('Enter');
+  await hasText(wall, '#panel h2', /^Ben Okafor$/);
+  await wall.keyboard.press('Escape');
+  await wall.waitForSelector('#panel', {state: 'hidden'});
+  assert.equal(await wall.evaluate(() => document.activeElement.textContent), 'Ben Okafor');
+});
+
+test('tiles do not move under the pointer', async () => {
+  await ben.click('#class-hand');
+  const {x, y} = await wall.locator(tile('ana')).boundingBox();
+  let way = 0;
+  await eventually(async () => {
+    await wall.mouse.move(x + 20 + (++way % 9), y + 20);
+    return await wall.getAttribute(tile('ben'), 'data-hand') === 'true';
+  });
+  assert.deepEqual(await order(), ['ana', 'ben', 'cleo']);
+  await wall.mouse.move(1, 1);
+  await eventually(async () => (await order())[0] === 'ben');
+  await ben.click('#class-hand');
+  await eventually(async () => (await order())[0] === 'ana');
+});
 
 test('a raised hand comes first', async () => {
   await wall.mouse.move(1, 1);  // the order waits for a pointer among the tiles

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The seat of a class whose page this is, by the page's address: /s/ana/, and for the teacher /wall/s/ana/.
-const [, wall, name] = /^\/(wall\/)?s\/([^/]+)\//.exec(location.pathname) ?? [];
+const [, wall, name] = /^\/(wall\/)?s\/([^/]+)\//.exec(globalThis.location?.pathname ?? '') ?? [];
 
 /** {name, teaches}; null: this daemon belongs to no class. */
 export const SEAT = name ? {name, teaches: wall !== undefined} : null;

@@ -4,6 +4,7 @@ import {ORDERS} from './class_words.js';
 import {byId, make, say, setText} from './dom.js';
 import {follow, post} from './host_events.js';
 import {listenToTheme} from './layout.js';
+import {gridFor} from './wall_grid.js';
 import {order, scenariosOf} from './wall_orders.js';
 import {Panel} from './wall_panel.js';
 import {Tile} from './wall_tile.js';
@@ -12,27 +13,10 @@ const KEPT = 'coopdyn-wall';
 const HELD_MS = 6000;     // after the last touch of the pointer or a key among the tiles, their order stays so long
 const TICK_MS = 1000;
 const MOVE_MS = 450;
-const BEST_ASPECT = 1.5;  // of a tile
-const LEAST_HEIGHT_PX = 170, LEAST_WIDTH_PX = 220;
 const FOR_ALL = ['freeze', 'thaw', 'message', 'lower_hand', 'reset', 'restart', 'push', 'take', 'give', 'aside'];
 const SHOWN_FOR_ALL = 3;  // the others are in a menu
 const COUNTED = [['hand', 'hand up', 'hands up'], ['crashed', 'crashed'], ['waiting', 'waiting'], ['running', 'running'], ['paused', 'paused'],
   ['frozen', 'frozen'], ['ended', 'ended'], ['starting', 'starting'], ['asleep', 'asleep']];
-
-/** Columns and rows for `count` tiles in a room of this size, so that they are large and of good shape. `scrolls`: they do not fit. */
-export function gridFor(count, width, height, gap) {
-  let best = {columns: 1, rows: count, size: 0, scrolls: true};
-  for (let columns = 1; columns <= count; ++columns) {
-    const rows = Math.ceil(count / columns);
-    const w = (width - gap * (columns - 1)) / columns, h = (height - gap * (rows - 1)) / rows;
-    if (columns > 1 && (w < LEAST_WIDTH_PX || h < LEAST_HEIGHT_PX)) continue;
-    if (h < LEAST_HEIGHT_PX) continue;
-    const size = Math.min(w, h * BEST_ASPECT);
-    if (size > best.size) best = {columns, rows, size, scrolls: false};
-  }
-  if (best.scrolls) best.columns = Math.max(1, Math.floor((width + gap) / (LEAST_WIDTH_PX + gap)));
-  return best;
-}
 
 class Wall {
   tiles = new Map();  // by seat
