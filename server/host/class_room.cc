@@ -217,6 +217,16 @@ void ClassRoom::TakeStatus(Place& place, const std::string& body) {
       desk.error_at = now;
     }
   }
+  const auto is_null = [&status](const char* key) {
+    const json::value* const value = status.if_contains(key);
+    return value == nullptr || value->is_null();
+  };
+  // A student has ended the recording from which the seat would continue: another one begins.
+  constexpr Nanoseconds kBetweenTries = 10 * kNanosecondsPerSecond;
+  if (is_null("recording") && is_null("playback") && now - desk.recording_tried > kBetweenTries) {
+    desk.recording_tried = now;
+    Command(place, "/recorder", "start", RunFileName(NewestRun(place.seat->folder() / "runs") + 1));
+  }
   if (brief != desk.status) Changed();
   desk.status = std::move(brief);
 }

@@ -47,6 +47,7 @@ struct Desk {
   Nanoseconds error_at = 0;
   std::vector<Nanoseconds> resets = {};  // of late
   std::int64_t last_step = 0;
+  Nanoseconds recording_tried = 0;  // when the host last began a recording that had ended
 };
 
 class ClassRoom {

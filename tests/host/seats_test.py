@@ -136,6 +136,19 @@ class Lives(unittest.TestCase):
             after = host.status("ana")
             self.assertEqual((after["step"], after["hash"]), (before["step"], before["hash"]))
 
+    def test_a_recording_that_a_student_ends_is_followed_by_another(self):
+        with Host() as host:
+            recorder = host.module("ana", "/recorder")
+            recorder.must("stop")
+            until(lambda: host.status("ana")["recording"])
+            motors = host.module("ana", "/robot1/motors")
+            for _ in range(5):
+                motors.must("set_velocity 0.2 0")
+            daemon = host.daemon("ana")
+            os.kill(daemon, signal.SIGKILL)
+            host.await_other_daemon("ana", daemon)
+            self.assertLessEqual(host.status("ana")["step"], 5)
+
     def test_an_idle_seat_is_put_aside_by_itself(self):
         with Host(REALTIME, "--idle", "0.02") as host:
             pose = host.module("ana", "/robot1/pose")

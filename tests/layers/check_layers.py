@@ -1,7 +1,7 @@
 """Checks that each library includes only what the table in docs/architecture.md lets it use.
 
 The table's rows read | `server/base/` | uses | what is inside |. Also: <ode/ode.h> only in server/physics, GL only in
-server/render, sockets (Asio, Beast) only in server/net, naming, yarp, robot, control, web and app. And that commands print through server/app/print.h.
+server/render, sockets (Asio, Beast) only in server/net, naming, yarp, robot, control, web, host and app. And that commands print through server/app/print.h.
 """
 import re
 import sys
@@ -19,7 +19,7 @@ WRITES = re.compile(r"std::(cout|cerr|clog)|\b(printf|fprintf|puts|fputs|fwrite|
 ONLY_IN = {
     r"ode/": ["server/physics"],
     r"(GL|EGL|GLES\d?)/": ["server/render"],
-    r"boost/(asio|beast)": ["server/net", "server/naming", "server/robot", "server/yarp", "server/yars", "server/control", "server/web", "server/app", "clients/cpp"],
+    r"boost/(asio|beast)": ["server/net", "server/naming", "server/robot", "server/yarp", "server/yars", "server/control", "server/web", "server/host", "server/app", "clients/cpp"],
     r"sdf/": ["server/model"],
     r"sleef": ["server/base"],
     r"assimp/": ["server/files"],

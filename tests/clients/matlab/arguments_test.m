@@ -42,6 +42,9 @@ expect_error('coopdyn:wrong_params', @() sim.set_loop(), 'write sim.set_loop(tru
 expect_error('coopdyn:wrong_params', @() coopdyn.read_run(), 'write run = coopdyn.read_run(''lesson1.mat'')');
 sim.close();
 team_sim = coopdyn.connect();
+while any(arrayfun(@(one) ~isempty(one.owner), team_sim.status().robots))  % the daemon has yet to see that sim has gone
+  pause(0.01);
+end
 team = team_sim.team();
 expect_error('coopdyn:wrong_params', @() team.step_wheels(), 'write team.step_wheels([3 3])');
 team.step([0.1 0], 'timeout', 60);

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: MIT
 """/swarm of the scripted daemon: robots that one connection drives together."""
-import select
 import struct
 
 NAMES = {"step_all": 110, "select_readings": 111, "read_all": 112, "get_team": 113, "stop_team": 114}
@@ -12,14 +11,6 @@ def encode(error, text, command, params=(), data=()):
     raw = text.encode()
     return struct.pack(f"<IiiIII{len(raw)}s{len(params)}i{len(data)}d", 20 + len(raw) + 4 * len(params) + 8 * len(data),
                        error, command, len(raw), len(params), len(data), raw, *params, *data)
-
-
-def has_left(connection):
-    """Its client has closed it, though the thread that serves it may not have seen that yet."""
-    poll = select.poll()
-    if connection.sock.fileno() >= 0:
-        poll.register(connection.sock, select.POLLRDHUP)
-    return bool(poll.poll(0))
 
 
 class Robot:
@@ -57,8 +48,6 @@ class Swarm:
             return self._ready(c, team, params[0] if params else 1)
         if command == 7:
             names = text.split()
-            robots = self.daemon.robots  # of those who have left they are free, as the daemon's are
-            self.daemon.lock.wait_for(lambda: not any(r.owner and r.owner is not c and has_left(r.owner) for r in robots))
             chosen = [r for r in self.daemon.robots if (r.name in names if names else r.owner in (None, c))]
             for r in chosen:
                 if r.owner not in (None, c):
