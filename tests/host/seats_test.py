@@ -141,13 +141,7 @@ class Lives(unittest.TestCase):
             recorder = host.module("ana", "/recorder")
             recorder.must("stop")
             until(lambda: host.status("ana")["recording"])
-            motors = host.module("ana", "/robot1/motors")
-            for _ in range(5):
-                motors.must("set_velocity 0.2 0")
-            daemon = host.daemon("ana")
-            os.kill(daemon, signal.SIGKILL)
-            host.await_other_daemon("ana", daemon)
-            self.assertLessEqual(host.status("ana")["step"], 5)
+            self.assertIn("000002", str(host.status("ana")["recording"]))
 
     def test_an_idle_seat_is_put_aside_by_itself(self):
         with Host(REALTIME, "--idle", "0.02") as host:
