@@ -280,7 +280,9 @@ std::string Daemon::OpenSeat() {
         return name_server_->Adopt(std::move(passed.fd), std::move(passed.peer),
                                    std::move(passed.already_read));
       case PassedKind::kPage:
-        return web_->Adopt(std::move(passed.fd), std::move(passed.peer), std::move(passed.already_read));
+        if (web_ != nullptr)
+          web_->Adopt(std::move(passed.fd), std::move(passed.peer), std::move(passed.already_read));
+        return;
       case PassedKind::kTaken:
       case PassedKind::kGiven:
         return net_.SetTaken(passed.kind == PassedKind::kTaken);

@@ -169,7 +169,7 @@ void RecordingDesk::Start(const std::string& name, Done done) {
   std::shared_ptr<Recorder> recorder;
   std::string error =
       fs::exists(path, ignored)
-          ? file_name + " exists already: choose another name, e.g. start " + path.stem().string() + "b"
+          ? file_name + " is there already: choose another name, e.g. start " + path.stem().string() + "b"
           : MakeRecorder(path, false, recorder);
   if (!error.empty()) {
     Set(State::kIdle);

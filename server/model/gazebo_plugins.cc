@@ -39,7 +39,7 @@ std::string WhyItMatters(const XmlNode& plugin) {
   if (word == "liftdrag" || word == "advancedliftdrag" || word == "liftdragplugin")
     return "air and water do not push wings and fins, so planes do not fly and rudders do not steer";
   if (word == "buoyancy" || word == "hydrodynamics" || word == "buoyancyengine")
-    return "water has neither buoyancy nor drag: set gravity 0 in the scenario for floating things";
+    return "no water carries or slows anything: set gravity 0 in the scenario for floating things";
   if (word == "windeffects") return "no wind blows";
   if (word == "planarmove" || word == "velocitycontrol" || word == "trajectoryfollower")
     return "it moves a model without wheels or forces; thrusters would push it";
