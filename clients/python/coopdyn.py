@@ -4267,7 +4267,7 @@ class Simulation:
         kind = ".mat" if file.lower().endswith(".mat") else ".run"
         url = f"{_page(self._session.address, self.status())}/runs/{urllib.parse.quote(name + kind)}"
         try:
-            _download(self._session.address, url, file)
+            _download(url, file, headers=self._session.address.page_headers())
         except Error as e:
             if e.code != 10:
                 raise
@@ -4373,7 +4373,7 @@ class Simulation:
                 if not hasattr(point, "__len__") or len(point) != 3:
                     raise Error(3, f"{word} is a point: write ({word}_x, {word}_y, {word}_z)")
                 url += f"&{word}=" + ",".join(repr(_number(c, word)) for c in point)
-        _download(self._session.address, url, file, "picture", 30)
+        _download(url, file, "picture", 30, self._session.address.page_headers())
         return file
 
     @_usage('sim.describe("/robot1/motors")')
@@ -4432,7 +4432,9 @@ def _run_name(text: Any) -> str:
     return text
 
 
-def _download(address: _Address, url: str, file: str, what: str = "recording", timeout: float = _EXPORT_TIMEOUT_S) -> None:
+def _download(
+    url: str, file: str, what: str = "recording", timeout: float = _EXPORT_TIMEOUT_S, headers: Optional[Dict[str, str]] = None
+) -> None:
     """Copies what is at `url` to `file`, whole or not at all."""
     import http.client
     import tempfile
@@ -4441,7 +4443,7 @@ def _download(address: _Address, url: str, file: str, what: str = "recording", t
 
     def pieces() -> Iterator[bytes]:
         got = 0
-        request = urllib.request.Request(url, headers=address.page_headers())
+        request = urllib.request.Request(url, headers=headers or {})
         try:
             with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(request, timeout=timeout) as reply:
                 length = reply.headers.get("Content-Length")

@@ -96,7 +96,8 @@ struct FrontDoor::Impl : std::enable_shared_from_this<FrontDoor::Impl> {
     if (failed || !guest->is_open()) co_return;
     Seat* const seat = line && refusal.empty() ? room.FindSeat(line->seat) : nullptr;  // it may have gone
     if (seat == nullptr) {
-      guest->shutdown(Socket::shutdown_send);
+      error_code ignored;
+      guest->shutdown(Socket::shutdown_send, ignored);
       co_await guest->async_read_some(asio::buffer(block), kAwait);  // so that the answer arrives
       co_return;
     }

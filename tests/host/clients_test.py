@@ -1,24 +1,54 @@
 # SPDX-License-Identifier: MIT
 """The same program takes a seat of a class in Python, Octave and C++, and by the commands of coopdyn."""
 import os
+import select
 import shutil
+import signal
 import subprocess
 import sys
+import tempfile
 import unittest
+from pathlib import Path
 
-from clients_host import HostTestCase, LIMIT_S, PINS, ROOT
+from classes import LIMIT_S, Host
 
-HERE = ROOT / "tests" / "host"
+HERE = Path(__file__).resolve().parent
+CLIENTS = HERE.parents[1] / "clients"
 NO_SEAT = "this is a class, where each student has a seat"
+
+
+class HostTestCase(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.host = cls.enterClassContext(Host())
+        cls.pins = {seat: row["pin"] for seat, row in cls.host.roll().items()}
+        cls.page = f"http://127.0.0.1:{cls.host.http_port}/"
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.variables = dict(os.environ, PYTHONPATH=str(CLIENTS / "python"), COOPDYN=os.environ["COOPDYN_BINARY"],
+                              COOPDYN_SERVER=f"127.0.0.1:{self.host.port}")
+        for name in ("COOPDYN_SEAT", "DISPLAY"):
+            self.variables.pop(name, None)
+
+    def kill_daemon(self, seat):
+        """Kills the daemon of a seat, and waits for its end."""
+        process = self.host.daemon(seat)
+        handle = os.pidfd_open(process)
+        os.kill(process, signal.SIGKILL)
+        select.select([handle], [], [], LIMIT_S)
+        os.close(handle)
 
 
 class Programs:
     """What each client does; `command()` is how its program runs."""
 
     def start(self, seat, *actions, pin=None, **variables):
-        process = subprocess.Popen(self.command(self.host.server, seat, pin or PINS.get(seat, "-"), *actions), cwd=self.folder,
-                                   env=dict(self.variables, **variables), stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                   stderr=subprocess.DEVNULL, text=True)
+        words = self.command(self.variables["COOPDYN_SERVER"], seat, pin or self.pins.get(seat, "-"), *actions)
+        process = subprocess.Popen(words, cwd=self.folder, env=dict(self.variables, **variables), stdin=subprocess.PIPE,
+                                   stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         self.addCleanup(process.__exit__, None, None, None)
         self.addCleanup(process.kill)
         return process
@@ -28,12 +58,12 @@ class Programs:
 
     def test_a_program_drives_in_its_own_seat_and_the_wall_knows_its_language(self):
         page, driven, modules = self.act("ana", "connect", "drive", "modules")
-        self.assertEqual((page, driven), (f"page {self.host.page}s/ana/", "driven"))
+        self.assertEqual((page, driven), (f"page {self.page}s/ana/", "driven"))
         self.assertGreater(int(modules.split()[1]), 5)
-        self.assertEqual(self.host.tile("ana")["language"], self.language)
+        self.host.tile("ana", lambda tile: tile["language"] == self.language)
 
     def test_a_variable_names_the_seat_of_an_unchanged_program(self):
-        self.assertEqual(self.act("-", "connect", COOPDYN_SEAT="ben:7305"), [f"page {self.host.page}s/ben/"])
+        self.assertEqual(self.act("-", "connect", COOPDYN_SEAT=f"ben:{self.pins['ben']}"), [f"page {self.page}s/ben/"])
 
     def test_pictures_and_recordings_come_from_the_page_of_the_seat(self):
         self.assertEqual(self.act("ben", "connect", "picture", "run")[1:], ["picture picture.png", "run fetched.run"])
@@ -49,14 +79,14 @@ class Programs:
         for line in process.stdout:
             if line == "waits\n":
                 break
-        self.host.kill_daemon("ana")
+        self.kill_daemon("ana")
         after = process.communicate("go\n", timeout=600)[0].splitlines()
         self.assertEqual(after[0], "goes on")
         self.assertIn("the class starts the daemon of the seat ana again where it was: run your program again", after[1])
-        self.assertEqual(after[2:4], [f"page {self.host.page}s/ana/", "driven"])
+        self.assertEqual(after[2:4], [f"page {self.page}s/ana/", "driven"])
 
     def test_a_daemon_of_its_own_has_no_seat(self):
-        self.assertEqual(self.act("-", "launch", COOPDYN_SEAT="ana:0912"), ["launched"])
+        self.assertEqual(self.act("-", "launch", COOPDYN_SEAT=f"ana:{self.pins['ana']}"), ["launched"])
 
     def test_doctor_finds_the_seat(self):
         said = self.act("ana", "doctor")
@@ -71,8 +101,8 @@ class Python(Programs, HostTestCase):
         return [sys.executable, str(HERE / "clients_program.py"), *words]
 
     def test_the_file_is_a_command_that_reads_the_variable(self):
-        client = str(ROOT / "clients" / "python" / "coopdyn.py")
-        said = subprocess.run([sys.executable, client, "hello"], env=dict(self.variables, COOPDYN_SEAT="ana:0912"), text=True,
+        client = str(CLIENTS / "python" / "coopdyn.py")
+        said = subprocess.run([sys.executable, client, "hello"], env=dict(self.variables, COOPDYN_SEAT=f"ana:{self.pins['ana']}"), text=True,
                               stdout=subprocess.PIPE, timeout=600).stdout
         self.assertIn("hello from robot1", said)
 
@@ -82,7 +112,7 @@ class Octave(Programs, HostTestCase):
     language = "octave"
 
     def command(self, *words):
-        paths = "".join(f"addpath('{folder}'); " for folder in (ROOT / "clients" / "matlab", HERE))
+        paths = "".join(f"addpath('{folder}'); " for folder in (CLIENTS / "matlab", HERE))
         listed = ", ".join(f"'{word}'" for word in words)
         return ["octave", "--no-gui", "--norc", "--no-history", "--eval", f"{paths}clients_program({listed})"]
 
@@ -101,9 +131,10 @@ class Commands(HostTestCase):
         return run.returncode, run.stdout
 
     def test_each_takes_the_seat_that_it_or_the_variable_names(self):
-        for words, says in ((["status"], "classroom"), (["list"], "/robot1/motors"), (["doctor"], "OPEN gives /simulation"),
+        ana = f"ana:{self.pins['ana']}"
+        for words, says in ((["status"], "lockstep"), (["list"], "/robot1/motors"), (["doctor"], "OPEN gives /simulation"),
                             (["call", "/robot1/pose", "get_pose"], '0 "" 40')):
-            for options, variables in ((["--seat", "ana:0912"], {}), ([], {"COOPDYN_SEAT": "ana:0912"})):
+            for options, variables in ((["--seat", ana], {}), ([], {"COOPDYN_SEAT": ana})):
                 with self.subTest(words=words, options=options):
                     code, said = self.run_coopdyn(words[0], *options, *words[1:], **variables)
                     self.assertEqual(code, 0, said)

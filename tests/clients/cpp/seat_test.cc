@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <vector>
 
 #include "clients/cpp/coopdyn_client.h"
 #include "tests/clients/cpp/error_of.h"
@@ -50,7 +51,7 @@ TEST_F(SeatTest, EveryConnectionTakesTheSeat) {
   robot.set_velocity(0.1, 0);
   sim.step();
   robot.sense();
-  sim.team("robot2").step({0.1, 0});
+  sim.team("robot2").step(std::vector{0.1, 0.0});
   EXPECT_FALSE(sim.modules().empty());
   EXPECT_TRUE(doctor(daemon.server(), ana_));
 }
@@ -98,7 +99,7 @@ TEST_F(SeatTest, WhatNoSheetHasSaysWhatToWrite) {
     EXPECT_EQ(error.code(), 3);
     EXPECT_TRUE(Says(error, how)) << error.text();
   }
-  for (const std::string half : {"ana", "ana:", ":0912"}) {
+  for (const char* const half : {"ana", "ana:", ":0912"}) {
     const Variable seat("COOPDYN_SEAT", half);
     const Error error = ErrorOf([] { connect(); });
     EXPECT_TRUE(Says(error, "needs its")) << error.text();
@@ -118,7 +119,7 @@ TEST_F(SeatTest, ADaemonIsReachedByTheUnixSocketAtAPath) {
     EXPECT_TRUE(doctor());
   }
   std::filesystem::remove(path);
-  for (const std::string wrong : {"unix:" + path, "unix:/" + std::string(200, 'a')}) {
+  for (const std::string& wrong : {"unix:" + path, "unix:/" + std::string(200, 'a')}) {
     const Error error = ErrorOf([&] { connect(wrong); });
     EXPECT_TRUE(Says(error, "-1 nothing can be reached at " + wrong)) << error.text();
   }
