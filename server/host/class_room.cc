@@ -56,6 +56,17 @@ const char* StateWord(const Seat& seat) {
   return seat.put_aside() ? ToString(SeatState::kAsleep) : ToString(seat.state());
 }
 
+/// Why a module did not do what it was told; empty: it did.
+std::string ErrorIn(const SeatAnswer& answer) {
+  if (answer.status != 200) return answer.body.empty() ? "no answer" : Printable(answer.body, kMaxError);
+  boost::system::error_code failed;
+  const json::value reply = json::parse(answer.body, failed);
+  if (failed || !reply.is_object()) return "no answer";
+  const json::value* const error = reply.as_object().if_contains("error");
+  const bool done = error != nullptr && error->is_int64() && error->as_int64() == 0;
+  return done ? "" : Printable(TextOf(reply.as_object(), "text"), kMaxError);
+}
+
 /// Whether an event of the daemon is of the student's making. A slow machine is not.
 bool IsRelevant(const json::object& event) {
   const std::string level = TextOf(event, "level");
@@ -293,9 +304,15 @@ void ClassRoom::Command(Place& place, const std::string& module, const std::stri
                         const std::string& text) {
   const json::object call{{"module", module}, {"command", command}, {"text", text}};
   CallSeat(context_, *place.seat, "/api/call", json::serialize(call),
-           [logger = logger_, seat = place.seat->name(), command](const SeatAnswer& answer) {
-             if (answer.status != 200)
-               logger->warn("seat {}: {}: {}", seat, command, Printable(answer.body, 200));
+           [this, alive = alive_, seat = place.seat->name(), command](const SeatAnswer& answer) {
+             if (!*alive) return;
+             const std::string error = ErrorIn(answer);
+             if (!error.empty()) logger_->warn("seat {}: {}: {}", seat, command, error);
+             const auto found = places_.find(seat);
+             if (found == places_.end()) return;
+             found->second.desk.refused = error.empty() ? "" : command + ": " + error;
+             found->second.desk.refused_at = clock_.Now();
+             Changed();
            });
 }
 
@@ -388,8 +405,9 @@ ClassRoom::Need ClassRoom::NeedOf(const Place& place) const {
   if (desk.hand_since != 0) return {5, fmt::format("hand up for {} min", minutes(desk.hand_since))};
   if (place.seat->state() == SeatState::kFailed) return {4, place.seat->trouble()};
   if (desk.resets.size() >= kResets) return {3, fmt::format("{} resets within a minute", desk.resets.size())};
-  if (!desk.last_error.empty() && now - desk.error_at < 2 * 60 * kNanosecondsPerSecond)
-    return {2, desk.last_error};
+  constexpr Nanoseconds kNew = 2 * 60 * kNanosecondsPerSecond;
+  if (!desk.refused.empty() && now - desk.refused_at < kNew) return {2, desk.refused};
+  if (!desk.last_error.empty() && now - desk.error_at < kNew) return {2, desk.last_error};
   const json::value* const clients = desk.status.if_contains("clients");
   const bool here = clients != nullptr && clients->to_number<std::size_t>() > 0;
   if (here && place.seat->state() == SeatState::kRunning && now - desk.active > kStuck)

@@ -45,6 +45,8 @@ struct Desk {
   boost::json::object status = {};  // of the daemon, in brief; empty: none yet
   std::string last_error = {};      // of the student's run
   Nanoseconds error_at = 0;
+  std::string refused = {};  // what the daemon answered to the teacher's last order; empty: it was done
+  Nanoseconds refused_at = 0;
   std::vector<Nanoseconds> resets = {};  // of late
   std::int64_t last_step = 0;
   Nanoseconds recording_tried = 0;  // when the host last began a recording that had ended

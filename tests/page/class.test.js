@@ -234,6 +234,14 @@ test('an order that the host refuses is told', async () => {
   wall.mistakes.length = 0;
 });
 
+test('a scenario that a seat cannot load is told on its tile', async () => {
+  await tell('ana', 'push');
+  await wall.fill('#ask-text', 'nosuchscenario');
+  await wall.click('#ask button[value="go"]');
+  await hasText(wall, `${tile('ana')} .why`, /^load_scenario: .*nosuchscenario/);
+  await hasText(ana, '#scenario-name', /classroom/);
+});
+
 test('the next scenario of the lesson is loaded by all', async () => {
   await wall.click('#next');
   await wall.click('#ask button[value="go"]');

@@ -37,7 +37,7 @@ class Wall {
     this.#list.addEventListener('keydown', (event) => this.#walk(event));
     byId('group').addEventListener('change', () => this.#showGroup());
     document.addEventListener('keydown', ({key, target}) => { if (key === 'Escape' && !target.closest('dialog, textarea')) this.#panel.close(); });
-    document.addEventListener('visibilitychange', () => { for (const tile of this.tiles.values()) tile.setSeen(tile.element.checkVisibility()); });
+    document.addEventListener('visibilitychange', () => { for (const tile of this.tiles.values()) tile.setSeen(); });
     document.addEventListener('theme', () => this.#repaint());
     new ResizeObserver(() => this.#fit()).observe(document.querySelector('main'));
     this.#makeOrders();

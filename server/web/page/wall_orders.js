@@ -4,8 +4,6 @@ import {namesText, ORDERS, studentsText} from './class_words.js';
 import {byId, make, say} from './dom.js';
 import {post} from './host_events.js';
 
-const SAID_TO_ONE = 'message';
-
 /** Asks in the dialog. Resolves to the text entered (empty if none is asked for), or null. */
 function ask({title, about, whom, field, value = '', options = [], act, danger}) {
   const dialog = byId('ask'), form = dialog.firstElementChild;
@@ -39,7 +37,7 @@ export async function order(name, seats, {all = false, text = null, about = '', 
   const names = namesText(seats.map((seat) => seat.name));
   if ((many && asks && text === null) || (field && text === null)) {
     text = await ask({title: many ? `${title}: ${studentsText(seats.length)}` : `${title}: ${names}`, about: about || (many ? asks : ''),
-      whom: many ? `It meets ${names}.` : '', field, options: scenarios, act: name === SAID_TO_ONE ? 'Send' : title, danger: many && Boolean(asks)});
+      whom: many ? `It meets ${names}.` : '', field, options: scenarios, act: name === 'message' ? 'Send' : title, danger: many && Boolean(asks)});
     if (text === null) return;
   }
   const {error} = await post('class/do', {do: name, ...(all ? {} : {seats: seats.map(({seat}) => seat)}), ...(text ? {text} : {})});

@@ -12,7 +12,7 @@ const QUICK = ['freeze', 'message', 'lower_hand'];
 /** "3", "12.5 m". */
 export const scoreText = ({value, unit}) => (unit ? `${showNumber(value, 2)} ${unitText(unit)}` : showNumber(value, Number.isInteger(value) ? 0 : 2));
 
-/** "Python · robot1 of ana@lab", what drives. */
+/** What drives, or would: "Python drives", "MATLAB, not driving". */
 export function programText(seat) {
   const language = languageText(seat.language), drives = seat.driven_by ?? '';
   if (language && drives) return `${language} drives`;
@@ -108,8 +108,8 @@ export class Tile {
     this.#listen();
   }
 
-  /** Whether the tile is on the screen. */
-  setSeen(seen) {
+  /** Whether the tile is on the screen; without `seen` after the tab was hidden or shown. */
+  setSeen(seen = this.#seen) {
     this.#seen = seen;
     this.#listen();
   }
