@@ -73,7 +73,6 @@ std::string RunFileName(int number) {
 
 int NewestRun(const fs::path& folder) {
   int newest = 0;
-  error_code failed;
   std::error_code code;
   for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
     const std::string name = it->path().filename().string();
