@@ -19,6 +19,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "server/base/printable.h"
+#include "server/base/sanitizers.h"
 #include "server/base/spawn.h"
 #include "server/base/wrong_tokens.h"
 
@@ -204,7 +205,9 @@ void Seat::Start() {
     process_ = 0;
     return SetState(SeatState::kFailed, std::string("its daemon cannot be started: ") + std::strerror(error));
   }
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // their shadow memory is larger
   Limit(process_, RLIMIT_DATA, plan_.limits.memory_bytes);
+#endif
   Limit(process_, RLIMIT_FSIZE, plan_.limits.disk_bytes);
   Limit(process_, RLIMIT_NOFILE, plan_.limits.open_files);
   Limit(process_, RLIMIT_CORE, 0);
