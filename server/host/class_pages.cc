@@ -228,7 +228,10 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     passed.peer.yields = !teaches;
     error_code failed;
     passed.fd = UniqueFd(guest.stream.release_socket().release(failed));
-    if (!failed) seat->Pass(std::move(passed));
+    if (failed) return {.status = kPassed};
+    // The wall looks at seats, also at one that ends just now, and wakes none.
+    const bool wakes = !teaches || route.rest.find("?wake=no") == std::string::npos;
+    wakes ? seat->Pass(std::move(passed)) : static_cast<void>(seat->PassNow(passed));
     return {.status = kPassed};
   }
 

@@ -38,7 +38,7 @@ class PageSocket : public WebConnection,
   static constexpr std::size_t kMaxQueuedBytes = std::size_t{8} << 20;
   static constexpr std::size_t kMaxQueuedPushes = 64;  // beyond this, the oldest is dropped
   /// At the end of the address: no status comes, and others do not see this page among the people. For walls.
-  static constexpr const char* kOnlyPoses = "?only=poses";
+  static constexpr const char* kOnlyPoses = "only=poses";
   static constexpr std::chrono::seconds kHandshakeTime{15};
   static constexpr std::chrono::seconds kSilence{20};  // without an answer to pings; then the peer is gone
 

@@ -265,6 +265,7 @@ test('the teacher at a seat drives it from its page', async () => {
   await wall.click('#pause');
   await hasText(wall, '#state', /^paused$/);
   await wall.click('#run');
+  await hasText(wall, '#class-take', /^Give back$/);
   await wall.click('#class-take');
   await ana.waitForSelector('#class-state', {state: 'hidden'});
 });
@@ -282,11 +283,11 @@ test('a page connects again after the daemon of its seat was killed, and says wh
 
 test('an open page leaves a seat that was put aside so, until its student goes on', async () => {
   await wall.goto(new URL('wall/', host.url).href);
-  await tell('ana', 'aside');
-  await hasText(wall, `${tile('ana')} .state`, /^asleep$/);
-  await hasText(ana, '#class-state', /^Your simulation was put aside/);
-  assert.ok(await ana.isHidden('#lost'));
-  await ana.click('#class-state button');
-  await hasText(ana, '#state', /^running$/);
-  await hasText(wall, `${tile('ana')} .state`, /^running$/);
+  await tell('ben', 'aside');
+  await hasText(wall, `${tile('ben')} .state`, /^asleep$/);
+  await hasText(ben, '#class-state', /^Your simulation was put aside/);
+  assert.ok(await ben.isHidden('#lost'));
+  await ben.click('#class-state button');
+  await hasText(ben, '#state', /^running$/);
+  await hasText(wall, `${tile('ben')} .state`, /^running$/);
 });

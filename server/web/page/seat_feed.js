@@ -36,7 +36,7 @@ export class SeatFeed extends EventTarget {
 
   #open() {
     if (!this.#wanted || this.#socket) return;
-    const socket = new WebSocket(socketAddress(`${this.#base}ws?only=poses`));
+    const socket = new WebSocket(socketAddress(`${this.#base}ws?wake=no&only=poses`));
     this.#socket = socket;
     socket.binaryType = 'arraybuffer';
     socket.onopen = () => socket.send(JSON.stringify({type: 'poses', rate: RATE_HZ}));
@@ -65,7 +65,7 @@ export class SeatFeed extends EventTarget {
     if (this.#loading) return;
     this.#loading = true;
     try {
-      const description = await (await fetch(`${this.#base}api/scene`)).json();
+      const description = await (await fetch(`${this.#base}api/scene?wake=no`)).json();
       this.scene = new TopScene(description);
       if (this.#reader.scene === description.scene) this.#reader.write(this.scene.bodies);
       this.dispatchEvent(new Event('scene'));
