@@ -82,8 +82,10 @@ let asked = 0;
 async function refreshModules(listed) {
   const turn = ++asked;
   try {
+    const host = SEAT ? await askHost() : null;
+    if (host?.daemon === 'asleep') return;  // it is ending, and its modules go: a request would start it again
     const answer = await (await fetch('api/modules')).json();
-    const namePort = SEAT ? (await askHost()).names : answer.name_port;
+    const namePort = host?.names ?? answer.name_port;
     if (turn !== asked) return;  // a later request is pending
     robots.setNamePort(namePort);
     lines.setModules(answer.modules, listed.map((robot) => ofType(robot.modules, 'motors')).find(Boolean)?.name, namePort);
