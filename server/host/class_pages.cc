@@ -213,6 +213,9 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     if (seat == nullptr) return ErrorAnswer(404, "there is no seat " + route.seat);
     if (seat->HasFailed()) return ErrorAnswer(503, seat->trouble());
     if (route.rest.empty()) return GoTo(prefix + "/");
+    // What the wall and open pages ask by themselves starts no seat, nor again one that ends just now.
+    const bool wakes = route.rest.find("?wake=no") == std::string::npos;
+    if (!wakes && (seat->put_aside() || seat->state() != SeatState::kRunning)) return {.status = 204};
     // Each request is judged here, so the daemon ends the connection with its answer.
     request.target(route.rest);
     if (!beast::websocket::is_upgrade(request)) request.set(http::field::connection, "close");
@@ -229,9 +232,7 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     error_code failed;
     passed.fd = UniqueFd(guest.stream.release_socket().release(failed));
     if (failed) return {.status = kPassed};
-    // The wall looks at seats, also at one that ends just now, and wakes none.
-    const bool wakes = !teaches || route.rest.find("?wake=no") == std::string::npos;
-    wakes ? seat->Pass(std::move(passed)) : static_cast<void>(seat->PassNow(passed));
+    seat->Pass(std::move(passed));
     return {.status = kPassed};
   }
 

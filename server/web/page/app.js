@@ -18,7 +18,7 @@ import {Plots} from './plots.js';
 import {Record, Runs} from './recordings.js';
 import {Robots} from './robots.js';
 import {Scores} from './scores.js';
-import {askHost, isAwake, SEAT} from './seat.js';
+import {ask, askHost, isAwake, SEAT} from './seat.js';
 import {Strip} from './strip.js';
 import {StripHistory} from './strip_history.js';
 import {Task} from './task.js';
@@ -83,8 +83,7 @@ async function refreshModules(listed) {
   const turn = ++asked;
   try {
     const host = SEAT ? await askHost() : null;
-    if (host?.daemon === 'asleep') return;  // it is ending, and its modules go: a request would start it again
-    const answer = await (await fetch('api/modules')).json();
+    const answer = await (await ask('api/modules')).json();
     const namePort = host?.names ?? answer.name_port;
     if (turn !== asked) return;  // a later request is pending
     robots.setNamePort(namePort);

@@ -3,6 +3,7 @@
 import {byId, make, say, setOff, setText} from './dom.js';
 import {textOf} from './dropped.js';
 import {showTab} from './layout.js';
+import {ask} from './seat.js';
 
 const MODULE = '/simulation';
 const MAX_INT32 = 2 ** 31 - 1;
@@ -82,7 +83,7 @@ export class Controls {
   }
 
   async refreshScenarios() {
-    const names = await (await fetch('api/scenarios')).json();
+    const names = await (await ask('api/scenarios')).json();
     const select = byId('scenarios');
     const chosen = select.value;
     select.replaceChildren(...names.map((name) => make('option', {value: name}, name)));

@@ -2,6 +2,7 @@
 // Recordings: the button that makes them, and the list of the daemon's recordings to play and download.
 import {byId, make, say, setOff, setText, showNumber} from './dom.js';
 import {tab} from './layout.js';
+import {ask} from './seat.js';
 import {rememberedToken} from './token.js';
 
 /** The button that starts and stops a recording, and the mark in the strip during one. */
@@ -153,7 +154,7 @@ export class Runs {
     const asked = ++this.#asked;
     let runs;
     try {
-      runs = await (await fetch('runs')).json();
+      runs = await (await ask('runs')).json();
     } catch { return; /* the banner shows that the daemon is gone */ }
     if (asked !== this.#asked) return;
     this.#names = runs.map(({name}) => name);

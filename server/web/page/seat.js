@@ -18,6 +18,9 @@ export async function askHost() {
   return seatIn(await answer.json());
 }
 
+/** fetch() of what a page asks by itself: it does not start a seat that is being put aside. */
+export const ask = (path) => fetch(SEAT ? `${path}?wake=no` : path);
+
 /** Whether a page may connect to its seat: one that was put aside would start again. No, while the host does not answer. */
 export const isAwake = () => askHost().then(({daemon}) => daemon !== 'asleep', () => false);
 
