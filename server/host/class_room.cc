@@ -282,14 +282,15 @@ void ClassRoom::HandIn(const std::string& seat, std::function<void(std::string)>
     std::error_code missing;
     fs::copy_file(folder / name, into / name, fs::copy_options::overwrite_existing, missing);
   }
-  const int run = NewestRun(folder / "runs");
-  if (run == 0) return done("");
-  // A recording can be copied when it has ended; the run goes on in the next one.
-  const auto keep = [this, alive = alive_, seat, run, from = folder / "runs" / RunFileName(run), into,
+  // A recording can be copied when it has ended, and a young one has a file only then; the run goes on in the
+  // next.
+  const auto keep = [this, alive = alive_, seat, runs = folder / "runs", into,
                      done = std::move(done)](const SeatAnswer&) {
     if (!*alive) return;
+    const int run = NewestRun(runs);
+    if (run == 0) return done("");
     std::error_code failed;
-    fs::copy_file(from, into / "recording.run", failed);
+    fs::copy_file(runs / RunFileName(run), into / "recording.run", failed);
     const auto place = places_.find(seat);
     if (place != places_.end()) Command(place->second, "/recorder", "start", RunFileName(run + 1));
     done(failed ? "the recording cannot be kept: " + failed.message() : "");
