@@ -61,10 +61,10 @@ fs::path RollFile(const fs::path& folder) {
   return folder / "class.csv";
 }
 
-std::optional<Roll> LoadRoll(const fs::path& file, Diagnostics& diagnostics) {
+std::optional<Roll> LoadRoll(const fs::path& file, Diagnostics& diagnostics, const Roll& known) {
   const std::optional<std::string> text = ReadTextFile(file.string(), {file.string(), 0}, diagnostics);
   if (!text) return std::nullopt;
-  Roll roll = ReadRoll(*text, file.string(), SystemRandom(), diagnostics);
+  Roll roll = ReadRoll(*text, file.string(), SystemRandom(), diagnostics, known);
   if (diagnostics.has_errors()) return std::nullopt;
   return roll;
 }

@@ -16,8 +16,9 @@ RandomDigits SystemRandom();
 
 /// FOLDER/class.csv.
 std::filesystem::path RollFile(const std::filesystem::path& folder);
-/// Nothing, and `diagnostics` say why: it cannot be read.
-std::optional<Roll> LoadRoll(const std::filesystem::path& file, Diagnostics& diagnostics);
+/// Nothing, and `diagnostics` say why: it cannot be read. `known`: as for ReadRoll().
+std::optional<Roll> LoadRoll(const std::filesystem::path& file, Diagnostics& diagnostics,
+                             const Roll& known = {});
 /// Writes the list so that nobody reads half of it, and only its owner reads it at all. An error text.
 std::string SaveRoll(const std::filesystem::path& file, const Roll& roll);
 

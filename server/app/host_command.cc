@@ -56,7 +56,9 @@ std::optional<Roll> ChooseRoll(const HostOptions& options) {
   Diagnostics diagnostics;
   std::optional<Roll> roll;
   if (!options.class_file.empty()) {
-    roll = LoadRoll(options.class_file, diagnostics);
+    Diagnostics none;
+    const std::optional<Roll> before = fs::exists(kept) ? LoadRoll(kept, none) : std::nullopt;
+    roll = LoadRoll(options.class_file, diagnostics, before.value_or(Roll()));
   } else if (options.students > 0 && !fs::exists(kept)) {
     roll = NumberedRoll(options.students, SystemRandom());
   } else if (fs::exists(kept)) {
@@ -71,7 +73,6 @@ std::optional<Roll> ChooseRoll(const HostOptions& options) {
   }
   PrintErrorLines(diagnostics.ToString());
   if (!roll) return std::nullopt;
-  // Students keep their PINs and links when the list comes again.
   if (const std::string error = SaveRoll(kept, *roll); !error.empty()) {
     PrintError("coopdyn: {}\n", error);
     return std::nullopt;
@@ -171,7 +172,7 @@ int RunHost(HostOptions options) {
   if (options.no_render) what.plan.more_arguments.emplace_back("--no-render");
   what.idle = static_cast<Nanoseconds>(options.idle_min * 60 * 1e9);
 
-  ClassRoom room(io.context(), std::move(what), std::move(*roll), SystemRandom(), clock, log.logger());
+  ClassRoom room(io.context(), std::move(what), std::move(*roll), clock, log.logger());
   SeatGuard guard(room, clock, wrong);
   FrontDoor door(io.context(), room, guard, net);
   std::vector<std::string> names = options.hosts;
@@ -261,7 +262,7 @@ void AddSeatCommand(CLI::App& app, Chosen& chosen) {
     };
   });
   CLI::App* pin =
-      seat->add_subcommand("pin", "Another PIN and link for a seat; who uses the old ones is shut out");
+      seat->add_subcommand("pin", "Another PIN and link for a seat; the old ones open nothing any more");
   pin->add_option("seat", entry->seat, "Name of the seat")->required();
   pin->add_option("pin", entry->pin, "PIN (default: one is made)");
   pin->callback([=, &chosen] {

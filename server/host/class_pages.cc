@@ -31,6 +31,7 @@
 #include "protocol/json_text.h"
 #include "server/base/spawn.h"
 #include "server/host/class_routes.h"
+#include "server/host/json_fields.h"
 #include "server/host/sheet.h"
 #include "server/net/await.h"
 #include "server/web/access.h"
@@ -81,11 +82,6 @@ json::object ObjectIn(const std::string& body) {
   error_code failed;
   json::value read = json::parse(body, failed);
   return failed || !read.is_object() ? json::object() : std::move(read.as_object());
-}
-
-std::string TextIn(const json::object& object, std::string_view key) {
-  const json::value* const value = object.if_contains(key);
-  return value != nullptr && value->is_string() ? std::string(value->as_string()) : std::string();
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 #include <iterator>
 #include <utility>
 
-#include "protocol/json_text.h"
 #include "server/base/printable.h"
+#include "server/host/json_fields.h"
 
 namespace coopdyn {
 namespace {
@@ -23,14 +23,10 @@ namespace json = boost::json;
 constexpr std::chrono::milliseconds kTick{1000};
 constexpr std::size_t kMaxError = 300;
 constexpr int kPortsOfSeat = 100;
+constexpr std::uint64_t kTidyEvery = 30;  // ticks
 
 std::string ClockTime(const char* format) {
   return fmt::format(fmt::runtime(format), fmt::localtime(std::time(nullptr)));
-}
-
-std::string TextOf(const json::object& object, std::string_view key) {
-  const json::value* const value = object.if_contains(key);
-  return value != nullptr && value->is_string() ? std::string(value->as_string()) : std::string();
 }
 
 /// The clients that a status names, without those of the page's and the host's own.
@@ -38,7 +34,7 @@ std::size_t ClientsIn(const json::object& status) {
   const json::value* const clients = status.if_contains("clients");
   if (clients == nullptr || !clients->is_array()) return 0;
   return static_cast<std::size_t>(std::ranges::count_if(clients->as_array(), [](const json::value& client) {
-    const std::string peer = client.is_object() ? TextOf(client.as_object(), "peer") : "";
+    const std::string peer = client.is_object() ? TextIn(client.as_object(), "peer") : "";
     return peer != "page status" && !peer.ends_with("the class's host");
   }));
 }
@@ -51,11 +47,6 @@ std::string TextToLoad(const std::string& lesson) {
   return text + "\n# file: " + fs::path(lesson).filename().string() + "\n";
 }
 
-/// A page that finds its seat put aside leaves it so.
-const char* StateWord(const Seat& seat) {
-  return seat.put_aside() ? ToString(SeatState::kAsleep) : ToString(seat.state());
-}
-
 /// Why a module did not do what it was told; empty: it did.
 std::string ErrorIn(const SeatAnswer& answer) {
   if (answer.status != 200) return answer.body.empty() ? "no answer" : Printable(answer.body, kMaxError);
@@ -64,23 +55,22 @@ std::string ErrorIn(const SeatAnswer& answer) {
   if (failed || !reply.is_object()) return "no answer";
   const json::value* const error = reply.as_object().if_contains("error");
   const bool done = error != nullptr && error->is_int64() && error->as_int64() == 0;
-  return done ? "" : Printable(TextOf(reply.as_object(), "text"), kMaxError);
+  return done ? "" : Printable(TextIn(reply.as_object(), "text"), kMaxError);
 }
 
 /// Whether an event of the daemon is of the student's making. A slow machine is not.
 bool IsRelevant(const json::object& event) {
-  const std::string level = TextOf(event, "level");
-  return (level == "error" || level == "warning") && !TextOf(event, "text").starts_with("real time is lost");
+  const std::string level = TextIn(event, "level");
+  return (level == "error" || level == "warning") && !TextIn(event, "text").starts_with("real time is lost");
 }
 
 }  // namespace
 
-ClassRoom::ClassRoom(boost::asio::io_context& context, ClassOptions options, Roll roll, RandomDigits random,
-                     const Clock& clock, Logger logger)
+ClassRoom::ClassRoom(boost::asio::io_context& context, ClassOptions options, Roll roll, const Clock& clock,
+                     Logger logger)
     : context_(context),
       options_(std::move(options)),
       roll_(std::move(roll)),
-      random_(std::move(random)),
       clock_(clock),
       logger_(std::move(logger)),
       timer_(context) {}
@@ -96,9 +86,11 @@ fs::path ClassRoom::folder_of(const std::string& seat) const {
 void ClassRoom::AddSeat(const RollEntry& entry) {
   SeatPlan plan = options_.plan;
   plan.lesson = options_.lessons[lesson_];
-  const auto place_in_list =
-      std::ranges::find(roll_.entries(), entry.seat, &RollEntry::seat) - roll_.entries().begin();
-  if (plan.port != 0) plan.port += static_cast<int>(place_in_list) * kPortsOfSeat;
+  const auto is_taken = [this](int port) {
+    return std::ranges::any_of(places_,
+                               [port](const auto& place) { return place.second.seat->port() == port; });
+  };
+  while (plan.port != 0 && is_taken(plan.port)) plan.port += kPortsOfSeat;
   Place place;
   place.seat = std::make_unique<Seat>(context_, entry.seat, folder_of(entry.seat),
                                       url_ + "s/" + entry.seat + "/", std::move(plan), clock_, logger_);
@@ -167,8 +159,10 @@ void ClassRoom::Tick() {
     if (place.seat->state() == SeatState::kRunning) {
       AskStatus(name, place);
       PutIdleAside(place);
+      if (ticks_ % kTidyEvery == 0) place.seat->TidyRuns();
     }
   }
+  ++ticks_;
   std::erase_if(leaving_, [](const auto& leaving) { return leaving.second->state() == SeatState::kAsleep; });
   timer_.expires_after(kTick);
   timer_.async_wait([this, alive = alive_](const auto& error) {
@@ -204,7 +198,7 @@ void ClassRoom::TakeStatus(Place& place, const std::string& body) {
   if (const json::value* const robots = status.if_contains("robots");
       robots != nullptr && robots->is_array()) {
     for (const json::value& robot : robots->as_array()) {
-      if (robot.is_object() && owner.empty()) owner = TextOf(robot.as_object(), "owner");
+      if (robot.is_object() && owner.empty()) owner = TextIn(robot.as_object(), "owner");
     }
   }
   brief["driven_by"] = owner;
@@ -213,7 +207,7 @@ void ClassRoom::TakeStatus(Place& place, const std::string& body) {
   if (at < desk.last_step) desk.resets.push_back(now);
   std::erase_if(desk.resets, [now](Nanoseconds when) { return now - when > kResetWindow; });
   // A step in lockstep is something that a program has done; in real time steps come by themselves.
-  const bool stepped = at != desk.last_step && TextOf(status, "mode") == "lockstep";
+  const bool stepped = at != desk.last_step && TextIn(status, "mode") == "lockstep";
   if (stepped || at < desk.last_step) desk.active = now;
   desk.last_step = at;
   if (const json::value* const events = status.if_contains("events");
@@ -221,7 +215,7 @@ void ClassRoom::TakeStatus(Place& place, const std::string& body) {
     std::string newest;
     for (const json::value& event : events->as_array()) {
       if (event.is_object() && IsRelevant(event.as_object()))
-        newest = Printable(TextOf(event.as_object(), "text"), kMaxError);
+        newest = Printable(TextIn(event.as_object(), "text"), kMaxError);
     }
     if (newest != desk.last_error) {
       desk.last_error = newest;
@@ -275,6 +269,11 @@ void ClassRoom::HandIn(const std::string& seat, std::function<void(std::string)>
   if (found == places_.end()) return done("there is no such seat");
   const fs::path folder = folder_of(seat);
   const fs::path into = folder / "handed-in" / ClockTime("{:%Y%m%d-%H%M%S}");
+  if (SizeOf(folder / "handed-in") + SizeOf(folder / "runs" / RunFileName(NewestRun(folder / "runs"))) >
+      options_.plan.limits.disk_bytes)
+    return done("your share of the disk is full: ask your teacher to remove what you handed in before");
+  // The status must not begin a recording between the two of the hand-in.
+  found->second.desk.recording_tried = clock_.Now();
   std::error_code code;
   fs::create_directories(into, code);
   if (code) return done("it cannot be kept: " + code.message());
@@ -290,7 +289,8 @@ void ClassRoom::HandIn(const std::string& seat, std::function<void(std::string)>
     const int run = NewestRun(runs);
     if (run == 0) return done("");
     std::error_code failed;
-    fs::copy_file(runs / RunFileName(run), into / "recording.run", failed);
+    fs::copy_file(runs / RunFileName(run), into / "recording.run", fs::copy_options::overwrite_existing,
+                  failed);
     const auto place = places_.find(seat);
     if (place != places_.end()) Command(place->second, "/recorder", "start", RunFileName(run + 1));
     done(failed ? "the recording cannot be kept: " + failed.message() : "");
@@ -336,22 +336,12 @@ void ClassRoom::Push(Place& place, const std::string& lesson, const std::string&
 }
 
 std::string ClassRoom::Do(const json::object& order) {
-  const std::string what = TextOf(order, "do");
+  const std::string what = TextIn(order, "do");
   const std::vector<std::string> known = {"freeze", "thaw",    "take", "give",       "reset", "restart",
                                           "push",   "message", "next", "lower_hand", "aside"};
   if (std::ranges::find(known, what) == known.end())
     return "the order is none of " + fmt::format("{}", fmt::join(known, ", "));
-  if ((what == "message" || what == "push") && TextOf(order, "text").empty()) return what + " needs a text";
-  json::object given = order;
-  if (what == "push") {
-    const std::string lesson = KeepLesson(TextOf(order, "text"));
-    if (lesson.empty()) return "the scenario cannot be written into " + options_.folder.string();
-    given["lesson"] = lesson;
-  }
-  if (what == "next") {
-    if (lesson_ + 1 >= options_.lessons.size()) return "this was the last scenario of the lesson";
-    ++lesson_;
-  }
+  if ((what == "message" || what == "push") && TextIn(order, "text").empty()) return what + " needs a text";
   std::vector<std::string> names;
   const json::value* const seats = order.if_contains("seats");
   if (seats != nullptr && seats->is_array()) {
@@ -363,6 +353,16 @@ std::string ClassRoom::Do(const json::object& order) {
   } else {
     for (const auto& [name, place] : places_) names.push_back(name);
   }
+  json::object given = order;
+  if (what == "push") {
+    const std::string lesson = KeepLesson(TextIn(order, "text"));
+    if (lesson.empty()) return "the scenario cannot be written into " + options_.folder.string();
+    given["lesson"] = lesson;
+  }
+  if (what == "next") {
+    if (lesson_ + 1 >= options_.lessons.size()) return "this was the last scenario of the lesson";
+    ++lesson_;
+  }
   for (const std::string& name : names) {
     Place& place = places_.find(name)->second;
     Order(name, place, given);
@@ -373,7 +373,7 @@ std::string ClassRoom::Do(const json::object& order) {
 }
 
 void ClassRoom::Order(const std::string& name, Place& place, const json::object& order) {
-  const std::string what = TextOf(order, "do"), text = TextOf(order, "text");
+  const std::string what = TextIn(order, "do"), text = TextIn(order, "text");
   Desk& desk = place.desk;
   const bool runs = place.seat->state() == SeatState::kRunning;
   if (what == "freeze" || what == "thaw") {
@@ -390,144 +390,12 @@ void ClassRoom::Order(const std::string& name, Place& place, const json::object&
   } else if (what == "aside") {
     place.seat->PutAside();
   } else if (what == "push" || what == "next") {
-    Push(place, what == "next" ? options_.lessons[lesson_] : TextOf(order, "lesson"), text);
+    Push(place, what == "next" ? options_.lessons[lesson_] : TextIn(order, "lesson"), text);
   } else if (what == "message") {
     desk.notes.push_back({ClockTime("{:%H:%M}"), PrintableLines(text, kMaxNoteBytes)});
     if (desk.notes.size() > kMaxNotes) desk.notes.erase(desk.notes.begin());
   } else if (what == "lower_hand") {
     RaiseHand(name, false);
-  }
-}
-
-ClassRoom::Need ClassRoom::NeedOf(const Place& place) const {
-  const Desk& desk = place.desk;
-  const Nanoseconds now = clock_.Now();
-  const auto minutes = [now](Nanoseconds since) { return (now - since) / (60 * kNanosecondsPerSecond); };
-  if (desk.hand_since != 0) return {5, fmt::format("hand up for {} min", minutes(desk.hand_since))};
-  if (place.seat->state() == SeatState::kFailed) return {4, place.seat->trouble()};
-  if (desk.resets.size() >= kResets) return {3, fmt::format("{} resets within a minute", desk.resets.size())};
-  constexpr Nanoseconds kNew = 2 * 60 * kNanosecondsPerSecond;
-  if (!desk.refused.empty() && now - desk.refused_at < kNew) return {2, desk.refused};
-  if (!desk.last_error.empty() && now - desk.error_at < kNew) return {2, desk.last_error};
-  const json::value* const clients = desk.status.if_contains("clients");
-  const bool here = clients != nullptr && clients->to_number<std::size_t>() > 0;
-  if (here && place.seat->state() == SeatState::kRunning && now - desk.active > kStuck)
-    return {1, fmt::format("nothing done for {} min", minutes(desk.active))};
-  return {};
-}
-
-json::object ClassRoom::StudentJson(const std::string& seat) const {
-  const auto found = places_.find(seat);
-  const RollEntry* const entry = roll_.Find(seat);
-  if (found == places_.end() || entry == nullptr) return {};
-  const Desk& desk = found->second.desk;
-  json::array notes;
-  for (const Desk::Note& note : desk.notes) notes.push_back({{"time", note.time}, {"text", note.text}});
-  json::array handed_in;
-  std::vector<std::string> folders;
-  std::error_code code;
-  for (fs::directory_iterator it(folder_of(seat) / "handed-in", code), end; !code && it != end;
-       it.increment(code))
-    folders.push_back(it->path().filename().string());
-  std::sort(folders.begin(), folders.end());
-  for (const std::string& folder : folders) {
-    json::object one{{"when", folder}};
-    std::ifstream result(folder_of(seat) / "handed-in" / folder / "result.txt");
-    const std::string text{std::istreambuf_iterator<char>(result), {}};
-    if (!text.empty()) one["result"] = PrintableLines(text, kMaxNoteBytes);
-    json::array files;
-    for (const char* file : {"program.py", "output.txt", "recording.run"}) {
-      if (fs::exists(folder_of(seat) / "handed-in" / folder / file, code)) files.emplace_back(file);
-    }
-    one["files"] = std::move(files);
-    handed_in.push_back(std::move(one));
-  }
-  return {{"seat", seat},
-          {"name", entry->name},
-          {"group", entry->group},
-          {"names", names_port_},
-          {"daemon", StateWord(*found->second.seat)},
-          {"hand", desk.hand_since != 0},
-          {"own_port", found->second.seat->port()},
-          {"taken", found->second.seat->taken()},
-          {"frozen", desk.frozen},
-          {"trouble", found->second.seat->trouble()},
-          {"notes", std::move(notes)},
-          {"handed_in", std::move(handed_in)}};
-}
-
-json::object ClassRoom::WallJson() const {
-  struct Row {
-    Need need;
-    Nanoseconds since;
-    json::object tile;
-  };
-  std::vector<Row> rows;
-  const Nanoseconds now = clock_.Now();
-  for (const RollEntry& entry : roll_.entries()) {
-    const auto found = places_.find(entry.seat);
-    if (found == places_.end()) continue;
-    const auto& [name, place] = *found;
-    Need need = NeedOf(place);
-    json::object tile = place.desk.status;
-    tile["seat"] = name;
-    tile["name"] = entry.name;
-    tile["group"] = entry.group;
-    tile["daemon"] = StateWord(*place.seat);
-    tile["trouble"] = place.seat->trouble();
-    tile["hand"] = place.desk.hand_since != 0;
-    tile["taken"] = place.seat->taken();
-    tile["frozen"] = place.desk.frozen;
-    tile["language"] = place.desk.language;
-    tile["idle_s"] = (now - place.desk.active) / kNanosecondsPerSecond;
-    tile["error"] = place.desk.last_error;
-    tile["need"] = need.rank;
-    tile["why"] = need.why;
-    rows.push_back({std::move(need), place.desk.hand_since, std::move(tile)});
-  }
-  std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
-    return a.need.rank != b.need.rank ? a.need.rank > b.need.rank : a.since < b.since;
-  });
-  json::array tiles;
-  for (Row& row : rows) tiles.push_back(std::move(row.tile));
-  json::array lessons;
-  for (const std::string& lesson : options_.lessons) lessons.push_back(json::string(lesson));
-  return {{"seats", std::move(tiles)},
-          {"lessons", std::move(lessons)},
-          {"lesson", lesson_},
-          {"names", names_port_}};
-}
-
-void ClassRoom::SaveDesk(const std::string& name, const Desk& desk) const {
-  json::array notes;
-  for (const Desk::Note& note : desk.notes) notes.push_back({{"time", note.time}, {"text", note.text}});
-  const json::object kept{
-      {"hand", desk.hand_since != 0}, {"frozen", desk.frozen}, {"notes", std::move(notes)}};
-  const fs::path file = folder_of(name) / "desk.json";
-  const fs::path fresh = file.string() + ".new";
-  std::ofstream(fresh) << json::serialize(kept) << '\n';
-  std::error_code code;
-  fs::rename(fresh, file, code);
-}
-
-void ClassRoom::LoadDesk(const std::string& name, Desk& desk) const {
-  std::ifstream file(folder_of(name) / "desk.json");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  boost::system::error_code failed;
-  const json::value read = json::parse(text, failed);
-  if (failed || !read.is_object()) return;
-  const json::object& kept = read.as_object();
-  const auto flag = [&kept](const char* key) {
-    const json::value* const value = kept.if_contains(key);
-    return value != nullptr && value->is_bool() && value->as_bool();
-  };
-  desk.hand_since = flag("hand") ? std::max<Nanoseconds>(clock_.Now(), 1) : 0;
-  desk.frozen = flag("frozen");
-  const json::value* const notes = kept.if_contains("notes");
-  if (notes == nullptr || !notes->is_array()) return;
-  for (const json::value& note : notes->as_array()) {
-    if (note.is_object())
-      desk.notes.push_back({TextOf(note.as_object(), "time"), TextOf(note.as_object(), "text")});
   }
 }
 

@@ -61,8 +61,8 @@ class ClassRoom {
   static constexpr std::size_t kResets = 5;
   static constexpr Nanoseconds kResetWindow = 60 * kNanosecondsPerSecond;
 
-  ClassRoom(boost::asio::io_context& context, ClassOptions options, Roll roll, RandomDigits random,
-            const Clock& clock, Logger logger);
+  ClassRoom(boost::asio::io_context& context, ClassOptions options, Roll roll, const Clock& clock,
+            Logger logger);
   ~ClassRoom();
   ClassRoom(const ClassRoom&) = delete;
   ClassRoom& operator=(const ClassRoom&) = delete;
@@ -137,14 +137,13 @@ class ClassRoom {
   const ClassOptions options_;
   std::string url_;
   Roll roll_;
-  const RandomDigits random_;
   const Clock& clock_;
   const Logger logger_;
   std::map<std::string, Place, std::less<>> places_;
   std::map<std::string, std::unique_ptr<Seat>> leaving_;  // of students who are not in the list any more
   std::size_t lesson_ = 0;                                // of options_.lessons
   boost::asio::steady_timer timer_;
-  std::uint64_t version_ = 1;
+  std::uint64_t version_ = 1, ticks_ = 0;
   int names_port_ = 0;
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };

@@ -129,6 +129,13 @@ const RollEntry* Roll::Find(std::string_view seat) const {
   return found == entries_.end() ? nullptr : &*found;
 }
 
+std::string Roll::FreeSeat(std::string_view name) const {
+  const std::string plain = SeatNameFor(name);
+  std::string seat = plain;
+  for (int n = 2; Find(seat) != nullptr; ++n) seat = plain + std::to_string(n);
+  return seat;
+}
+
 std::string Roll::Nearest(std::string_view seat) const {
   std::vector<std::string> names;
   for (const RollEntry& entry : entries_) names.push_back(entry.seat);
@@ -141,11 +148,7 @@ std::string Roll::Add(RollEntry entry, const RandomDigits& random) {
   if (entry.name.empty()) return "a student needs a name";
   entry.name = Printable(entry.name, kMaxPersonName);
   entry.group = Printable(entry.group, kMaxPersonName);
-  if (entry.seat.empty()) {
-    const std::string plain = SeatNameFor(entry.name);
-    entry.seat = plain;
-    for (int n = 2; Find(entry.seat) != nullptr; ++n) entry.seat = plain + std::to_string(n);
-  }
+  if (entry.seat.empty()) entry.seat = FreeSeat(entry.name);
   if (std::string error = SeatNameError(entry.seat); !error.empty()) return error;
   if (Find(entry.seat) != nullptr) return "the seat " + entry.seat + " is there already";
   if (entry.pin.empty()) entry.pin = random.decimal(kPinDigits);
@@ -183,7 +186,7 @@ std::string Roll::ToCsv() const {
 }
 
 Roll ReadRoll(std::string_view text, const std::string& file, const RandomDigits& random,
-              Diagnostics& diagnostics) {
+              Diagnostics& diagnostics, const Roll& known) {
   Roll roll;
   int line = 1, next = 1;
   const std::string_view first = text.substr(0, text.find('\n'));
@@ -222,6 +225,12 @@ Roll ReadRoll(std::string_view text, const std::string& file, const RandomDigits
     RollEntry entry;
     for (std::size_t i = 0; i < fields.size(); ++i) {
       if (std::string* const field = FieldOf(entry, columns[i])) *field = Trim(fields[i]);
+    }
+    if (entry.seat.empty() && !entry.name.empty()) entry.seat = roll.FreeSeat(entry.name);
+    if (const RollEntry* const before = known.Find(entry.seat)) {
+      const bool same_pin = entry.pin.empty() || entry.pin == before->pin;
+      if (entry.pin.empty()) entry.pin = before->pin;
+      if (entry.link.empty() && same_pin) entry.link = before->link;
     }
     if (std::string error = roll.Add(std::move(entry), random); !error.empty())
       diagnostics.Error({file, line}, std::move(error));

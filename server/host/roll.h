@@ -32,6 +32,8 @@ class Roll {
  public:
   static constexpr std::size_t kMaxSeats = 500;
 
+  /// A free seat's name for a student of this name.
+  std::string FreeSeat(std::string_view name) const;
   const std::vector<RollEntry>& entries() const { return entries_; }
   const RollEntry* Find(std::string_view seat) const;  // null: no such seat
   /// The seat nearest to `seat`, for "did you mean"; empty if none is near.
@@ -51,9 +53,10 @@ class Roll {
 };
 
 /// Reads a class list. Its first line names the columns: `name`, and any of `seat`, `pin`, `group`, `link`.
-/// Columns are separated by commas, semicolons or tabs. Mistakes go to `diagnostics`.
+/// Columns are separated by commas, semicolons or tabs. A seat that `known` has keeps PIN and link where the
+/// text gives none. Mistakes go to `diagnostics`.
 Roll ReadRoll(std::string_view text, const std::string& file, const RandomDigits& random,
-              Diagnostics& diagnostics);
+              Diagnostics& diagnostics, const Roll& known = {});
 /// student1 to studentN.
 Roll NumberedRoll(int students, const RandomDigits& random);
 

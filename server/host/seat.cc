@@ -84,6 +84,17 @@ int NewestRun(const fs::path& folder) {
   return newest;
 }
 
+std::uintmax_t SizeOf(const fs::path& path) {
+  std::error_code code;
+  if (fs::is_regular_file(path, code)) return fs::file_size(path, code);
+  std::uintmax_t bytes = 0;
+  for (fs::recursive_directory_iterator it(path, code), end; !code && it != end; it.increment(code)) {
+    std::error_code gone;
+    if (it->is_regular_file(gone)) bytes += it->file_size(gone);
+  }
+  return bytes;
+}
+
 Seat::Seat(boost::asio::io_context& context, std::string name, fs::path folder, std::string url,
            SeatPlan plan, const Clock& clock, Logger logger)
     : context_(context),
@@ -299,18 +310,25 @@ void Seat::SetState(SeatState state, const std::string& trouble) {
 }
 
 void Seat::TidyRuns() const {
-  std::vector<std::pair<std::string, std::uintmax_t>> runs;
-  std::uintmax_t all = 0;
+  struct Run {
+    fs::file_time_type time;
+    fs::path file;
+    std::uintmax_t bytes;
+  };
+  const fs::path folder = folder_ / kRuns;
+  const fs::path newest = folder / RunFileName(NewestRun(folder));  // the seat continues from it
+  std::vector<Run> runs;
   std::error_code code;
-  for (fs::directory_iterator it(folder_ / kRuns, code), end; !code && it != end; it.increment(code)) {
+  for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
     std::error_code gone;
-    runs.emplace_back(it->path().string(), it->file_size(gone));
-    if (!gone) all += runs.back().second;
+    if (!it->path().filename().string().starts_with(newest.filename().string()))
+      runs.push_back({it->last_write_time(gone), it->path(), it->file_size(gone)});
   }
-  std::sort(runs.begin(), runs.end());
-  for (std::size_t i = 0; i + 2 < runs.size() && all > plan_.limits.disk_bytes / 2; ++i) {
-    all -= runs[i].second;
-    fs::remove(runs[i].first, code);
+  std::ranges::sort(runs, {}, &Run::time);
+  std::uintmax_t all = SizeOf(folder);
+  for (auto run = runs.begin(); run != runs.end() && all > plan_.limits.disk_bytes; ++run) {
+    all -= std::min(all, run->bytes);
+    fs::remove(run->file, code);
   }
 }
 

@@ -95,6 +95,8 @@ class Seat {
   /// The teacher drives, or the student does again.
   void SetTaken(bool taken);
   bool taken() const { return taken_; }
+  /// Removes the oldest recordings beyond the disk's share, but not the one from which the seat continues.
+  void TidyRuns() const;
   /// It sleeps, or is about to: it starts again when somebody comes.
   bool put_aside() const { return !wanted_ && (state_ == SeatState::kAsleep || ends_); }
   const std::string& lesson() const { return plan_.lesson; }
@@ -110,8 +112,6 @@ class Seat {
   void OnDeath();
   void SendWaiting();
   void SetState(SeatState state, const std::string& trouble);
-  /// Removes the oldest recordings beyond the disk's share.
-  void TidyRuns() const;
   std::filesystem::path door_path() const { return folder_ / "door"; }
 
   boost::asio::io_context& context_;
@@ -144,5 +144,7 @@ class Seat {
 int NewestRun(const std::filesystem::path& folder);
 /// Its file's name.
 std::string RunFileName(int number);
+/// Bytes of a file, or of all files in a folder; 0 if there is none.
+std::uintmax_t SizeOf(const std::filesystem::path& path);
 
 }  // namespace coopdyn

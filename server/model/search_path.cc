@@ -104,7 +104,7 @@ std::string WithSlashes(std::string name, bool& absolute) {
   return drive ? name.substr(2) : name;
 }
 
-/// `name` with each of `extensions`; only `name` if it already has one of them.
+/// Returns `name` alone if it ends with one of `extensions`, else `name` once with each extension.
 std::vector<std::string> WithExtensions(const std::string& name,
                                         std::initializer_list<std::string_view> extensions) {
   for (const std::string_view extension : extensions) {

@@ -2,6 +2,7 @@
 """Seats of a class: who gets in, and that what happens to one daemon or the host costs nobody a run."""
 import os
 import signal
+import socket
 import subprocess
 import unittest
 
@@ -177,6 +178,31 @@ class Lives(unittest.TestCase):
             old = host.as_student("ana")
             self.assertEqual(seat("pin", "ana", "8888").stdout, "ana 8888 ana\n")
             until(lambda: host.fetch("GET", "/s/ana/api/status", headers=old)[0] == 403)
+
+    def test_seats_have_ports_of_their_own_for_machines_that_showed_the_pin(self):
+        with Host(REALTIME, "--seat-ports", "21000") as host:
+            ports = {name: host.me(name)["own_port"] for name in ("ana", "ben")}
+            self.assertEqual(ports, {"ana": 21000, "ben": 21100})
+            for words in (("remove", "ana"), ("add", "Cleo"), ("add", "Dan")):
+                subprocess.run([BINARY, "seat", *words, "--folder", str(host.folder / "class")], check=True, capture_output=True)
+            until(lambda: "dan" in host.tiles())
+            self.assertEqual(sorted(host.me(name)["own_port"] for name in ("ben", "cleo", "dan")), [21000, 21100, 21200])
+
+    @harness.with_own_ports
+    def test_a_machine_that_did_not_show_the_pin_is_refused_at_these_ports(self):
+        def ask(source):
+            connection = socket.create_connection(("127.0.0.1", 21000), harness.LIMIT_S, (source, 0))
+            try:
+                connection.sendall(b"OPEN /robot1/pose\n")
+                return connection.recv(100)
+            except ConnectionResetError:
+                return b""
+        with Host(REALTIME, "--seat-ports", "21000") as host:
+            seat = host.seat("ana", source="127.0.0.6")
+            self.assertEqual(seat.said, "ok")
+            until(lambda: host.tiles()["ana"]["daemon"] == "running")
+            self.assertEqual(ask("127.0.0.7"), b"")
+            self.assertEqual(until(lambda: ask("127.0.0.6")), b"ok\n")
 
     def test_one_folder_has_one_host(self):
         with Host() as host:

@@ -53,6 +53,20 @@ TEST(Roll, WhatItWritesItReadsAgain) {
   EXPECT_EQ(again.entries().at(0).link, roll.entries().at(0).link);
 }
 
+TEST(Roll, AListThatComesAgainKeepsPinsAndLinks) {
+  const Roll before = Read("name,pin\nAna,\nBen,1234\nCleo,5555\n");
+  Diagnostics diagnostics;
+  const RandomDigits other{[](std::size_t n) { return std::string(n, 'f'); },
+                           [](std::size_t n) { return std::string(n, '9'); }};
+  const Roll again =
+      ReadRoll("name,pin\nBen,1234\nAna,\nCleo,6666\nDan,\n", "c.csv", other, diagnostics, before);
+  EXPECT_EQ(again.Find("ana")->pin, before.Find("ana")->pin);
+  EXPECT_EQ(again.Find("ana")->link, before.Find("ana")->link);
+  EXPECT_EQ(again.Find("ben")->link, before.Find("ben")->link);
+  EXPECT_NE(again.Find("cleo")->link, before.Find("cleo")->link);  // another PIN, another link
+  EXPECT_EQ(again.Find("dan")->pin, "9999");
+}
+
 TEST(Roll, AllMistakesAreReportedWithTheirLines) {
   std::string errors;
   Read("name,pin\nAna,12\nBen,1234,x\nCleo,7305\n,\n", &errors);
