@@ -232,7 +232,7 @@ ContactList BoxOnFloor(const Box& box, const PlacedRotation& place, double margi
 bool IsConvexSolid(const MeshData& mesh) {
   constexpr std::size_t kMostVertices = 1000;
   const std::size_t vertices = mesh.vertices.size();
-  // A closed surface without holes satisfies V − E + F = 2 (Euler).
+  // A closed surface of triangles without holes has F = 2 V − 4 (Euler).
   if (vertices > kMostVertices || 2 * vertices != mesh.triangles.size() + 4) return false;
   const double rounding = 1e-6 * mesh.radius_m * mesh.radius_m * mesh.radius_m;
   return std::ranges::all_of(mesh.triangles, [&](const MeshData::Triangle& t) {
