@@ -49,8 +49,8 @@ struct Part {
   int friction_body = -1;                      // if not negative: friction_along_G is in this body's axes
   double friction_across = 1;
   double rolling_friction_m = 0, spinning_friction_m = 0;
-  int wheel =
-      -1;  // of the drive; -1: none. A cylinder about a driven axle, which rolls on one contact at its tread
+  /// Of the drive; -1: none. A cylinder about a driven axle, which rolls on one contact at its tread.
+  int wheel = -1;
   int link = 0, collision = 0;     // of a robot's model: index into links, and into the link's collisions
   Vector3 p_BG = Vector3::Zero();  // in its body
   Matrix3 R_BG = Matrix3::Identity();
