@@ -14,7 +14,7 @@
 
 namespace coopdyn {
 
-/// In the plane.
+/// A circle in the plane.
 struct Circle {
   double x = 0, y = 0, radius_m = 0;
 };

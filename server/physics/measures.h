@@ -93,7 +93,7 @@ class Measures {
   };
   /// A rigid piece of a robot before and after the step.
   struct Motion {
-    Vector3 p_W, middle_W;  // its centre of mass before the step, and in the middle of it
+    Vector3 p_W, middle_W;  // its centre of mass before the step, and at mid-step
     Vector3 P_W, P_next_W;  // momentum
     Vector3 L_W, L_next_W;  // angular momentum about the centre of mass
   };

@@ -78,7 +78,7 @@ std::vector<int> BodiesBeyond(const RobotModel& model, std::size_t index) {
   return beyond;
 }
 
-/// Gives joint `j` of the model its motor.
+/// Sets the motor of joint `j` of the model.
 void AddMotor(const RobotModel& model, std::size_t j, Joint& joint) {
   int channel = 0, control = 0;
   for (const ActuatorModel& actuator : model.actuators) {

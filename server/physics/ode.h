@@ -24,7 +24,7 @@ class OdeError : public std::runtime_error {
 /// by its speed.
 void EnsureOde();
 
-/// Frees an ODE object by the function made for it.
+/// Frees an ODE object by ODE's destroy function for it.
 template <auto Destroy>
 struct OdeDelete {
   template <typename T>

@@ -384,7 +384,7 @@ double PileSolver::TakeStep() {
   constexpr int kMostTrials = 20;
   const double flat = kFlat * std::abs(begin_slope);
   double share = 1, slope = slope_at(1);
-  if (!std::isfinite(begin_slope) || !std::isfinite(slope)) return kInfinity;  // there is no step
+  if (!std::isfinite(begin_slope) || !std::isfinite(slope)) return kInfinity;  // no usable step
   double low = 0, low_slope = begin_slope, high = 1, high_slope = slope;
   int side = 0;
   for (int i = 0; i < kMostTrials && (slope > flat || (i > 0 && slope < -flat)); ++i) {
@@ -422,8 +422,8 @@ bool PileSolver::Step(double dt_s) {
     joint.edge = edges_.size();
     edges_.emplace_back(joint.a, joint.b);
   }
-  // Tolerance of velocities: a thousandth of their change by gravity; in piles, also a thousandth of the
-  // largest speed.
+  // Tolerance of velocities: a thousandth of their change by gravity; in large piles, at least a thousandth
+  // of the largest speed.
   constexpr double kExact = 1e-3;
   constexpr std::size_t kFew = 8;
   double enough_m_s = 1e-7 + kExact * settings_.g_W.norm() * dt_s;

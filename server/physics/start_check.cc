@@ -79,7 +79,7 @@ void CheckFidelity(const RobotEntry& entry, Diagnostics& diagnostics) {
   }
   if (entry.model->has_limbs()) {
     diagnostics.Error(entry.where, who + " does not fit " + entry.model->type +
-                                       ", which has joints that are no wheels: use fidelity full");
+                                       ", which has joints other than wheels: use fidelity full");
   }
   const Vector3 up = entry.X_WR.q * Vector3::UnitZ();
   if (entry.fidelity == Fidelity::kPlanar && up.z() < 1 - 1e-9) {

@@ -135,7 +135,7 @@ class Stepper {
   Nanoseconds StepIfDue(Nanoseconds now) REQUIRES(baton_);
   void StepNow(Nanoseconds now) REQUIRES(baton_);
   /// Reports stopped controllers. `step`: they stopped in the step after frame `step`, which becomes an input
-  /// of the run; nullopt: they never started.
+  /// of the run; nullopt: they were stopped before the first step.
   void NoteStoppedControllers(const std::vector<StoppedController>& controllers,
                               std::optional<std::uint64_t> step) REQUIRES(baton_);
   /// Reports the clients that were lost before the last latched step.

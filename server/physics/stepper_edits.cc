@@ -344,7 +344,7 @@ void Stepper::Install(StepEnd end, const SavedState* state) {
   boards_.commands.SetMode(mode_, now);
   boards_.commands.Configure(scene, end, simulation_->frame(), now);
   if (state != nullptr) TakeDrives(*state, now);
-  // Controllers that never started are no input of the run: the saved state contains them.
+  // Controllers that are stopped from the start are no input of the run: the saved state contains them.
   if (journal_ != nullptr) journal_->Begin(SaveState());
   if (helpers_.controllers != nullptr) {
     NoteStoppedControllers(helpers_.controllers->TakeStopped(), std::nullopt);

@@ -139,7 +139,7 @@ void Rub(const FoundContact& found, const Toucher& a, const Toucher& b, const Wo
   }
 }
 
-/// A part rolls where it is round: not on the end of a cylinder, nor on a face.
+/// Whether a part can roll on this contact: not on the end of a cylinder, nor on a face.
 bool IsRound(const Toucher& of, const Part& part, const Vector3& n_W) {
   constexpr double kOnEnd = 0.99;
   if (std::holds_alternative<Cylinder>(part.shape))
@@ -195,7 +195,7 @@ Surface Rolling(const FoundContact& found, const Toucher& robot, int sign, const
   const std::size_t side = static_cast<std::size_t>(wheel.wheel);
   ContactPoint point = found.point;
   point.n_W *= sign;  // towards the robot
-  // The rolling direction at mid-step: the robot turns on while it rolls.
+  // The rolling direction at mid-step: the robot turns while it rolls.
   const BodyState& state = robot.actor->bodies[0];
   const double half_turn = state.w_WB.z() * dt_s / 2;
   const auto [s, c] = portable::SinCos(half_turn);

@@ -133,7 +133,7 @@ std::optional<WheelPair> FindWheels(const RobotModel& model, std::string& why) {
   }
   if (std::abs(radius_m[0] - radius_m[1]) > kTolerance_m || std::abs(y_m[0] + y_m[1]) > kTolerance_m ||
       y_m[0] <= 0) {
-    why = "its wheels must be equal and as far from the middle on either side";
+    why = "its wheels must be equal and equally far from the middle";
     return std::nullopt;
   }
   pair.radius_m = (radius_m[0] + radius_m[1]) / 2;

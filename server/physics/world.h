@@ -105,7 +105,7 @@ class PhysicsWorld {
   };
 
   /// Sizes and builds all members that depend on the things.
-  /// @pre things_
+  /// @pre things_ is set
   void Fit();
   /// `left`: the step's remaining substeps, including this one.
   void Substep(Nanoseconds dt, int left);
@@ -147,7 +147,7 @@ class PhysicsWorld {
   std::optional<std::string> TryBatch(Batch& batch, Solvers& solvers, double dt_s);
   /// Returns false if nothing in the batch moves.
   bool FreezeFastest(std::string why, Batch& batch);
-  // `solver`: a Lane or a LimbSolver.
+  // `solver`: a Lane, a LimbSolver or a PileSolver.
   template <typename Solver>
   void LoadBatch(const Batch& batch, Lane& lane, Solver& solver, double dt_s);
   template <typename Solver>
