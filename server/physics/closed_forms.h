@@ -70,7 +70,7 @@ struct PlacedPart {
 
 // Contacts across a gap of up to `margin_m` are also found.
 
-// The margin of boxes, and of objects on the floor, so that things at rest keep all their points.
+// Margin of boxes, and of objects on the floor, so that things at rest keep all their points.
 inline constexpr double kAhead_m = 2e-4;
 
 /// Wheel A, as a disc in the middle of its tread, on the floor z = 0. Does not apply to a wheel that lies on

@@ -25,7 +25,8 @@
 
 namespace coopdyn {
 
-/// A motor's torque in a substep: m = S − s w; for a servo, the torque that its row demands, limited to that.
+/// A motor's torque in a substep: m = S − s w; for a servo, the torque that its row demands, within ± S − s
+/// w.
 struct MotorLaw {
   bool is_servo = false;
   double torque = 0, slope = 0;                                        // S and s; of a servo: at full duty
@@ -40,7 +41,7 @@ struct RotorPoint {
   double effort = 0, rate = 0, motor = 0;  // T, w', m
 };
 
-/// A drive train in one substep. Reuse it to keep the lists' memory.
+/// A drive train in one substep. Reused, so that its lists keep their memory.
 struct TrainStep {
   MotorLaw law;
   std::vector<RotorPoint> rotor;  // by increasing effort

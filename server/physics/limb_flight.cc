@@ -18,7 +18,7 @@ namespace {
 constexpr int kUsualParts = 8, kMostParts = 128;
 constexpr double kSwing_rad = 2;   // per part, of the fastest swing: at 2 the method becomes unstable
 constexpr double kTurn_rad = 0.1;  // per part, of floating bodies and ball joints
-// Energy errors, as shares of the kinetic energy, that ask for up to kUsualParts or kMostParts.
+// Energy errors, as shares of the kinetic energy, beyond which a step gets up to kUsualParts or kMostParts.
 constexpr double kLost = 0.05, kMostLost = 0.5;
 
 }  // namespace

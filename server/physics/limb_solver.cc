@@ -95,7 +95,7 @@ bool LimbSolver::Advance(double dt_s) {
   forest_.Move(rates_, dt_s);
   forest_.SetRates(rates_);
   if (is_fast) LimitGain(before);
-  // A light hand that hits the floor may become insanely fast, which would freeze its robot.
+  // A light hand that hits the floor may turn faster than kMaxTurnRate_rad_s, which would freeze its robot.
   constexpr double kMostTurn_rad_s = 0.9 * kMaxTurnRate_rad_s;
   const double turn_rad_s = forest_.TurnRate_rad_s();
   if (turn_rad_s > kMostTurn_rad_s) forest_.SlowJoints(kMostTurn_rad_s / turn_rad_s, rates_);

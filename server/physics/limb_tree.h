@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The tree of a mechanism's bodies: a spanning tree of its joints. Joints that close loops are listed apart.
-// Immutable. Only server/physics includes this file.
+// The tree of a mechanism's bodies: a spanning tree of its joints. Joints that close loops are listed
+// separately. Immutable. Only server/physics includes this file.
 #pragma once
 
 #include <vector>

@@ -284,8 +284,8 @@ Measures::Motion Measures::MotionOf(const Measured& of, std::span<const BodyStat
           momentum(is)};
 }
 
-// Newton's and Euler's laws for everything beyond the joint: the wrench through the joint is the gain of
-// momentum less the wrenches of weight and contacts.
+// Newton's and Euler's laws for everything beyond the joint: the wrench through the joint is the rate of
+// change of momentum less the wrenches of weight and contacts.
 void Measures::Measure(const WrenchModel& model, const Measured& of, std::span<const BodyState> now,
                        const Moment& moment, std::span<double> values) const {
   const SceneRobot& robot = scene_->robots[static_cast<std::size_t>(of.robot)];

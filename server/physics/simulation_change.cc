@@ -190,7 +190,7 @@ std::string Simulation::Change(WorldChange& change, WorldChange& inverse) {
   }
   inverse = InverseOf(change, *before);
 
-  std::vector<std::int32_t> sleepers;  // that touch what is removed or moved
+  std::vector<std::int32_t> sleepers;  // near things that are removed or moved
   const std::vector<std::uint8_t> going = Chosen(change, *scene_, *scene_, world_->things(), true);
   for (const std::uint32_t near :
        NearChosen(world_->things(), going, PairsOfChosen(world_->things(), before->bodies, going))) {

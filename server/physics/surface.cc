@@ -208,7 +208,7 @@ Surface Rolling(const FoundContact& found, const Toucher& robot, int sign, const
   Copy(contact.fdir1, axle.cross(point.n_W).normalized());
   contact.surface.motion1 = drive.SpeedsOf(robot.channels)[side] * drive.wheels.radius_m;
   if (robot.actor->thing.mechanism->planar()) {
-    // It always stands as at rest. One wheel's row holds it sideways for both wheels.
+    // A planar robot always stands as at rest. One wheel's row holds it sideways for both wheels.
     contact.surface.mu = drive.drive_n[side];
     contact.surface.mu2 = side == 0 ? drive.sideways_n : 0;
   } else {
