@@ -27,7 +27,7 @@ struct CouplingShare {
   double lower = 0, upper = 0;
 };
 
-/// What a joint's row does in one substep. rad, N m; of a slider m, N.
+/// A joint's solver row in one substep. rad, N m; for sliders m, N.
 struct JointRow {
   double velocity = 0;
   double max_effort = 0;

@@ -216,7 +216,7 @@ Surface Rolling(const FoundContact& found, const Toucher& robot, int sign, const
     contact.surface.mode |= dContactApprox1_2;
     contact.surface.mu2 = friction;
     if (drive.stalls && point.depth_m > -kTouching_m) {
-      contact.surface.mu = drive.drive_n[side];  // the motor's, whatever the load
+      contact.surface.mu = drive.drive_n[side];  // the motor's limit, at any load
     } else {
       contact.surface.mode |= dContactApprox1_1;
       contact.surface.mu = friction;

@@ -106,7 +106,7 @@ double Sweep::EndBefore(const Things& things, const Fast& a, const Actor* other,
                         Collider& collider) {
   BodyState place, other_place;
   const Actor actor{things.all[a.thing], &place};
-  /// Depth of the deepest contact at `share` of the way, m; -1 if there is none.
+  /// Depth of the deepest contact at `share` of the way, m; -1 without contacts.
   const auto depth_m = [&](double share) {
     place = Between(a.before, a.after, share);
     found_.clear();
