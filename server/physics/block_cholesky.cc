@@ -12,7 +12,7 @@ namespace {
 
 using Block = BlockCholesky::Block;
 
-/// Of a symmetric and positive definite block, by L D Lᵀ.
+/// Inverts a symmetric and positive definite block by L D Lᵀ.
 Block Inverse(const Block& A) {
   constexpr int n = 6;
   Block L = Block::Identity();
@@ -46,7 +46,7 @@ void BlockCholesky::Order(int nodes, std::span<const std::pair<int, int>> edges)
   const auto count = static_cast<std::size_t>(nodes);
   order_of_.resize(count);
   for (std::size_t i = 0; i < count; ++i) order_of_[i] = i;
-  constexpr int kFew = 4;  // no order saves anything
+  constexpr int kFew = 4;  // so few that no order saves work
   if (nodes <= kFew) return;
   std::vector<Eigen::Triplet<double>> entries;
   for (int i = 0; i < nodes; ++i) entries.emplace_back(i, i, 1);
@@ -80,7 +80,7 @@ void BlockCholesky::Plan(int nodes, std::span<const std::pair<int, int>> edges) 
   rows_.clear();
   marks_.assign(count, count);
   for (std::size_t column = 0; column < count; ++column) {
-    // What the column has itself, and what eliminating others has brought.
+    // The column's own rows, and those that eliminating its children adds.
     const std::size_t begin = rows_.size();
     const auto take = [&](std::size_t row) {
       if (row == column || marks_[row] == column) return;
@@ -125,7 +125,7 @@ void BlockCholesky::Factor() {
       const Block scaled = original.lazyProduct(inverse);
       blocks_[k] = scaled;
       diagonal_[rows_[k]] -= scaled.lazyProduct(original.transpose());
-      // All rows below are also in the column of rows_[k]; those above have been scaled.
+      // All rows below are also in the column of rows_[k], and are not scaled yet.
       std::size_t to = first_[rows_[k]];
       for (std::size_t i = k + 1; i < end; ++i) {
         while (rows_[to] != rows_[i]) ++to;

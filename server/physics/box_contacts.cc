@@ -11,26 +11,25 @@ namespace coopdyn {
 
 namespace {
 
-// An edge must be the better way out by this much: else a box on another would rest on one point now and
-// then.
+// An edge must beat a face by this much: otherwise a stacked box would occasionally rest on one point.
 constexpr double kFaceFirst_m = 5e-5;
 
 struct PlacedBox {
   PlacedBox(const Box& box, const PlacedRotation& X_WB) : half_m(box.size_m / 2), p_W(X_WB.position()) {
     for (int i = 0; i < 3; ++i) axes_W.col(i) = X_WB.axis(i);
   }
-  /// From the middle to the furthest point along a direction.
+  /// Distance from the centre to the furthest point along a direction.
   double Reach(const Vector3& n_W) const { return (axes_W.transpose() * n_W).cwiseAbs().dot(half_m); }
 
   Vector3 half_m, p_W;
   Matrix3 axes_W;
 };
 
-/// The outlines of faces have at most 4 corners, and each side that cuts adds one.
+/// A convex polygon. Faces have 4 corners, and each cut adds at most one.
 class Outline {
  public:
   void Add(const Vector3& p) { points_[count_++] = p; }
-  /// What lies below `most` along `n`.
+  /// The part below `most` along `n`.
   Outline Cut(const Vector3& n, double most) const {
     Outline kept;
     for (std::size_t i = 0; i < count_; ++i) {
@@ -49,7 +48,7 @@ class Outline {
   std::size_t count_ = 0;
 };
 
-/// The face of `box` that looks most against `n_W`.
+/// The face of `box` whose outward normal is most opposed to `n_W`.
 Outline FaceAgainst(const PlacedBox& box, const Vector3& n_W) {
   const Vector3 n = box.axes_W.transpose() * n_W;
   int face = 0;
@@ -65,8 +64,8 @@ Outline FaceAgainst(const PlacedBox& box, const Vector3& n_W) {
   return outline;
 }
 
-/// Points of `other` above the face `axis` of `box` that looks along `n_W`; `sign` times `n_W` is their
-/// normal.
+/// Points of `other` over the face `axis` of `box` with outward normal `n_W`. The contacts' normal is `sign`
+/// times `n_W`.
 std::vector<ContactPoint> AcrossFace(const PlacedBox& box, int axis, const Vector3& n_W,
                                      const PlacedBox& other, double sign, double margin_m) {
   Outline outline = FaceAgainst(other, n_W);
@@ -84,7 +83,7 @@ std::vector<ContactPoint> AcrossFace(const PlacedBox& box, int axis, const Vecto
   return points;
 }
 
-/// The one point of an edge of each; `n_W`: from B to A.
+/// The contact point of an edge of A and an edge of B; `n_W`: from B to A.
 ContactPoint AcrossEdges(const PlacedBox& a, int edge_a, const PlacedBox& b, int edge_b, const Vector3& n_W,
                          double depth_m) {
   const auto middle = [](const PlacedBox& box, int edge, const Vector3& towards) {
@@ -97,7 +96,7 @@ ContactPoint AcrossEdges(const PlacedBox& a, int edge_a, const PlacedBox& b, int
   };
   const Vector3 p = middle(a, edge_a, -n_W), q = middle(b, edge_b, n_W);
   const Vector3 u = a.axes_W.col(edge_a), v = b.axes_W.col(edge_b);
-  // Where the two lines are nearest to each other.
+  // The points where the two lines are nearest to each other.
   const double uv = u.dot(v), of_u = u.dot(q - p), of_v = v.dot(q - p);
   const double apart = 1 - uv * uv;
   const Vector3 on_a = p + std::clamp((of_u - uv * of_v) / apart, -a.half_m[edge_a], a.half_m[edge_a]) * u;
@@ -124,7 +123,7 @@ std::vector<ContactPoint> BoxContacts(const Box& box_a, const PlacedRotation& X_
     const Vector3 n_W = i < 3 ? a.axes_W.col(i) : b.axes_W.col(i - 3);
     const double gap_m = gap(n_W);
     if (gap_m > margin_m) return {};
-    // The faces of A first, if those of B are no better.
+    // Prefer the faces of A unless those of B are better.
     constexpr double kBetter_m = 1e-6;
     if (gap_m > face.gap_m + kBetter_m) face = {gap_m, i < 3 ? i : -1, i < 3 ? -1 : i - 3, n_W};
   }

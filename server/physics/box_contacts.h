@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where two boxes touch. Pure; any thread. Only server/physics includes this file.
+// The contacts of two boxes. Pure; any thread. Only server/physics includes this file.
 #pragma once
 
 #include <vector>
@@ -8,11 +8,10 @@
 
 namespace coopdyn {
 
-/// Points where boxes A and B touch, or are less than `margin_m` apart; normals from B to A. All lie across
-/// one plane: that of a face, which the face of the other one that looks at it cuts out of it (up to 8
-/// points), or one point of two edges that cross. By the separating axis with the least overlap (S.
-/// Gottschalk et al. (1996), "OBBTree", SIGGRAPH), faces before edges, so that what rests keeps its points
-/// from step to step.
+/// Points where boxes A and B touch, or are less than `margin_m` apart; normals point from B to A. Either the
+/// points of a face clipped by the opposite face of the other box (up to 8), or the one point of two crossing
+/// edges. Chosen by the separating axis with the least overlap (S. Gottschalk et al. (1996), "OBBTree",
+/// SIGGRAPH), faces before edges, so that resting boxes keep their points from step to step.
 std::vector<ContactPoint> BoxContacts(const Box& a, const PlacedRotation& X_WA, const Box& b,
                                       const PlacedRotation& X_WB, double margin_m);
 

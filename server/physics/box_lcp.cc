@@ -37,7 +37,7 @@ void BoxLcp::SolveFree(const Problem& problem, Eigen::VectorXd& x) {
   factor_.resize(n, n);
   solution_.resize(n);
   w_.resize(n);
-  // What the others leave over; then L D Lᵀ, row by row, and both substitutions.
+  // The right-hand side less the fixed rows' part; then L D Lᵀ, row by row, and both substitutions.
   for (Eigen::Index r = 0; r < m; ++r) w_[r] = problem.b[free_[static_cast<std::size_t>(r)]];
   for (Eigen::Index j = 0, next = 0; j < n; ++j) {
     if (next < m && free_[static_cast<std::size_t>(next)] == j) {
@@ -48,7 +48,7 @@ void BoxLcp::SolveFree(const Problem& problem, Eigen::VectorXd& x) {
   }
   for (Eigen::Index r = 0; r < m; ++r) {
     const double* const of = &problem.A(0, free_[static_cast<std::size_t>(r)]);
-    double* const row = &factor_(0, r);  // a column of it: rows lie together
+    double* const row = &factor_(0, r);  // stored as a column, so a row is contiguous
     double pivot = of[free_[static_cast<std::size_t>(r)]];
     for (Eigen::Index c = 0; c < r; ++c) {
       const double* const above = &factor_(0, c);
@@ -116,7 +116,7 @@ bool BoxLcp::Descend(const Problem& problem, Eigen::VectorXd& x) {
   }
   for (Eigen::Index round = 0; round < 20 + 10 * n; ++round) {
     SolveFree(problem, x);
-    // As far towards the solution as the bounds allow.
+    // Move towards the solution as far as the bounds allow.
     double share = 1;
     Eigen::Index meets = -1;
     for (std::size_t r = 0; r < free_.size(); ++r) {

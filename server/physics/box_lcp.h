@@ -10,14 +10,15 @@ namespace coopdyn {
 
 class BoxLcp {
  public:
-  /// Block principal pivoting (J. J. Júdice and F. M. Pires (1994), "A block principal pivoting algorithm for
-  /// large-scale strictly monotone linear complementarity problems", Computers & Operations Research 21(5));
-  /// where it makes no progress an active set, which does at each step. `A` is symmetric and positive
-  /// definite; lower ≤ upper, which may be infinite. Begins where the last call has ended: which rows are at
-  /// which bound. Returns whether it was solved; else x is within its bounds and near.
+  /// Solves the problem by block principal pivoting (J. J. Júdice and F. M. Pires (1994), "A block principal
+  /// pivoting algorithm for large-scale strictly monotone linear complementarity problems", Computers &
+  /// Operations Research 21(5)); if that makes no progress, by an active-set method, which makes progress at
+  /// each step. `A` is symmetric and positive definite; lower ≤ upper, and both may be infinite. Warm start:
+  /// begins with the rows at the bounds that the last call found. Returns whether it found the solution; if
+  /// not, x is within its bounds and near the solution.
   bool Solve(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, const Eigen::VectorXd& lower,
              const Eigen::VectorXd& upper, Eigen::VectorXd& x);
-  /// The next call begins with all rows free.
+  /// Makes the next call begin with all rows free.
   void Forget() { states_.clear(); }
 
  private:
@@ -31,7 +32,7 @@ class BoxLcp {
 
   bool Pivot(const Problem& problem, Eigen::VectorXd& x);
   bool Descend(const Problem& problem, Eigen::VectorXd& x);
-  /// Puts rows that are at a bound there, and solves for the others: to `solution_`.
+  /// Sets x of the rows at a bound, and solves for the free rows into `solution_`.
   void SolveFree(const Problem& problem, Eigen::VectorXd& x);
   State& state(Eigen::Index i) { return states_[static_cast<std::size_t>(i)]; }
 

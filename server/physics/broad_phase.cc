@@ -12,7 +12,7 @@ namespace coopdyn {
 
 namespace {
 
-// Circles larger than this many times the smallest do not set the width of cells.
+// Circles larger than kLarge times the smallest do not determine the cells' width.
 constexpr double kLarge = 4;
 constexpr std::uint32_t kNoCell = std::numeric_limits<std::uint32_t>::max();
 
@@ -22,7 +22,7 @@ bool Meet(const A& a, const B& b) {
   return dx * dx + dy * dy <= reach * reach;
 }
 
-/// A cell number of any size, for any double.
+/// The cell number of a coordinate before wrapping; defined for any double.
 std::int64_t CellNumber(double x) {
   constexpr double kFar = 1e15;
   return static_cast<std::int64_t>(std::floor(x > kFar ? kFar : x > -kFar ? x : -kFar));
@@ -32,7 +32,7 @@ constexpr double kCell_m = 0.5;
 /// How much wider a robot may be than its disc when it leans, as long as its axis stays within 2°.
 constexpr double kLean_m = 0.01;
 
-/// Whether `part` comes within `circle`, seen from above.
+/// Whether `part` overlaps `circle` in plan.
 bool Reaches(const Circle& circle, const PlacedPart& part) {
   const double r = circle.radius_m;
   double dx = circle.x - part.p[0], dy = circle.y - part.p[1];
@@ -68,8 +68,8 @@ void CircleGrid::Sort(std::span<const Circle> circles) {
   for (const Circle& c : circles) {
     if (c.radius_m <= small_m_) widest_m = std::max(widest_m, c.radius_m);
   }
-  const double cells_per_m = 1 / std::max(2.001 * widest_m, 1e-3);  // a little wider: rounding
-  // Two cells a circle; at least four either way, so that a cell's neighbours differ.
+  const double cells_per_m = 1 / std::max(2.001 * widest_m, 1e-3);  // slightly wider, for rounding
+  // Two cells per circle, and at least four columns and rows, so that a cell's neighbours differ.
   columns_ = rows_ = 4;
   while (static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) < 2 * circles.size()) {
     (columns_ <= rows_ ? columns_ : rows_) *= 2;
@@ -144,7 +144,7 @@ void CircleGrid::FindPairs(std::span<const Circle> circles, std::vector<Pair>& p
   std::sort(pairs.begin(), pairs.end());
 }
 
-/// Of a robot with limbs: about its first body.
+/// The space of a robot with limbs, centred on its first body.
 RobotSpace SpaceOfLimbs(const Mechanism& robot, const BodyState* bodies, double margin_m) {
   const Vector3& p = bodies[0].p_WB;
   RobotSpace space{{p.x(), p.y(), 0}, p.z(), p.z()};
@@ -272,7 +272,7 @@ void BroadPhase::FindStatics(std::span<const std::uint8_t> moves) {
 void BroadPhase::FindIn(const Vector3& low_m, const Vector3& high_m,
                         std::vector<std::uint32_t>& found) const {
   const Aabb2 box{low_m.x(), low_m.y(), high_m.x(), high_m.y()};
-  // The grid knows where objects were when the substep began.
+  // The grid has the objects' places at the substep's start, so it cannot be used here.
   for (std::size_t i = 0; i < objects_.boxes.size(); ++i) {
     const Aabb2& of = objects_.boxes[i];
     if (of.min_x <= box.max_x && of.max_x >= box.min_x && of.min_y <= box.max_y && of.max_y >= box.min_y &&

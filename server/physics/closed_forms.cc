@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kLyingWheel = 0.7;  // |cosine| between axle and normal beyond which a wheel does not roll
 
-/// The lowest point, against `normal`, of a disc about `axis`.
+/// The point of a disc about `axis` that is furthest against `normal`.
 Vector3 LowestOfDisc(const Vector3& centre, const Vector3& axis, double radius_m, const Vector3& normal) {
   return centre - radius_m * (normal - normal.dot(axis) * axis).normalized();
 }
@@ -164,7 +164,7 @@ double DepthInside(const Shape& shape, const PlacedRotation& X_WS, const Vector3
     const double beyond = std::max(0.0, std::abs(local.z()) - capsule->length_m / 2);
     return capsule->radius_m - Vector3(local.x(), local.y(), beyond).norm();
   }
-  return -std::get<Mesh>(shape).data->radius_m;  // only what its triangles touch
+  return -std::get<Mesh>(shape).data->radius_m;  // a mesh has no inside: only its triangles touch
 }
 
 }  // namespace coopdyn

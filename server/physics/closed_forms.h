@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Collision shapes and where they are, and the contacts that are better found by a formula than by dCollide:
-// one contact where ODE makes several or wanders. Pure functions; any thread.
+// Collision shapes with their poses, and formulas for contacts that dCollide finds less well: one contact
+// where ODE returns several or one that wanders. Pure functions; any thread.
 #pragma once
 
 #include <optional>
@@ -17,13 +17,13 @@ struct ContactPoint {
   double depth_m = 0;  // negative: the gap still between them
 };
 
-/// What a closed form found: it may not apply (ask dCollide), or apply and find at most one contact.
+/// The result of a closed form: it does not apply (use dCollide), or applies and finds at most one contact.
 struct ClosedForm {
   bool applies = false;
   std::optional<ContactPoint> contact;
 };
 
-/// A shape of ODE in the world: centre and rotation (row-major, rows of 4 as ODE keeps them).
+/// The pose of a shape in the world: centre and rotation (row-major, rows of 4 as in ODE). Not owned.
 struct PlacedRotation {
   const double* p;
   const double* R;
@@ -36,7 +36,7 @@ struct PlacedRotation {
   bool upright() const;  // z axis within about 2° of the vertical
 };
 
-// What is this near the floor when the robot stands on it carries it.
+// A part nearer to the floor than this, when the robot stands on it, carries the robot.
 inline constexpr double kSupportGap_m = 2e-4;
 
 /// One collision shape of a mechanism.
@@ -45,17 +45,18 @@ struct Part {
   int body = 0;         // of the mechanism
   double friction = 1;  // Coulomb
   double restitution = 0;
-  Vector3 friction_along_G = Vector3::Zero();  // as in LinkShape, and what follows
-  int friction_body = -1;                      // if not negative: this body has it, in its own axes
+  Vector3 friction_along_G = Vector3::Zero();  // as in LinkShape, like the members below
+  int friction_body = -1;                      // if not negative: friction_along_G is in this body's axes
   double friction_across = 1;
   double rolling_friction_m = 0, spinning_friction_m = 0;
-  int wheel = -1;  // of the drive: a cylinder about a driven axle rolls on one contact at its tread
+  /// Of the drive; -1: none. A cylinder about a driven axle, which rolls on one contact at its tread.
+  int wheel = -1;
   int link = 0, collision = 0;     // of a robot's model: index into links, and into the link's collisions
   Vector3 p_BG = Vector3::Zero();  // in its body
   Matrix3 R_BG = Matrix3::Identity();
 };
 
-/// A part in the world, as ODE keeps such things: rows of 4.
+/// A part with its pose in the world; the rotation has rows of 4, as in ODE.
 struct PlacedPart {
   PlacedPart(const Part& part, const BodyState& body);
   PlacedRotation place() const { return {p, R}; }
@@ -63,13 +64,13 @@ struct PlacedPart {
   const Part* part;
   double p[3];
   double R[12];
-  /// Half of a box along the world's axes that holds it.
+  /// Half the size of the part's bounding box along the world's axes.
   Vector3 half_m;
 };
 
-// Contacts across a gap of up to `margin_m` count too.
+// Contacts across a gap of up to `margin_m` are also found.
 
-// Of boxes, and of objects on the floor: so what lies still keeps all its points.
+// Margin of boxes, and of objects on the floor, so that things at rest keep all their points.
 inline constexpr double kAhead_m = 2e-4;
 
 /// Wheel A, as a disc in the middle of its tread, on the floor z = 0. Does not apply to a wheel that lies on

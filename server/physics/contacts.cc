@@ -33,7 +33,7 @@ ContactList Reversed(ContactList list) {
   return list;
 }
 
-/// Whether a closed form applies; what it found goes to `list`.
+/// Whether a closed form applies. Stores its contact in `list`.
 bool TryClosedForm(const PlacedPart& a, const PlacedPart& b, double margin_m, ContactList& list) {
   const Cylinder* cylinder = std::get_if<Cylinder>(&a.part->shape);
   if (cylinder == nullptr) return false;
@@ -59,7 +59,7 @@ bool Near(const PlacedPart& a, const PlacedPart& b, double margin_m) {
   return true;
 }
 
-/// About several parts, along the axes of W.
+/// The bounding box of several parts, along the axes of W.
 class AroundParts {
  public:
   void Include(const PlacedPart& part) {
@@ -80,8 +80,8 @@ class AroundParts {
   Vector3 low_ = Vector3::Constant(kNoHit), high_ = -low_;
 };
 
-/// A robot's upright shell, or an upright box or cylinder: what else there is cannot be the first to touch
-/// another such thing that it overlaps in height.
+/// A robot's upright shell, or an upright box or cylinder. If the shells of two things overlap in height, no
+/// other parts can touch first.
 struct Shell {
   std::size_t part = 0;
   double z = 0, half_z = 0;
@@ -116,14 +116,14 @@ std::pair<PartRange, PartRange> FirstToTouch(const Actor& a, const Actor& b) {
   return {{0, a.parts().size()}, {0, b.parts().size()}};
 }
 
-/// Of contacts across a plane these: all, or if they are many the deepest, and up to three that span the
-/// most.
+/// Indices of selected contacts across a plane: all, or, of more than kMost, the deepest and up to three that
+/// span the most.
 struct Few {
   static constexpr std::size_t kMost = 4;
   std::array<std::size_t, kMost> at{};
   std::size_t count = 0;
   std::span<const std::size_t> all() const& { return {at.data(), count}; }
-  std::span<const std::size_t> all() && = delete;  // would outlive it
+  std::span<const std::size_t> all() && = delete;  // the span would outlive it
 };
 Few Spread(std::span<const ContactPoint> contacts) {
   Few few;
@@ -168,7 +168,8 @@ bool ArePieces(const Part* p, const Part* q) {
   return p != q && p != nullptr && q != nullptr && p->link == q->link && p->collision == q->collision;
 }
 
-/// Whether both are of the same two solids, which are meshes with all their pieces, in one plane.
+/// Whether both contacts belong to the same two solids (a mesh with all its pieces is one) and lie in one
+/// plane.
 bool AreAlike(const FoundContact& one, const FoundContact& other) {
   constexpr double kSameWay = 0.999, kSamePlane_m = 1e-3;
   if (std::abs(one.point.n_W.dot(other.point.p_W - one.point.p_W)) > kSamePlane_m) return false;
@@ -177,8 +178,8 @@ bool AreAlike(const FoundContact& one, const FoundContact& other) {
          one.point.n_W.dot(other.point.n_W) > kSameWay;
 }
 
-/// Of what the pieces of a mesh touch, from `first` on, as few contacts as if it were one solid: each costs
-/// the solver as much as a joint.
+/// Reduces the contacts of a mesh's pieces, from `first` on, to as few as those of one solid: each contact
+/// costs the solver as much as a joint.
 void ThinOut(std::size_t first, std::vector<FoundContact>& found) {
   if (found.size() - first <= Few::kMost) return;
   std::vector<FoundContact> open(found.begin() + static_cast<std::ptrdiff_t>(first), found.end());
@@ -207,7 +208,7 @@ void ThinOut(std::size_t first, std::vector<FoundContact>& found) {
   }
 }
 
-/// A mesh on the floor: some of its vertices at or below it.
+/// Contacts of a mesh with the floor: some of its vertices at or below the floor.
 ContactList MeshOnFloor(const MeshData& mesh, const PlacedRotation& place) {
   std::vector<ContactPoint> low;
   for (const Vector3& v : mesh.vertices) {
@@ -227,12 +228,11 @@ ContactList BoxOnFloor(const Box& box, const PlacedRotation& place, double margi
   return ListOf(low);
 }
 
-/// Whether these triangles are the whole surface of a convex solid, and few enough to be looked at one by
-/// one.
+/// Whether these triangles are the whole surface of a convex solid, and few enough to check one by one.
 bool IsConvexSolid(const MeshData& mesh) {
   constexpr std::size_t kMostVertices = 1000;
   const std::size_t vertices = mesh.vertices.size();
-  // A closed surface without holes has as many (Euler).
+  // A closed surface of triangles without holes has F = 2 V − 4 (Euler).
   if (vertices > kMostVertices || 2 * vertices != mesh.triangles.size() + 4) return false;
   const double rounding = 1e-6 * mesh.radius_m * mesh.radius_m * mesh.radius_m;
   return std::ranges::all_of(mesh.triangles, [&](const MeshData::Triangle& t) {
@@ -242,8 +242,8 @@ bool IsConvexSolid(const MeshData& mesh) {
   });
 }
 
-/// Whether ODE misses contacts of these two, puts them beside the shapes, or finds ways that are far too
-/// long.
+/// Whether ODE misses contacts of these two, places them beside the shapes, or finds depths that are far too
+/// large.
 bool OdeErrs(const Shape& a, const Shape& b) {
   const auto is_sphere = [](const Shape& one) { return std::holds_alternative<Sphere>(one); };
   const auto is_mesh = [](const Shape& one) { return std::holds_alternative<Mesh>(one); };
@@ -251,7 +251,7 @@ bool OdeErrs(const Shape& a, const Shape& b) {
   return is_mesh(a) || is_mesh(b) || ((is_cylinder(a) || is_cylinder(b)) && !is_sphere(a) && !is_sphere(b));
 }
 
-/// Whether these contacts part A from B.
+/// Whether moving A out by the deepest contact separates it from B.
 bool ArePartedBy(const ContactList& list, const PlacedPart& a, const PlacedPart& b) {
   if (list.count == 0) return false;
   constexpr double kLeft_m = 1e-4;
@@ -260,7 +260,7 @@ bool ArePartedBy(const ContactList& list, const PlacedPart& a, const PlacedPart&
 }
 
 ContactList ConvexContacts(const PlacedPart& a, const PlacedPart& b) {
-  constexpr double kOverlap_m = 1e-7;  // what only touches is left alone
+  constexpr double kOverlap_m = 1e-7;  // things that merely touch are left alone
   const LeastWay least = FindLeastWay(a, b);
   return least.depth_m > kOverlap_m ? ListOf(ContactsAlong(a, b, least)) : ContactList{};
 }

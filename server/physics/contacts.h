@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Narrow phase: which shapes touch where. Pure but for the Collider's scratch geoms. Only server/physics
+// Narrow phase: finds where shapes touch. Pure except for the Collider's scratch geoms. Only server/physics
 // includes this file.
 #pragma once
 
@@ -20,18 +20,18 @@ struct ContactList {
   static constexpr int kMax = 8;
   std::array<ContactPoint, kMax> points;
   int count = 0;
-  int wheel = -1;  // which of the two is a wheel that rolls on the other here: 0 A, 1 B, −1 none
+  int wheel = -1;  // which of the two is a wheel that rolls on the other: 0 A, 1 B, −1 none
 
   std::span<const ContactPoint> all() const& { return {points.data(), static_cast<std::size_t>(count)}; }
-  std::span<const ContactPoint> all() && = delete;  // would outlive its list
+  std::span<const ContactPoint> all() && = delete;  // the span would outlive the list
 };
 
-/// A mesh as ODE wants it.
+/// A mesh in ODE's form.
 class OdeMesh {
  public:
   explicit OdeMesh(const MeshData& mesh);
   dGeomID geom() const { return geom_.get(); }
-  /// Whether it is the whole surface of a convex solid.
+  /// Whether the mesh is the whole surface of a convex solid.
   bool is_convex() const { return is_convex_; }
 
  private:
@@ -42,8 +42,8 @@ class OdeMesh {
   bool is_convex_;
 };
 
-/// ODE's collision tests for shapes that no closed form fits. Holds a few geoms that take on whatever is
-/// asked about. One thread each.
+/// ODE's collision tests for shapes that no closed form fits. Has a few scratch geoms that become the shapes
+/// of each call. One thread each.
 class Collider {
  public:
   Collider();
@@ -57,7 +57,7 @@ class Collider {
  private:
   struct Geoms {
     OdeGeomPtr box, cylinder, sphere, capsule;
-    std::map<std::uint64_t, OdeMesh> meshes;  // by MeshData::id, each from its first use
+    std::map<std::uint64_t, OdeMesh> meshes;  // by MeshData::id, each made at its first use
     dGeomID Become(const PlacedPart& part);
     const OdeMesh& MeshOf(const MeshData& data);
     bool IsConvex(const PlacedPart& part);
@@ -69,7 +69,8 @@ class Collider {
   OdeGeomPtr floor_;
 };
 
-/// Contacts of A with B; normals from B to A. Upright robots and walls also across a gap of `margin_m`.
+/// Contacts of A with B; normals from B to A. Upright robots and walls have contacts across a gap of
+/// `margin_m` too.
 ContactList Collide(Collider& collider, const PlacedPart& a, const PlacedPart& b, double margin_m);
 /// Contacts of A with the floor.
 ContactList CollideFloor(Collider& collider, const PlacedPart& a, double margin_m);
@@ -82,7 +83,7 @@ struct FoundContact {
   int wheel = -1;           // as in ContactList
 };
 
-/// Appends all that touches between A and B to `found`.
+/// Appends all contacts of A and B to `found`.
 void FindContacts(Collider& collider, const Actor& a, const Actor& b, double margin_m,
                   std::vector<FoundContact>& found);
 void FindFloorContacts(Collider& collider, const Actor& a, double margin_m, std::vector<FoundContact>& found);

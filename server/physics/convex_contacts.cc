@@ -31,9 +31,9 @@ Vector3 Furthest(const PlacedPart& part, const Vector3& n_W) {
       std::visit([&](const auto& shape) { return FurthestPoint(shape, local); }, part.part->shape));
 }
 
-/// Differences of points of B and A: the origin is within them where the two overlap. Grows towards where
-/// their surface is nearest to the origin (the expanding polytope algorithm, van den Bergen 2001). Its faces
-/// may leave the origin out at first.
+/// The set of differences of points of B and A, which contains the origin if the two overlap. Expands a
+/// polytope towards the point of the set's surface nearest to the origin (the expanding polytope algorithm,
+/// van den Bergen 2001). At first the polytope may not contain the origin.
 class Differences {
  public:
   Differences(const PlacedPart& a, const PlacedPart& b) : a_(a), b_(b) {}
@@ -65,7 +65,7 @@ class Differences {
     double height_m = std::numeric_limits<double>::infinity();  // of the plane above the origin
   };
 
-  /// The difference that lies furthest along `n`. Every such look bounds the depth.
+  /// The difference that lies furthest along `n`. Each one is an upper bound of the depth.
   Difference Look(const Vector3& n) {
     const Vector3 of_a = Furthest(a_, -n), of_b = Furthest(b_, n);
     last_m_ = n.dot(of_b - of_a);
@@ -73,7 +73,7 @@ class Differences {
     return {of_b - of_a, (of_a + of_b) / 2};
   }
 
-  /// A tetrahedron. False if they are apart.
+  /// Begins with a tetrahedron. Returns false if A and B are apart.
   bool Begin() {
     const Vector3 between = a_.place().position() - b_.place().position();
     const Vector3 n = between.squaredNorm() > 0 ? between.normalized() : Vector3(Vector3::UnitZ());
@@ -120,13 +120,13 @@ class Differences {
     faces_.push_back(face);
   }
 
-  /// Where the two are whose difference is nearest to the origin.
+  /// The midpoint of the two points whose difference is nearest to the origin.
   Vector3 Middle() const {
     const double height_m = std::ranges::min_element(faces_, {}, &Face::height_m)->height_m;
     Vector3 middle_W = Vector3::Zero();
     double least = -std::numeric_limits<double>::infinity();
     for (const Face& face : faces_) {
-      // A flat side may be of several triangles: that below the origin counts.
+      // A flat side may consist of several triangles: the one below the origin counts.
       if (face.height_m > height_m + kNear_m) continue;
       const auto corner = [&](std::size_t i) -> const Difference& { return points_[face.corners[i % 3]]; };
       const Vector3 nearest = face.height_m * face.n;
@@ -169,10 +169,10 @@ class Differences {
 
 using Patch = std::vector<Vector3>;
 
-// Faces and edges that lean by less than this (rad) meet as a whole.
+// Faces and edges within this angle (rad) touch along their whole extent.
 constexpr double kLean = 0.02;
 
-/// The corner, the ends of the edge or the outline of the face with which a part looks along `n_W`, in turn.
+/// The corner, the ends of the edge, or the outline of the face (in order) of a part that faces along `n_W`.
 Patch PatchOf(const PlacedPart& part, const Vector3& n_W) {
   const PlacedRotation place = part.place();
   const Vector3 axis = place.axis(2), side = n_W.unitOrthogonal(), other = n_W.cross(side);
@@ -197,7 +197,7 @@ Patch PatchOf(const PlacedPart& part, const Vector3& n_W) {
   Patch patch;
   patch.reserve(kAround);
   for (int i = 0; i < kAround; ++i) {
-    // A cylinder's end leans less than this at any rate.
+    // A cylinder's end leans less than kLean here.
     const Vector3 p = Furthest(part, leaning(i, cylinder ? 2 * kLean : kLean));
     constexpr double kSame_m = 1e-9;
     const auto is_new = [&](const Vector3& q) { return (p - q).squaredNorm() > kSame_m * kSame_m; };
@@ -206,7 +206,7 @@ Patch PatchOf(const PlacedPart& part, const Vector3& n_W) {
   return patch;
 }
 
-/// What of `patch` lies within the outline `within`, looked at along `n`.
+/// The part of `patch` within the outline `within`, seen along `n`.
 Patch Clipped(Patch patch, const Patch& within, const Vector3& n) {
   Patch kept;
   kept.reserve(patch.size() + within.size());
@@ -228,7 +228,7 @@ Patch Clipped(Patch patch, const Patch& within, const Vector3& n) {
   return patch;
 }
 
-/// Twice the area that an outline goes around, as a vector.
+/// Twice the area of an outline, as a vector.
 Vector3 AreaOf(const Patch& outline) {
   Vector3 area = Vector3::Zero();
   for (std::size_t i = 2; i < outline.size(); ++i)
@@ -236,7 +236,8 @@ Vector3 AreaOf(const Patch& outline) {
   return area;
 }
 
-/// Two edges that cross, or run along each other: points of the first, and how far the second is above them.
+/// Two edges that cross, or run along each other: points of the first, and the height of the second above
+/// them.
 std::vector<std::pair<Vector3, double>> EdgesMeet(const Patch& one, const Patch& other, const Vector3& n) {
   const auto flat = [&](const Vector3& v) { return Vector3(v - n.dot(v) * n); };
   const Vector3 d = one[1] - one[0], e = other[1] - other[0], between = other[0] - one[0];
@@ -262,7 +263,8 @@ std::vector<std::pair<Vector3, double>> EdgesMeet(const Patch& one, const Patch&
   return met;
 }
 
-/// Points of `one`, and how far `other` is above them along `n`. None if they only meet beyond what leans.
+/// Points of `one`, and the height of `other` above them along `n`. Empty if `other` leans too far or does
+/// not overlap.
 std::vector<std::pair<Vector3, double>> Meet(const Patch& one, const Patch& other, const Vector3& n) {
   std::vector<std::pair<Vector3, double>> met;
   if (one.size() == 2 && other.size() == 2) return EdgesMeet(one, other, n);
@@ -288,7 +290,7 @@ LeastWay FindLeastWay(const PlacedPart& a, const PlacedPart& b) {
 std::vector<ContactPoint> ContactsAlong(const PlacedPart& a, const PlacedPart& b, const LeastWay& least) {
   const Vector3& n = least.n_W;
   const Patch of_a = PatchOf(a, -n), of_b = PatchOf(b, n);
-  // The outline with the fewest corners cuts the other off; a corner or an edge cuts nothing off.
+  // The outline with fewer corners clips the other; a corner or an edge clips nothing.
   const bool is_b_larger = of_a.size() < of_b.size();
   const bool swap = std::min(of_a.size(), of_b.size()) < 3 ? !is_b_larger : is_b_larger;
   const double sign = swap ? -1 : 1;
@@ -298,7 +300,7 @@ std::vector<ContactPoint> ContactsAlong(const PlacedPart& a, const PlacedPart& b
     contacts.push_back({p + above_m / 2 * n, n, sign * above_m});
     deepest_m = std::max(deepest_m, sign * above_m);
   }
-  // Rounded off corners and ends: as deep as the way is.
+  // Corners and ends are rounded off: make the deepest contact as deep as `least`.
   for (ContactPoint& one : contacts) one.depth_m += least.depth_m - deepest_m;
   std::erase_if(contacts, [](const ContactPoint& one) { return one.depth_m < 0; });
   if (contacts.empty()) contacts.push_back({least.p_W, n, least.depth_m});

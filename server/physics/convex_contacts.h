@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Contacts of two convex solids whatever they are: the least way that parts them, and where their faces,
-// edges and corners meet. Pure functions; any thread. Only server/physics includes this file.
+// Contacts of two convex solids of any shape: the shortest translation that separates them, and the points
+// where their faces, edges and corners meet. Pure functions; any thread. Only server/physics includes this
+// file.
 #pragma once
 
 #include <vector>
@@ -9,18 +10,18 @@
 
 namespace coopdyn {
 
-/// The shortest way that parts A from B.
+/// The shortest translation that separates A from B.
 struct LeastWay {
   double depth_m = 0;              // ≤ 0: they are apart
   Vector3 n_W = Vector3::UnitZ();  // from B to A
-  Vector3 p_W = Vector3::Zero();   // in the middle of what it parts; unless they are apart
+  Vector3 p_W = Vector3::Zero();   // in the middle of the overlap; unset if they are apart
 };
 
-/// By how much A must move along `n_W` until it is apart from B, m.
-/// @pre all of these take boxes, cylinders, spheres, capsules and convex meshes
+/// Distance that A must move along `n_W` to separate from B, m.
+/// @pre here and below: A and B are boxes, cylinders, spheres, capsules or convex meshes
 double OverlapAlong(const PlacedPart& a, const PlacedPart& b, const Vector3& n_W);
 LeastWay FindLeastWay(const PlacedPart& a, const PlacedPart& b);
-/// Where A and B meet, seen along `least`: at least one contact, all with its normal, one of them as deep.
+/// Contacts of A and B along `least`: at least one, all with its normal, the deepest one with its depth.
 std::vector<ContactPoint> ContactsAlong(const PlacedPart& a, const PlacedPart& b, const LeastWay& least);
 
 }  // namespace coopdyn

@@ -19,7 +19,7 @@ double MotorAt(const MotorLaw& law, double rate) {
   return std::clamp(wanted, -law.torque - law.slope * rate, most);
 }
 
-/// The motor's line by falling rate: its corners, each with the torque.
+/// Corners of the motor's torque line, by decreasing rate.
 std::vector<RotorPoint> MotorCorners(const MotorLaw& law) {
   std::vector<RotorPoint> corners;
   if (!law.is_servo) {
@@ -43,7 +43,7 @@ std::vector<RotorPoint> MotorCorners(const MotorLaw& law) {
       corners.push_back({0, rate, MotorAt(law, rate)});
       continue;
     }
-    // A rigid servo gives all it has on either side of its target.
+    // A rigid servo gives its full torque on either side of its target.
     MotorLaw push = law;
     push.softness = 1;
     for (const double side : {-1.0, 1.0}) {
@@ -60,7 +60,7 @@ RotorPoint Between(const RotorPoint& a, const RotorPoint& b, double share) {
           a.motor + share * (b.motor - a.motor)};
 }
 
-/// Puts a corner where `value` of the line goes through `level`.
+/// Inserts corners where `value` crosses `level`.
 void Insert(std::vector<RotorPoint>& line, double RotorPoint::*value, double level) {
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
     const double from = line[i].*value - level, to = line[i + 1].*value - level;
@@ -72,14 +72,15 @@ void Insert(std::vector<RotorPoint>& line, double RotorPoint::*value, double lev
   }
 }
 
-/// How the rotor ends for each torque of the coupling.
+/// Computes the rotor's rate at the substep's end for each torque of the coupling.
 void RotorLine(const DriveTrainModel& train, const MotorLaw& law, double rate, double dt_s,
                std::vector<RotorPoint>& line) {
   const double inertia = train.ratio * train.ratio * train.rotor_inertia_kg_m2;
   line = MotorCorners(law);
   for (RotorPoint& point : line) point.effort = point.motor - inertia * (point.rate - rate) / dt_s;
   if (train.efficiency >= 1) return;
-  // The gear takes its part of what goes through it, either way: a standing rotor holds a range of torques.
+  // The gear loses a share of the transmitted torque in both directions, so a standing rotor holds a range of
+  // torques.
   Insert(line, &RotorPoint::effort, 0);
   Insert(line, &RotorPoint::rate, 0);
   std::vector<RotorPoint> lossy;
@@ -95,17 +96,17 @@ void RotorLine(const DriveTrainModel& train, const MotorLaw& law, double rate, d
   line = std::move(lossy);
 }
 
-/// How much of the force of a step's end works, by the square of the angle, or the share of the rate, that a
-/// step takes from what swings or slows.
+/// Weight of the force at the step's end: 0 up to `from`, 1 from `to` on. `value`: the square of a swing's
+/// angle per step, or the share of the rate that a damper removes per step.
 double EndShare(double from, double to, double value) {
   return std::clamp((value - from) / (to - from), 0.0, 1.0);
 }
 
-/// The coupling: the rate of the joint at which it passes on `effort` while the rotor turns at `rate`, on the
-/// side of `side`.
+/// The coupling. JointRate() is the joint's rate at which the coupling passes on `effort` while the rotor
+/// turns at `rate`. `side`: the sign of the torque.
 class Coupling {
  public:
-  /// `twist_rate`: at the beginning; `give`: of both masses, 1 / (kg m²).
+  /// `twist_rate`: at the step's beginning; `give`: sum of both inverse inertias, 1 / (kg m²).
   Coupling(const DriveTrainModel& train, double twist, double twist_rate, double give, double dt_s)
       : train_(train), twist_(twist), dt_s_(dt_s) {
     if (train.is_rigid()) return;
@@ -123,7 +124,7 @@ class Coupling {
   double JointRate(double effort, double rate, double side, bool beyond_preload) const {
     const double bent = twist_ - side * train_.backlash_rad / 2;
     if (train_.is_rigid() || (preload() > 0 && !beyond_preload)) return rate + bent / dt_s_;
-    // A damper works while the faces touch; without gap and preload, always.
+    // The damper acts while the faces touch, or always if there is no gap and no preload.
     const bool damps = (!has_gap() && preload() == 0) || side * bent > 0;
     const double resistance = per_step_ + (damps ? damping_ : 0);
     const double before = train_.stiffness_nm_rad * bent + spring_before_ + (damps ? damping_before_ : 0);
@@ -133,7 +134,7 @@ class Coupling {
  private:
   const DriveTrainModel& train_;
   const double twist_, dt_s_;
-  // The effort falls by these with the rate of the joint, and is what the rate before adds.
+  // Decrease of the effort with the joint's rate, and effort due to the rate before the step.
   double per_step_ = 0, damping_ = 0, spring_before_ = 0, damping_before_ = 0;
 };
 
@@ -218,7 +219,7 @@ void AdvanceTrain(const DriveTrainModel& train, const TrainStep& step, double ef
   state.rotor_rad_s = now.rate;
   state.current_a = law.stall_torque_nm > 0 ? torque_nm / law.stall_torque_nm * law.stall_current_a : 0;
   if (!law.draws || law.slope_nms_rad <= 0) return;
-  // The voltage of a motor is that of its no-load speed here, its current the torque: power = speed · torque.
+  // Voltage is proportional to the no-load speed at this duty, current to torque: power = speed · torque.
   state.energy_j += dt_s * std::max(0.0, torque_nm * (shaft_rad_s + torque_nm / law.slope_nms_rad));
 }
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Bodies that hang on each other by joints, as trees in joint coordinates: what moves them, and what an
-// impulse on a body does. Joints cannot drift, and the work grows with the number of bodies. One thread at a
-// time.
+// Trees of bodies connected by joints, in joint coordinates: their dynamics, and the response to impulses on
+// bodies. Joints cannot drift, and the work is proportional to the number of bodies. One thread at a time.
 //
 // R. Featherstone (2008), Rigid Body Dynamics Algorithms: the recursive Newton-Euler and articulated-body
-// algorithms (tables 5.1 and 7.1) with spatial vectors in world axes about one point of each tree, so that
-// nothing is transformed on the way. The second is a factorisation of the mass matrix, H = Lᵀ D L (A. Jain
-// (2011), Robot and Multibody Dynamics, chapter 7): L and its inverse are applied without the matrix. Only
+// algorithms (tables 5.1 and 7.1) with spatial vectors in world axes about one point of each tree, which
+// needs no transformations. The second is a factorisation of the mass matrix, H = Lᵀ D L (A. Jain (2011),
+// Robot and Multibody Dynamics, chapter 7): L and its inverse are applied without forming the matrix. Only
 // server/physics includes this file.
 #pragma once
 
@@ -45,59 +44,62 @@ class Forest {
 
   int node_count() const { return static_cast<int>(nodes_.size()); }
   int dof_count() const { return static_cast<int>(rates_.size()); }
-  /// The first degree of freedom of a node that has some; and the last one that moves it, kNone: it is fixed.
+  /// The first degree of freedom of a node that has any; and the last one that moves the node, kNone if it is
+  /// fixed.
   int FirstDof(int node) const { return at(nodes_, node).first_dof; }
   int EndOf(int node) const { return at(nodes_, node).end; }
-  /// Degrees of freedom of the chain from the root to `dof`, this one included.
+  /// Number of degrees of freedom in the chain from the root to `dof`, including `dof`.
   int ChainLength(int dof) const { return at(depths_, dof) + 1; }
   /// The chain's degrees of freedom, from the root on.
   std::span<const int> Chain(int dof) const {
     return std::span(paths_).subspan(at(offsets_, dof), static_cast<std::size_t>(ChainLength(dof)));
   }
-  /// Position of a joint in the tree, in its own direction: m, or rad, wrapped unless it is a screw's; after
-  /// Move() where it has come to.
+  /// Position of a joint in the tree, in the joint's direction: m, or rad, wrapped except for screws. Move()
+  /// updates it.
   double Position(int node) const { return at(nodes_, node).position; }
   /// Rates of the degrees of freedom at the beginning of the step.
   const std::vector<double>& rates() const { return rates_; }
 
-  /// Computes inertias, and the momentum that the rates of the step's end would give without rows:
-  /// with the Coriolis, centrifugal and gyroscopic forces of the rates at the step's beginning.
+  /// Computes inertias, and momentum(): that of the step's end if there were no rows, with the Coriolis,
+  /// centrifugal and gyroscopic forces at the rates of the step's beginning.
   void Begin(const Vector3& g_W, double dt_s);
   /// Computes MassOf(). After Begin().
   void Weigh();
-  /// momentum() again, with those forces at `rates`, such as the mean of the step's beginning and end.
+  /// Recomputes momentum() with those forces at `rates`, such as the mean of the step's beginning and end.
   void TakeForcesAt(std::span<const double> rates);
-  /// What a degree of freedom moves: kg or kg m², as if all that carries it stood still. After Weigh().
+  /// Mass or inertia that a degree of freedom moves, kg or kg m², as if its parent stood still. After
+  /// Weigh().
   double MassOf(int dof) const { return at(masses_, dof); }
   /// Factors the mass matrix with `added` (by degree of freedom) on its diagonal.
   void Factor(std::span<const double> added);
   double pivot(int dof) const { return at(pivots_, dof); }
 
-  /// Row of the velocity that a force (per N, or N m) on a node's body works against: `wrench` is in world
-  /// axes, about `p_W`. Adds scale times its row to `row`, of the length of EndOf(node)'s chain.
+  /// Adds to `row`, which has the length of EndOf(node)'s chain, the Jacobian of the velocity on which a
+  /// wrench on the node's body does work. `torque` and `force` are in world axes, at `p_W`.
   void AddWrench(int node, const Vector3& p_W, const Vector3& torque, const Vector3& force,
                  std::span<double> row) const;
-  /// Turns a chain's row J into L⁻ᵀ J. After Factor().
+  /// Replaces a chain's row J by L⁻ᵀ J. After Factor().
   void Transform(int end, std::span<double> row) const;
-  /// `momentum` (by degree of freedom, size dof_count()) becomes D⁻¹ L⁻ᵀ of it, then, by Finish(), rates.
+  /// Transform() replaces `momentum` (by degree of freedom, size dof_count()) by D⁻¹ L⁻ᵀ momentum. Finish()
+  /// turns that into rates.
   void Transform(std::span<double> momentum);
   void Finish(std::span<double> transformed);
   const std::vector<double>& momentum() const { return momentum_; }
 
-  /// Moves everything on by `dt_s` at `rates`; the bodies' twists are those of SetRates().
+  /// Moves all bodies for `dt_s` at `rates`. SetRates() sets the bodies' twists.
   void Move(std::span<const double> rates, double dt_s);
   void SetRates(std::span<const double> rates);
   bool IsViolent() const;
-  /// After Begin(): roughly the frequency, rad/s, at which the fastest of the joints swings that carry what
-  /// hangs on them.
+  /// After Begin(): approximate frequency, rad/s, of the fastest joint that swings under the load of its
+  /// subtree.
   double SwingRate_rad_s();
-  /// How fast the fastest of what turns about any axis turns: what floats, and ball joints.
+  /// Largest turn rate of floating bodies and ball joints.
   double FreeTurnRate_rad_s() const;
-  /// And of all bodies.
+  /// Largest turn rate of all bodies.
   double TurnRate_rad_s() const;
-  /// Leaves joints this share of their `rates`, and bodies what follows.
+  /// Scales the joints' `rates` by `share`, and updates the bodies' twists.
   void SlowJoints(double share, std::span<double> rates);
-  /// The next step begins where Move() at `rates` has come to.
+  /// Begins the next step where Move() has ended, with `rates`.
   void Continue(std::span<const double> rates);
   struct Energy {
     double kinetic_j = 0, potential_j = 0;
@@ -105,13 +107,14 @@ class Forest {
   };
   /// After Add() or SetRates().
   Energy EnergyAt(const Vector3& g_W) const;
-  /// Takes `energy_j` out of the motion of bodies against each other: neither momentum nor angular momentum
-  /// of what floats changes. `rates`: of the last SetRates(), made slower (or faster); `kinetic_j`: at them.
+  /// Removes `energy_j` from the relative motion of bodies. Does not change the momentum and angular momentum
+  /// of floating trees. `rates`: those of the last SetRates(), slowed down (or sped up if `energy_j` is
+  /// negative); `kinetic_j`: the kinetic energy at `rates`.
   void Slow(double energy_j, double kinetic_j, std::span<double> rates);
-  /// A node's body, after Move() at its end; its sleep counter is 0.
+  /// A node's body, after Move() that of the step's end; its sleep counter is 0.
   const BodyState& body(int node) const { return at(nodes_, node).state; }
-  /// A direction, and a point, of the model as a node's body carries it; and how the child's model is turned
-  /// against the parent's.
+  /// A direction and a point of the model, carried by a node's body; and the rotation of the child's model
+  /// relative to the parent's.
   Vector3 Axis(int node, const Vector3& axis_R) const { return at(nodes_, node).R_WR * axis_R; }
   Vector3 Point(int node, const Vector3& p_R) const;
   Quaternion Between(int parent, int child) const {
@@ -122,7 +125,7 @@ class Forest {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   struct Inertia {
     double mass = 0;
-    Vector3 moment = Vector3::Zero();  // mass times the centre of mass about the point
+    Vector3 moment = Vector3::Zero();  // mass times the centre of mass relative to the point
     Matrix3 I = Matrix3::Zero();       // about the point
     void operator+=(const Inertia& other);
     Vector3 Angular(const Vector3& w, const Vector3& v) const { return I * w + moment.cross(v); }
@@ -139,37 +142,37 @@ class Forest {
     int sign = 1;
     int dofs = 0, first_dof = 0, end = kNone;
     BodyState state;
-    Quaternion R_WR;                  // of the model's axes as this body sees them
-    Quaternion q_rel;                 // of a ball joint: against the parent, in the parent's axes
+    Quaternion R_WR;                  // of the model's axes, carried by this body
+    Quaternion q_rel;                 // of a ball joint: relative to the parent, in the parent's axes
     double position = 0;              // of its joint
     double position2 = 0;             // of a universal joint's second axis
-    double rate = 0;                  // of its joint's motor, while it has an armature
-    Vector3 arm_W = Vector3::Zero();  // from its joint, as it carries it, to its centre of mass
-    Vector3 origin;                   // the tree's point
+    double rate = 0;                  // of its joint's first axis, for the armature
+    Vector3 arm_W = Vector3::Zero();  // from its joint, carried by it, to its centre of mass
+    Vector3 origin;                   // the tree's reference point
     Inertia inertia;                  // of this body
-    Inertia subtree;                  // and of all that hangs on it, rigidly
-    Matrix6 articulated;              // and as its joints let it hang there
-    Spatial passed;                   // while rates are found: what the joints beyond pass on; its velocity
-    Twist velocity, bias;             // acceleration without that of the degrees of freedom, gravity included
-    Twist momentum;                   // at the beginning of the step
-    Spatial force;                    // then of all that hangs on it: momentum to come
-    Vector3 load;                     // the force that its acceleration without degrees of freedom takes
-    double square_m2 = 0;             // of the longest way from its joint to those that hang on it
+    Inertia subtree;                  // of this body and its descendants, rigidly connected
+    Matrix6 articulated;              // articulated-body inertia of the same
+    Spatial passed;        // in Transform(): impulse that its joints pass on; in Finish(): its velocity
+    Twist velocity, bias;  // bias: acceleration without that of the degrees of freedom, with gravity
+    Twist momentum;        // at the beginning of the step
+    Spatial force;         // momentum of the step's end, then with its descendants
+    Vector3 load;          // force that its bias acceleration needs
+    double square_m2 = 0;  // of the longest way from its joint to its centre or its children's joints
   };
 
-  /// A point of the model as a node's body carries it.
+  /// A point of the model, carried by a node's body.
   static Vector3 Carried(const Node& node, const Vector3& p_R) {
     return node.state.p_WB + node.R_WR * (p_R - node.rigid->X_RB.p);
   }
   static auto RotationOf(const BodyState& body) {
     return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(body.R_WB.data());
   }
-  /// About p_W.
+  /// The inertia of a node's body about p_W.
   static Inertia InertiaOf(const Node& node, const Vector3& p_W);
   void AddUp(std::span<const double> rates, bool at_start);
   static double ArmatureOf(const Node& node) { return node.model == nullptr ? 0 : node.model->armature; }
   void AddDofs(Node& node, int index);
-  /// Where a joint stands, from its two bodies.
+  /// Computes a joint's position and rates from its two bodies.
   void Measure(Node& node);
   void AddAxes(const Node& node);
   void Place(Node& node, const double* rates, double dt_s);
@@ -181,7 +184,7 @@ class Forest {
   std::vector<int> depths_;
   std::vector<std::size_t> offsets_;  // into paths_
   std::vector<Spatial> axes_;
-  std::vector<Spatial> gains_;  // the momentum that it takes along for each momentum of its own
+  std::vector<Spatial> gains_;  // articulated inertia times axis, divided by the pivot
   std::vector<double> rates_, momentum_, masses_, pivots_;
   std::vector<int> paths_;  // the chains
 };

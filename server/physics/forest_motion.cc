@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the bodies of a forest are, how they move on, and with what energy.
+// Kinematics and energy of a forest's bodies.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -15,14 +15,14 @@ namespace {
 
 using Kind = JointModel::Kind;
 
-/// The rotation of `dt_s` at `w`.
+/// The rotation by turning at `w` for `dt_s`.
 Quaternion Turn(const Vector3& w, double dt_s) {
   const double rate = w.norm();
   if (rate == 0) return Quaternion::Identity();
   return portable::AngleAxis(rate * dt_s, w / rate);
 }
 
-/// The first axis, on the side of the root, and the second.
+/// A universal joint's axes; the first is on the root's side.
 struct TwoAxes {
   Vector3 first, second;
 };
@@ -90,7 +90,7 @@ void Forest::AddAxes(const Node& node) {
   if (node.dofs == 0) return;
   Spatial* const axes = &at(axes_, node.first_dof);
   if (node.model == nullptr) {
-    // About the tree's point, which is a root's centre of mass.
+    // About the tree's reference point, the root's centre of mass.
     for (int i = 0; i < 6; ++i) axes[i] = Spatial::Unit(i);
     return;
   }
@@ -205,7 +205,7 @@ Forest::Energy Forest::EnergyAt(const Vector3& g_W) const {
 void Forest::Slow(double energy_j, double kinetic_j, std::span<double> rates) {
   struct Floating {
     int root = 0;
-    Vector3 w_W, v_W;  // of the root's body, if the tree were rigid
+    Vector3 w_W, v_W;  // twist of the root's body if the tree were rigid
   };
   std::vector<Floating> floating;
   double inner_j = kinetic_j;
@@ -248,7 +248,7 @@ void Forest::Place(Node& node, const double* rates, double dt_s) {
   BodyState& body = node.state;
   body.p_WB = Carried(parent, joint.p_RJ);
   if (joint.kind == Kind::kBall) {
-    const Quaternion R_WP = node.R_WR * node.q_rel.conjugate();  // the parent's before
+    const Quaternion R_WP = node.R_WR * node.q_rel.conjugate();  // the parent's before the move
     node.q_rel = (Turn(R_WP.conjugate() * Vector3(rates), dt_s) * node.q_rel).normalized();
     node.R_WR = parent.R_WR * node.q_rel;
   } else {

@@ -28,7 +28,7 @@ Way MinimumJerk(const JointControl& control, double s) {
   return {position, slope / T, curve / (T * T)};
 }
 
-/// Whether the quintic keeps to the profile; what is beyond it at its start may come back.
+/// Whether the quintic keeps to the profile's limits, or to its start values if they exceed the limits.
 bool KeepsTo(const JointControl& control) {
   constexpr int kSamples = 32;
   const double fastest = std::max(control.speed, std::abs(control.start_velocity)) * (1 + 1e-9);
@@ -40,7 +40,7 @@ bool KeepsTo(const JointControl& control) {
   return true;
 }
 
-/// The shortest time in which the quintic keeps to the profile; from rest in closed form.
+/// The shortest duration with which the quintic keeps to the profile; from rest in closed form.
 double DurationOf(JointControl control) {
   constexpr double kPeakSpeed = 1.875, kPeakAcceleration = 5.773502691896258;  // 15/8, 10/√3
   constexpr double kGrowth = 1.05, kBriefest_s = 1e-2;
@@ -54,7 +54,7 @@ double DurationOf(JointControl control) {
   return control.duration_s;
 }
 
-/// One substep of the fastest way within speed and acceleration; start_velocity is that of the reference.
+/// One substep of the fastest motion within speed and acceleration. `start_velocity` is the reference's.
 Way Trapezoidal(const JointControl& control, double dt_s) {
   const double way = control.target - control.reference, slack = control.acceleration * dt_s / 2;
   const double stopping = std::sqrt(slack * slack + 2 * control.acceleration * std::abs(way)) - slack;
@@ -68,7 +68,7 @@ Way Trapezoidal(const JointControl& control, double dt_s) {
   return arrives ? Way{control.target, 0} : Way{position, velocity};
 }
 
-/// Velocity and acceleration of the reference now.
+/// The reference's current velocity and acceleration.
 Way OnWay(Profile profile, const JointControl& control) {
   if (profile == Profile::kTrapezoidal) return {control.reference, control.start_velocity};
   if (control.elapsed_s >= control.duration_s) return {control.reference};
@@ -94,7 +94,7 @@ double MoveReference(Profile profile, const Setpoint& setpoint, double dt_s, int
   return (control.reference - before) / dt_s;
 }
 
-/// Which stop a joint meets in a substep, if its motor alone does not hold it: −1, 1, or 0 for none.
+/// The stop that a joint meets in a substep if its motor alone does not hold it: −1, 1, or 0 for none.
 int MetStop(const JointModel& joint, const JointPlace& place, bool servo, double dt_s) {
   constexpr double kDeepest = 1e-3;  // rad or m
   const double next = place.position + dt_s * place.velocity, slack = servo ? kDeepest : 0;
@@ -103,7 +103,7 @@ int MetStop(const JointModel& joint, const JointPlace& place, bool servo, double
   return 0;
 }
 
-/// The stop holds the joint; the motor pushes besides.
+/// The row of a joint that its stop holds while the motor pushes with `effort`.
 JointRow StopRow(const JointModel& joint, const JointPlace& place, int stop, double effort) {
   JointRow row;
   row.stop = stop;
@@ -112,7 +112,7 @@ JointRow StopRow(const JointModel& joint, const JointPlace& place, int stop, dou
   return row;
 }
 
-/// An effort, with what the joint itself resists: its damper, spring and friction.
+/// The row of an effort, with the joint's own damper, spring and friction.
 JointRow EffortRow(const JointModel& joint, const JointPlace& place, int stop, double effort, double dt_s) {
   const double total = std::clamp(effort + place.load, -joint.max_effort, joint.max_effort);
   const double resistance = joint.damping + dt_s * joint.stiffness;
@@ -132,7 +132,7 @@ JointRow EffortRow(const JointModel& joint, const JointPlace& place, int stop, d
   return {std::copysign(joint.max_velocity, total), std::abs(total) - joint.friction};
 }
 
-/// A velocity, up to the motor's effort; it drives no joint into a stop.
+/// The row of a velocity, up to the motor's effort. Does not drive the joint into a stop.
 JointRow VelocityRow(const JointModel& joint, const JointPlace& place, int stop, double velocity,
                      double dt_s) {
   if (stop != 0) return StopRow(joint, place, stop, 0);
@@ -158,7 +158,7 @@ void Plan(const JointModel& joint, Profile profile, const JointPlace& place, con
   const bool goes = next.mode == ControlMode::kPosition;
   bool on_way = last.mode == ControlMode::kPosition && goes;
   if (on_way && reference == control.target) return;
-  // Something keeps the joint from its reference: a new way begins where it is.
+  // Something keeps the joint from its reference: the new motion begins at the joint.
   constexpr double kFar = 0.05;  // rad or m
   const bool kept =
       goes && !std::isfinite(control.stiffness) && std::abs(control.reference - place.position) > kFar;

@@ -14,7 +14,7 @@ namespace coopdyn {
 
 namespace {
 
-// Reachable, so that it does not count as leaked.
+// Keeps `threading` reachable, so that it does not count as leaked.
 void KeepForever(dThreadingImplementationID threading) {
   static Mutex mutex;
   static std::vector<dThreadingImplementationID>* const kept = new std::vector<dThreadingImplementationID>;
@@ -39,10 +39,10 @@ void Write(dBodyID body, const BodyState& state) {
   dBodySetAngularVel(body, state.w_WB.x(), state.w_WB.y(), state.w_WB.z());
 }
 
-/// A wheel's axle, of a robot that stands at the origin; `bodies`: of its links.
+/// Makes a wheel's axle for a robot at the origin; `bodies`: by link.
 dJointID MakeHinge(dWorldID world, const JointModel& of, const std::vector<dBodyID>& bodies) {
   dJointID joint = dJointCreateHinge(world, nullptr);
-  // The child first, so that the rate is its own.
+  // The child is first, so that the rate is the child's.
   dJointAttach(joint, bodies[static_cast<std::size_t>(of.child)],
                bodies[static_cast<std::size_t>(of.parent)]);
   dJointSetHingeAnchor(joint, of.p_RJ.x(), of.p_RJ.y(), of.p_RJ.z());
@@ -75,7 +75,7 @@ void Lane::Fit() {
     Build();
     return;
   }
-  // Another mechanism may lie where the one lay whose masses they have.
+  // A new mechanism may have the address of the old one whose masses the bodies have.
   for (Loan& loan : pools_.front().loans) loan.loaded = nullptr;
 }
 
@@ -213,7 +213,7 @@ double Lane::JointRate(std::uint32_t thing, std::size_t joint) const {
 double Lane::JointEffort(std::uint32_t thing, std::size_t joint) const {
   const Loan& loan = *loan_of_[thing];
   const Joint& of = loan.loaded->joints[joint];
-  // A wheel turns about its centre of mass.
+  // A wheel's centre of mass lies on its axle.
   const dReal* const torque = loan.forces[static_cast<std::size_t>(of.channel)].t1;
   dVector3 axis;
   dJointGetHingeAxis(loan.joints[joint], axis);
@@ -257,7 +257,7 @@ void Lane::Join(std::span<const FoundContact> found, const Actor& a, std::uint32
     if (!measured) continue;
     measured_.push_back({index_a, b == nullptr ? MeasuredContact::kFloor : index_b, contact.a, contact.b,
                          contact.point.p_W, contact.point.n_W});
-    // ODE tells the force on its first body, which is never static.
+    // ODE reports the force on its first body, which is never static.
     const bool first_is_a = (body_a != nullptr) != surface->swapped;
     feedback_.push_back({std::make_unique<dJointFeedback>(), first_is_a ? 1.0 : -1.0});
     dJointSetFeedback(joint, feedback_.back().forces.get());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What touches in an island with limbs: the rows of contacts and of their friction.
+// Contacts of an island with limbs: their normal and friction rows.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -59,7 +59,7 @@ double LimbSolver::RateOf(const Row& row, std::span<const double> rates) const {
   return rate;
 }
 
-// As ODE's contact joint does it.
+// Makes the same rows as ODE's contact joint.
 std::span<const Vector3> LimbSolver::AddContact(const Surface& touch, int node_a, int node_b, double dt_s) {
   const dContact& contact = touch.contact;
   const Vector3 p(contact.geom.pos), n(contact.geom.normal), none = Vector3::Zero();

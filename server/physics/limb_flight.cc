@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The steps of what touches nothing and is held by no motor. Nothing takes its energy away, so an error of
-// the method would stay in it and grow: limp chains would explode.
+// Steps of things that touch nothing and are held by no motor. Nothing dissipates their energy, so
+// integration errors would accumulate, and limp chains would explode.
 //
-// A step is time-symmetric: half the way at the old rates, the forces where that ends, half the way at the
-// new rates. It has parts where one would be too coarse. What energy is too much or missing in the end, by
-// the work of what acts on the joints, goes out of or into the motion of the bodies against each other: E.
-// Hairer, C. Lubich, G. Wanner (2006), Geometric Numerical Integration, section IV.4 (projection methods).
+// A step is time-symmetric: half the motion at the old rates, the forces there, half the motion at the new
+// rates. It is split into parts if one would be too coarse. The energy error at the end, given the work on
+// the joints, is removed from the relative motion of the bodies: E. Hairer, C. Lubich, G. Wanner (2006),
+// Geometric Numerical Integration, section IV.4 (projection methods).
 #include <algorithm>
 #include <cmath>
 
@@ -16,9 +16,10 @@ namespace coopdyn {
 namespace {
 
 constexpr int kUsualParts = 8, kMostParts = 128;
-constexpr double kSwing_rad = 2;   // in a part, of the fastest swing: at 2 the method gets unstable
-constexpr double kTurn_rad = 0.1;  // in a part, of what turns about any axis
-constexpr double kLost = 0.05, kMostLost = 0.5;  // of the kinetic energy, in a step of usual and of all parts
+constexpr double kSwing_rad = 2;   // per part, of the fastest swing: at 2 the method becomes unstable
+constexpr double kTurn_rad = 0.1;  // per part, of floating bodies and ball joints
+// Energy errors, as shares of the kinetic energy, beyond which a step gets up to kUsualParts or kMostParts.
+constexpr double kLost = 0.05, kMostLost = 0.5;
 
 }  // namespace
 
@@ -70,7 +71,7 @@ LimbSolver::Flight LimbSolver::FlyParts(int parts, double dt_s, double most_swin
       flight.swing_rad = std::max(flight.swing_rad, forest_.SwingRate_rad_s() * dt_s);
       return flight.swing_rad > most_swing_rad;
     };
-    if (swings_too_fast()) return flight;  // by the rates before, then by their mean with those after
+    if (swings_too_fast()) return flight;  // at the old rates; below, at the mean of old and new rates
     flight.is_solved &= FindRates();
     if (swings_too_fast()) return flight;
     AddEfforts();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What works on the joints of an island with limbs: motors, springs, friction, stops, loops, couplings,
-// muscles, thrusters.
+// Forces on the joints of an island with limbs: motors, springs, friction, stops, loops, couplings, muscles,
+// thrusters.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -91,7 +91,7 @@ void LimbSolver::DriveByTrain(const Member& member, int joint, std::span<const C
   }
   double rate = 0;
   if (hinge.node != kNone) rate = forest_.rates()[static_cast<std::size_t>(forest_.FirstDof(hinge.node))];
-  // A start near the end: by the rate of now, so that the faces of a gap do not both hold.
+  // Warm start from the present rate, so that the two faces of a gap do not both hold.
   for (std::size_t i = first; i < motors_.size(); ++i) {
     Motor& motor = motors_[i];
     const double missing = motor.target - rate;
@@ -116,13 +116,13 @@ void LimbSolver::Resist(const Member& member, int joint, double friction, bool c
 
 void LimbSolver::AddStops(const Member& member, int joint, double position, double dt_s) {
   const JointModel& model = *member.mechanism->joints[static_cast<std::size_t>(joint)].model;
-  // Far enough that no impact gets beyond it in a substep.
+  // Fast enough that no impact passes a stop within a substep.
   constexpr double kNear_rad_s = 10;
   if (position - model.lower < kNear_rad_s * dt_s) AddStop(member, joint, -1, position - model.lower, dt_s);
   if (model.upper - position < kNear_rad_s * dt_s) AddStop(member, joint, 1, model.upper - position, dt_s);
 }
 
-// `gap`: how far it is away from the stop, negative: beyond. A stop pushes out slowly: it does not bounce.
+// `gap`: distance to the stop; negative: beyond it. A stop pushes out slowly, so nothing bounces.
 void LimbSolver::AddStop(const Member& member, int joint, int side, double gap, double dt_s) {
   Row& row = rows_.emplace_back();
   const double back = gap >= 0 ? -gap / dt_s : std::min(kErp * -gap / dt_s, kMaxPushOut_m_s);
@@ -138,7 +138,7 @@ void LimbSolver::Push(const Member& member, int joint, double impulse) {
     pushes_[static_cast<std::size_t>(forest_.FirstDof(hinge.node))] += impulse;
     return;
   }
-  Row& row = rows_.emplace_back();  // one whose impulse is given
+  Row& row = rows_.emplace_back();  // a row with a given impulse
   row.lower = row.upper = impulse;
   row.softness = kRigid;
   AddRate(member, joint, 1, row);
@@ -168,13 +168,13 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
         const std::size_t first = motors_.size();
         AddMotor(member, index, row.velocity, row.softness / dt_s, -row.max_effort * dt_s,
                  row.max_effort * dt_s, true, {row.stiffness, row.damping});
-        // A start near the end: what has given in does so again.
+        // Warm start: saturated motors start saturated.
         const double effort = member.channels[static_cast<std::size_t>(joint.channel)].effort;
         if (motors_.size() > first && std::abs(effort) > kGivenIn * row.max_effort)
           motors_.back().gives_in = effort > 0 ? 1 : -1;
       }
       if (row.friction > 0) AddMotor(member, index, 0, 0, -row.friction * dt_s, row.friction * dt_s, true);
-      // The row's stop is that of the whole step's beginning.
+      // In a part of a step, row.stop is out of date.
       if (flies_) {
         const double last = member.channels[static_cast<std::size_t>(joint.channel)].position;
         AddStops(member, index, PositionNear(member, index, last), dt_s);
@@ -197,7 +197,7 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
   }
 }
 
-// Turns a front wheel to where the wanted speeds of the driven wheels lead.
+// Turns a front wheel to the angle that the driven wheels' set-points imply.
 void LimbSolver::Steer(const Member& member, int joint, double dt_s) {
   const RobotModel& robot = *member.mechanism->model;
   const Joint& of = member.mechanism->joints[static_cast<std::size_t>(joint)];
@@ -255,7 +255,7 @@ void LimbSolver::CloseLoop(const Member& member, int joint, double dt_s) {
   }
 }
 
-// The rates are held exactly. The positions are brought together only if neither joint can wrap.
+// Couples the rates exactly. Corrects the positions only if neither joint can wrap.
 void LimbSolver::Couple(const Member& member, double dt_s) {
   if (member.mechanism->model == nullptr) return;
   const auto wraps = [&](int joint) {
@@ -328,8 +328,8 @@ LimbSolver::Pull LimbSolver::PullOf(const Member& member, int joint) const {
   return pull;
 }
 
-// F(u) of the shortening speed u falls: its tangent at the speed of now is a row, u + softness · impulse =
-// target, so that the muscle damps at the end of the step.
+// The force F(u) decreases with the shortening speed u. Its tangent at the present speed is a row, u +
+// softness · impulse = target, so that the muscle damps with the rate of the step's end.
 void LimbSolver::AddMuscle(const Member& member, int joint, double dt_s) {
   const Joint& of = member.mechanism->joints[static_cast<std::size_t>(joint)];
   const MuscleModel& muscle = *of.model->muscle;
@@ -358,7 +358,7 @@ void LimbSolver::AddMuscle(const Member& member, int joint, double dt_s) {
   }
 }
 
-// Its impulse is given: no row needs it.
+// The impulse is given, so it needs no row.
 void LimbSolver::Thrust(const Member& member, int joint, double dt_s) {
   const Joint& of = member.mechanism->joints[static_cast<std::size_t>(joint)];
   const JointModel& model = *of.model;

@@ -12,17 +12,17 @@ namespace coopdyn {
 
 namespace {
 
-// More rows than this are solved by iteration.
+// Problems with more rows are solved by iteration.
 constexpr std::size_t kMaxRows = 150;
 constexpr int kIterations = 80;
-// Softer than this times what a row moves, friction across a slip does nothing.
+// Largest softness of friction across a slip, times the row's mobility; any softer, it has no effect.
 constexpr double kSoftest = 1e6;
-// Motors change between holding and giving in no more often than this in a step.
+// Largest number of rounds per step in which motors switch between holding and saturated.
 constexpr int kMotorRounds = 12;
-// Rates at which the step's mean forces change something while others touch: rad/s, m/s.
+// With contacts, the step's mean forces matter if they change a rate by more than this: rad/s, m/s.
 constexpr double kMattersInContact = 0.1;
-// Where a body turns farther than this in a step, the solver checks the energy: an error of the method may
-// add this share of the kinetic energy.
+// If a body turns farther than kFast_rad in a step, the solver checks the energy: integration errors may add
+// at most kMostGain of the kinetic energy.
 constexpr double kFast_rad = 0.1, kMostGain = 0.01;
 
 }  // namespace
@@ -95,7 +95,7 @@ bool LimbSolver::Advance(double dt_s) {
   forest_.Move(rates_, dt_s);
   forest_.SetRates(rates_);
   if (is_fast) LimitGain(before);
-  // A light hand that hits the floor may get faster than what is sane: bodies that are are frozen.
+  // A light hand that hits the floor may turn faster than kMaxTurnRate_rad_s, which would freeze its robot.
   constexpr double kMostTurn_rad_s = 0.9 * kMaxTurnRate_rad_s;
   const double turn_rad_s = forest_.TurnRate_rad_s();
   if (turn_rad_s > kMostTurn_rad_s) forest_.SlowJoints(kMostTurn_rad_s / turn_rad_s, rates_);
@@ -105,7 +105,7 @@ bool LimbSolver::Advance(double dt_s) {
 void LimbSolver::LimitGain(const Forest::Energy& before) {
   const Forest::Energy after = forest_.EnergyAt(settings_.g_W);
   const Work work = WorkSince(forest_.rates());
-  // What touches is not moved by that; where the sum says so it is an error of the method, too.
+  // Contacts add no energy: positive work of rows is an integration error, too.
   const double gained_j = after.total_j() - before.total_j() - work.motors_j - std::min(0.0, work.rows_j);
   const double most_j = kMostGain * std::min(before.kinetic_j, after.kinetic_j);
   if (gained_j > most_j && !touches_) forest_.Slow(gained_j - most_j, after.kinetic_j, rates_);
@@ -169,9 +169,10 @@ bool LimbSolver::TakeMeanForces() {
   return false;
 }
 
-// A spring's force is that at q + dt/4 (v' − v), v and v' the rates before and after, so that it keeps its
-// energy, at the period of the trapezoidal rule; a damper's that at the mean of the rates. What swings, or is
-// slowed, in a few steps would ring for ever: there they go over to the force at the step's end.
+// A spring's force is evaluated at q + dt/4 (v' − v), with v and v' the rates before and after the step, so
+// that it conserves energy, with the period of the trapezoidal rule; a damper's at the mean of the rates. A
+// joint that swings or slows within a few steps would ring forever: there the force changes over to that of
+// the step's end.
 void LimbSolver::FitSprings(double dt_s) {
   const auto fit = [dt_s](auto& of, double mass, double yielding_mass, double rate) {
     const auto [stiffness, damping] = of.resistance;
@@ -187,7 +188,7 @@ void LimbSolver::FitSprings(double dt_s) {
   const auto resists = [](const auto& of) { return of.resistance.stiffness + of.resistance.damping > 0; };
   const bool any_row = std::ranges::any_of(rows_, resists);
   if (!any_row && std::ranges::none_of(motors_, resists)) return;
-  // What a damper slows lets go of all that hangs on limp joints.
+  // A damper slows the articulated inertia: bodies on limp joints do not follow at once.
   added_.assign(static_cast<std::size_t>(forest_.dof_count()), 0);
   forest_.Factor(added_);
   for (Motor& motor : motors_) {
@@ -319,7 +320,7 @@ bool LimbSolver::SolveDirectly(bool is_again, bool same_motors) {
     upper_[i] = row.normal == kNone ? row.upper : 0;
     rubs |= row.normal != kNone;
   }
-  // First without friction, then with what these loads allow, then with those that result.
+  // First without friction, then twice with the friction that the latest loads allow.
   bool is_solved = true;
   if (!is_again) {
     is_solved = lcp_.Solve(A_, b_, lower_, upper_, impulses_);
@@ -347,7 +348,7 @@ double LimbSolver::SoftnessAcross(double slip_m_s, double most, double mobility)
   return std::clamp(slip_m_s / most, least, std::max(least, kSoftest * mobility));
 }
 
-// Projected Gauss-Seidel; each row sees the friction that the present loads allow.
+// Projected Gauss-Seidel; friction rows are bounded by the present loads.
 void LimbSolver::SolveByIteration() {
   std::vector<double> diagonal;
   impulses_.setZero();

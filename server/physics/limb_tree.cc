@@ -19,13 +19,13 @@ int DofsOf(const JointModel& joint) {
   }
 }
 
-/// How much a joint wants to be in the tree.
+/// Priority of a joint for the tree.
 int RankOf(const JointModel& joint, bool is_driven) {
   if (is_driven) return 3;
   return joint.is_resisted() || joint.has_stop() ? 2 : joint.has_axis() ? 1 : 0;
 }
 
-/// The joints that join all that can be joined without a loop; the others go to `loops`.
+/// Returns the joints of a spanning forest; the other joints go to `loops`.
 std::vector<int> Span(std::size_t bodies, const std::vector<JointModel>& joints,
                       const std::vector<bool>& is_driven, std::vector<int>& loops) {
   std::vector<int> order(joints.size()), group(bodies);
@@ -62,7 +62,7 @@ LimbTree MakeLimbTree(std::size_t bodies, const std::vector<JointModel>& joints,
     tree.node_of[static_cast<std::size_t>(body)] = static_cast<int>(tree.nodes.size());
     tree.nodes.push_back(node);
   };
-  // A limb after the other, so that the degrees of freedom of one lie together.
+  // Depth first, so that the degrees of freedom of a limb are adjacent.
   const auto grow = [&](auto&& self, int body) -> void {
     const int parent = tree.node_of[static_cast<std::size_t>(body)];
     for (const int index : spanning) {

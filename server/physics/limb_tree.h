@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The order in which a mechanism's bodies hang on each other: a spanning tree of its joints. What closes a
-// loop is left over. Constant once made. Only server/physics includes this file.
+// The tree of a mechanism's bodies: a spanning tree of its joints. Joints that close loops are listed
+// separately. Immutable. Only server/physics includes this file.
 #pragma once
 
 #include <vector>
@@ -9,9 +9,9 @@
 
 namespace coopdyn {
 
-/// A body and how it hangs on the tree. Its degrees of freedom: of a root the angular, then the linear
-/// velocity of its centre of mass in W; of a ball joint the angular velocity against its parent in W; else
-/// the rates of the joint's axes.
+/// A body and its place in the tree. Its degrees of freedom are: for a root, the angular velocity, then the
+/// linear velocity of its centre of mass, in W; for a ball joint, the angular velocity relative to its
+/// parent, in W; else the rates of the joint's axes.
 struct LimbNode {
   int body = 0;    // of the mechanism
   int parent = 0;  // node; -1: a root
@@ -26,8 +26,8 @@ struct LimbTree {
   std::vector<int> loops;       // joints that close loops
 };
 
-/// The tree of `bodies` bodies: driven joints come first, then those that something resists, so that loops
-/// are closed by free joints. `is_driven`: by joint. The first body stands still if `fixed_base`.
+/// Makes the tree of `bodies` bodies. Prefers driven joints, then joints with resistance or stops, so that
+/// free joints close the loops. `is_driven`: by joint. If `fixed_base`, the first body stands still.
 LimbTree MakeLimbTree(std::size_t bodies, const std::vector<JointModel>& joints,
                       const std::vector<bool>& is_driven, bool fixed_base);
 

@@ -143,7 +143,7 @@ bool Measures::Sleeps(const ContactEnd& end, std::span<const BodyState> bodies) 
 }
 
 void Measures::EndContacts(std::span<const BodyState> bodies) {
-  // Who sleeps weighs as much as before, on what sleeps, too.
+  // Contacts between sleepers keep their forces.
   std::erase_if(contacts_, [&](const Contact& contact) {
     return !Sleeps(contact.a, bodies) || !Sleeps(contact.b, bodies);
   });
@@ -165,7 +165,7 @@ void Measures::EndContacts(std::span<const BodyState> bodies) {
          gathered.index,
          gathered.share});
   }
-  // Those of one pair of parts in all substeps, one after the other.
+  // Sorts contacts of the same pair of parts, from all substeps, next to each other.
   std::ranges::stable_sort(all, {}, [&ends](const Found& one) {
     return std::tuple_cat(ends(one.contact), std::tuple(one.index));
   });
@@ -181,12 +181,12 @@ void Measures::EndContacts(std::span<const BodyState> bodies) {
       contact.normal_W = all[next].contact.normal_W;
       share += all[next].share;
     }
-    // It fell asleep in the middle of the step.
+    // The body slept mid-step: average over the moving part.
     if (Sleeps(contact.a, bodies) && Sleeps(contact.b, bodies)) contact.force_W /= share;
     merged.push_back(contact);
     i = next;
   }
-  // What was found anew takes the place of what slept.
+  // New contacts replace old ones of the same parts.
   std::erase_if(contacts_, [&](const Contact& old) {
     const auto at = std::ranges::lower_bound(merged, ends(old), {}, ends);
     return at != merged.end() && ends(*at) == ends(old);
@@ -196,7 +196,7 @@ void Measures::EndContacts(std::span<const BodyState> bodies) {
   SortContactsByRobot();
 }
 
-// Else each robot's wrenches would look at the contacts of all robots.
+// Otherwise each robot's wrenches would scan the contacts of all robots.
 void Measures::SortContactsByRobot() {
   by_robot_.clear();
   for (std::uint32_t i = 0; i < contacts_.size(); ++i) {
@@ -244,8 +244,8 @@ Pose Measures::PlaceInBody(const Measured& of, int link) const {
   return robot.one_body() ? robot.X_BR * model.X_RL : model.X_LI.Inverse();
 }
 
-// The mean of the step, along the axes of the middle of it: a sensor on a turntable then reads ω²r along its
-// radius.
+// The mean acceleration of the step, along the sensor's axes at mid-step: a sensor on a turntable then reads
+// ω²r along its radius.
 void Measures::Measure(const ImuModel& model, const Measured& of, std::span<const BodyState> now,
                        const Moment& moment, std::span<double> values) const {
   const SceneRobot& robot = scene_->robots[static_cast<std::size_t>(of.robot)];
@@ -284,8 +284,8 @@ Measures::Motion Measures::MotionOf(const Measured& of, std::span<const BodyStat
           momentum(is)};
 }
 
-// Newton's and Euler's laws for all that is beyond the joint: what passes through it is what its momentum has
-// gained, less what weight and contacts have given.
+// Newton's and Euler's laws for everything beyond the joint: the wrench through the joint is the rate of
+// change of momentum less the wrenches of weight and contacts.
 void Measures::Measure(const WrenchModel& model, const Measured& of, std::span<const BodyState> now,
                        const Moment& moment, std::span<double> values) const {
   const SceneRobot& robot = scene_->robots[static_cast<std::size_t>(of.robot)];
@@ -293,8 +293,8 @@ void Measures::Measure(const WrenchModel& model, const Measured& of, std::span<c
   const std::size_t index = BodyOf(robot, model.mount.link);
   const BodyState &was = of.before[index], &is = now[index];
   const Pose X_BS = PlaceInBody(of, model.mount.link) * model.mount.X_LS;
-  // Weight and contacts act where things are when the step begins, in flight in its middle, where the
-  // momentum changes.
+  // Weight and contacts act at the positions of the step's beginning; in flight, weight acts at those of
+  // mid-step, where the momentum changes.
   const Vector3 o_W = was.p_WB + was.orientation() * X_BS.p;
   const Vector3 middle_W = (o_W + is.p_WB + is.orientation() * X_BS.p) / 2;
   const double flight = flight_[of.thing];
@@ -335,7 +335,8 @@ void Measures::Measure(const WrenchModel& model, const Measured& of, std::span<c
   Write(sign * (q_WS.conjugate() * torque), values.subspan(3));
 }
 
-// Wheels of fidelity rolling and planar have no measured effort: what moves their robot counts instead.
+// Wheels of fidelity rolling and planar have no measured effort: the change of the robot's kinetic energy
+// counts instead.
 void Measures::Measure(const BatteryModel& model, const Measured& of, std::span<const BodyState> now,
                        std::span<const ChannelState> channels, const Moment& moment,
                        std::span<double> values) const {
@@ -365,7 +366,7 @@ void Measures::Measure(const ChannelModel& model, const Measured& of, std::span<
   }
 }
 
-// Along the exact arc of both wheels' ways.
+// Moves along the exact arc of both wheels' travel.
 void Measures::Measure(const OdometryModel& model, const Measured& of, std::uint32_t number,
                        std::span<const ChannelState> channels, const Moment& moment,
                        std::span<double> values) const {

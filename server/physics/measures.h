@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What physics measures for sensors in each step: accelerations, wrenches, batteries, odometry, contact
-// forces (docs/physics.md has the formulas). A scene without such sensors costs nothing. Part of the world's
-// state: the holder of the step baton. Only server/physics includes this file.
+// Measurements for sensors in each step: accelerations, wrenches, batteries, odometry, contact forces
+// (docs/physics.md has the formulas). A scene without such sensors costs nothing. Part of the world's state,
+// owned by the holder of the baton. Only server/physics includes this file.
 #pragma once
 
 #include <cmath>
@@ -30,30 +30,31 @@ struct MeasuredContact {
 
 class Measures {
  public:
-  /// The sensors of `scene`, whose things are `things`; both outlive their use. Values are as at the start.
+  /// Sets the sensors to those of `scene` with its `things`; both must outlive their use. Resets all values
+  /// to those of the start.
   void Fit(const Scene& scene, const Things& things);
   /// There is nothing to measure.
   bool empty() const { return robots_.empty() && wants_.empty(); }
-  /// The forces on this thing are wanted.
+  /// The forces on this thing are measured.
   bool Wants(std::uint32_t thing) const { return thing < wants_.size() && wants_[thing] != 0; }
-  /// The work of this thing's motors is wanted.
+  /// The work of this thing's motors is measured.
   bool WantsWork(std::uint32_t thing) const { return thing < wants_work_.size() && wants_work_[thing] != 0; }
 
-  /// A step begins; `bodies`: as Frame::bodies.
+  /// Begins a step. `bodies`: as Frame::bodies.
   void Begin(std::span<const BodyState> bodies);
-  /// The contacts of some islands in a substep, which is `share` of the step.
+  /// Adds the contacts of some islands in a substep that is `share` of the step.
   void Add(std::span<const MeasuredContact> contacts, double share);
-  /// A motor has given this work in a substep, or has taken it. Different channels: from any threads.
+  /// Adds the work that a motor has done or absorbed in a substep. Thread-safe for different channels.
   void AddWork(std::size_t channel, double work_j) { work_j_[channel] += std::abs(work_j); }
-  /// A thing was in flight (LimbSolver::flies()) in a substep, which is `share` of the step. Different
-  /// things: from any threads.
+  /// Notes that a thing was in flight (LimbSolver::flies()) in a substep that is `share` of the step.
+  /// Thread-safe for different things.
   void AddFlight(std::uint32_t thing, double share) {
     if (thing < flight_.size()) flight_[thing] += share;
   }
-  /// What a step that has run is told apart by.
+  /// Identifies a finished step.
   struct Moment {
     double dt_s = 0;
-    std::uint64_t seed = 0, step = 0;  // of the frame that it makes
+    std::uint64_t seed = 0, step = 0;  // of the resulting frame
   };
   void End(const Moment& moment, std::span<const BodyState> bodies, std::span<const ChannelState> channels);
 
@@ -61,9 +62,9 @@ class Measures {
     frame.measured = values_;
     frame.contacts = contacts_;
   }
-  /// What a sensor keeps from step to step has changed since the step ended.
+  /// Replaces the values after the step, when channels' filters have advanced theirs.
   void Keep(std::span<const double> values) { values_.assign(values.begin(), values.end()); }
-  /// Goes on from `frame`; if that has no values, from the start.
+  /// Restores the values of `frame`, or those of the start if it has none.
   void Restore(const Frame& frame);
 
  private:
@@ -72,17 +73,17 @@ class Measures {
     std::size_t first = 0;     // of values_
     std::uint32_t number = 0;  // of its kind, from 1
   };
-  /// A robot that has such sensors.
+  /// A robot with such sensors.
   struct Measured {
     int robot = 0;
     std::uint32_t thing = 0;
     std::vector<Sensor> sensors;
     std::vector<BodyState> before;  // its bodies when the step began
   };
-  /// A contact that was added, by the things and their parts.
+  /// An added contact.
   struct Gathered {
-    MeasuredContact contact;  // force: times the shares
-    std::uint32_t index = 0;  // which of these two parts
+    MeasuredContact contact;  // its force is multiplied by `share`
+    std::uint32_t index = 0;  // among the contacts of the same two parts
     double share = 0;
   };
   struct ContactOfRobot {
@@ -92,7 +93,7 @@ class Measures {
   };
   /// A rigid piece of a robot before and after the step.
   struct Motion {
-    Vector3 p_W, middle_W;  // its centre of mass before the step, and in the middle of it
+    Vector3 p_W, middle_W;  // its centre of mass before the step, and at mid-step
     Vector3 P_W, P_next_W;  // momentum
     Vector3 L_W, L_next_W;  // angular momentum about the centre of mass
   };
@@ -121,14 +122,14 @@ class Measures {
   const Scene* scene_ = nullptr;
   const Things* things_ = nullptr;
   std::vector<Measured> robots_;
-  std::vector<std::uint8_t> wants_;             // by dynamic thing
-  std::vector<std::uint8_t> wants_work_;        // by dynamic thing
-  std::vector<double> flight_;                  // share of this step, by dynamic thing, if it matters
-  std::vector<double> work_j_;                  // of each channel's motor in this step, given or taken
+  std::vector<std::uint8_t> wants_;       // by dynamic thing
+  std::vector<std::uint8_t> wants_work_;  // by dynamic thing
+  std::vector<double> flight_;            // by dynamic thing: share of this step in flight; empty if unused
+  std::vector<double> work_j_;            // by channel: its motor's work in this step, done or absorbed
   std::vector<std::uint32_t> thing_of_object_;  // by object of the scene
   std::vector<double> values_;                  // as Frame::measured
   std::vector<Contact> contacts_;               // as Frame::contacts
-  std::vector<Gathered> gathered_;              // of the present step
+  std::vector<Gathered> gathered_;              // of this step
   std::vector<ContactOfRobot> by_robot_;        // sorted; of contacts_ at the end of the step
 };
 

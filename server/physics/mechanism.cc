@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Of what robots and objects are made.
+// Makes the mechanisms of robots and objects.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -36,7 +36,7 @@ Part MakePart(const RobotModel& model, std::size_t link, const LinkShape& collis
   return part;
 }
 
-/// All links welded into one body.
+/// Welds all links into one body.
 void AddOneBody(Mechanism& robot) {
   const RobotModel& model = *robot.model;
   RigidBody body;
@@ -60,7 +60,7 @@ void AddOneBody(Mechanism& robot) {
   robot.bodies = {body};
 }
 
-/// The bodies that joint `index` moves: all that hang on its child by other joints.
+/// The bodies that joint `index` moves: all that other joints connect to its child.
 std::vector<int> BodiesBeyond(const RobotModel& model, std::size_t index) {
   std::vector<int> beyond{model.joints[index].child};
   const auto add = [&](int from, int body, int next) {
@@ -78,7 +78,7 @@ std::vector<int> BodiesBeyond(const RobotModel& model, std::size_t index) {
   return beyond;
 }
 
-/// Gives joint `j` of the model its motor.
+/// Sets the motor of joint `j` of the model.
 void AddMotor(const RobotModel& model, std::size_t j, Joint& joint) {
   int channel = 0, control = 0;
   for (const ActuatorModel& actuator : model.actuators) {
@@ -103,7 +103,7 @@ void AddMotor(const RobotModel& model, std::size_t j, Joint& joint) {
   }
 }
 
-/// Each link a body.
+/// Makes each link a body.
 void AddLinks(Mechanism& robot) {
   const RobotModel& model = *robot.model;
   for (std::size_t k = 0; k < model.links.size(); ++k) {
@@ -133,7 +133,7 @@ void AddLinks(Mechanism& robot) {
   if (model.has_limbs()) robot.limb_radii_m.resize(robot.bodies.size());
 }
 
-/// Grains that another link has than the part.
+/// Places friction grains that belong to another link than their part.
 void PlaceGrains(Mechanism& robot) {
   for (Part& part : robot.parts) {
     const LinkShape& collision = robot.model->links[static_cast<std::size_t>(part.link)]
@@ -156,7 +156,7 @@ LimbTree TreeOf(const Mechanism& mechanism) {
   return MakeLimbTree(mechanism.bodies.size(), joints, is_driven, mechanism.fixed_base);
 }
 
-/// A part of a robot that stands at the origin.
+/// A part, placed with its robot at the origin.
 PlacedPart AtOrigin(const Mechanism& robot, const Part& part) {
   const Pose& X_RB = robot.bodies[static_cast<std::size_t>(part.body)].X_RB;
   BodyState body;
@@ -168,7 +168,7 @@ PlacedPart AtOrigin(const Mechanism& robot, const Part& part) {
   return placed;
 }
 
-/// Radius about R's z axis of the vertical cylinder that holds a part.
+/// Radius about R's z axis of the vertical cylinder that contains a part.
 double RadiusOf(const PlacedPart& placed) {
   const double x = placed.p[0], y = placed.p[1];
   const bool round =
@@ -227,7 +227,7 @@ Mechanism MakeRobot(const RobotModel& model, Fidelity fidelity, double floor_fri
     robot.drive = MakeDrive(robot, *wheels, floor_friction, g_W);
   }
   if (robot.planar()) {
-    // Nothing tilts it.
+    // Keeps the robot from tilting.
     constexpr double kUntiltable_kg_m2 = 1e6;
     Matrix3& I = robot.bodies.front().inertia_kg_m2;
     I = Vector3(kUntiltable_kg_m2, kUntiltable_kg_m2, I(2, 2)).asDiagonal();
@@ -241,7 +241,7 @@ Mechanism MakeObject(const WorldObject& object) {
   part.friction = object.friction;
   part.restitution = object.restitution;
   part.rolling_friction_m = object.rolling_friction_m;
-  // What touches at more than one point does not spin easily anyway.
+  // Shapes that touch at several points do not spin easily anyway.
   if (std::holds_alternative<Sphere>(object.shape)) part.spinning_friction_m = object.rolling_friction_m;
   mechanism.parts = {part};
   if (!object.is_static()) {

@@ -9,7 +9,7 @@ namespace coopdyn {
 
 namespace {
 
-// ODE ends the process when such a handler returns, so it leaves by a throw.
+// ODE ends the process if its error handler returns, so the handler throws.
 [[noreturn]] void ThrowOdeError(int number, const char* message, va_list arguments) {
   std::array<char, 256> text{};
   std::vsnprintf(text.data(), text.size(), message, arguments);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What ODE needs of the process and of each thread before anything else is called, and pointers that own its
-// objects. Any thread. Only server/physics includes this file.
+// Initialisation of ODE for the process and for each thread, and owning pointers to its objects. Any thread.
+// Only server/physics includes this file.
 #pragma once
 
 #include <ode/ode.h>
@@ -12,19 +12,19 @@
 
 namespace coopdyn {
 
-/// An error inside ODE, which by itself would end the process.
+/// An error inside ODE, which would otherwise end the process.
 class OdeError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
 /// Makes ODE ready for the calling thread: the library once per process, its per-thread data once per thread.
-/// From then on ODE's errors and failed assertions throw OdeError out of the ODE function that was called;
-/// its messages (the solver's complaints about an ill-posed island) go nowhere: what they do to a body is
-/// caught by its speed.
+/// From then on, ODE's errors and failed assertions throw OdeError out of the called ODE function. ODE's
+/// messages (the solver's complaints about an ill-posed island) are discarded: a body that explodes is found
+/// by its speed.
 void EnsureOde();
 
-/// Frees an ODE object by the function made for it.
+/// Frees an ODE object by ODE's destroy function for it.
 template <auto Destroy>
 struct OdeDelete {
   template <typename T>

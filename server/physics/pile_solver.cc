@@ -12,7 +12,7 @@ namespace coopdyn {
 
 namespace {
 
-// What shares a load among redundant contacts: m/s per N s, for a mass of 1 kg.
+// Distributes a load over redundant contacts: m/s per N s, for a mass of 1 kg.
 constexpr double kSoftness = 5e-4;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -67,7 +67,7 @@ void PileSolver::Law::Push(double share) {
 double PileSolver::Law::Slip() const {
   if (state == State::kSticks) return 0;
   const double x = target[1] - rate[1], y = target[2] - rate[2];
-  // Without what the softness yields.
+  // Without the rate that the softness yields.
   return std::sqrt(x * x + y * y) - std::sqrt(impulse[1] * impulse[1] + impulse[2] * impulse[2]) / hardness;
 }
 
@@ -81,7 +81,7 @@ Matrix3 PileSolver::Law::Stiffness() const {
     return stiffness;
   }
   if (state == State::kSticks) return hardness * Matrix3::Identity();
-  // Across the slip the impulse turns with it.
+  // The impulse turns with the slip: stiffness across it.
   const double mu = friction, along = std::sqrt(free[1] * free[1] + free[2] * free[2]);
   const double normal = free[0] - hardness * mu * slip, load = (normal + mu * along) / (1 + mu * mu);
   const double x = free[1] / along, y = free[2] / along;
@@ -198,18 +198,18 @@ void PileSolver::AddPoint(const Surface& surface, int a, int b, double dt_s) {
   if (has(dContactBounce)) {
     const double speed = -approach.dot(point.axes_W.col(0));
     if (speed > of.bounce_vel) {
-      // With what the softness takes away.
+      // Adds the speed that the softness takes away.
       const double impulse = (1 + of.bounce) * speed / MobilityAt(point, a, b);
       target = std::max(target, of.bounce * speed + impulse / point.slide.hardness);
     }
   }
   slide.is_cone = true;
   slide.target[0] = target;
-  // What the load bounds is a cone: a round one, by the length of the last axis.
+  // The load bounds friction by a cone; the length of the last axis makes it a round one.
   slide.friction = of.mu;
   if (surface.grain) {
     const auto [first, second] = *surface.grain;
-    if (second > first) point.axes_W.col(1).swap(point.axes_W.col(2));  // the other one may have no length
+    if (second > first) point.axes_W.col(1).swap(point.axes_W.col(2));  // the last axis may have length 0
     slide.friction = std::max(first, second);
     point.is_round = first == second;
     if (!point.is_round) point.axes_W.col(2) *= std::min(first, second) / slide.friction;
@@ -294,7 +294,8 @@ void PileSolver::FindStep() {
     block.bottomRightCorner<3, 3>() = bodies_[i].I_W;
   }
   for (const Joint& joint : joints_) {
-    // J = (1, −[r]×) of A and its negative of B; K: the stiffness in W. The sums of Jᵀ K J over the points.
+    // Sums of Jᵀ K J over the points, with J = (1, −[r]×) for A and its negative for B, and K the stiffness
+    // in W.
     Matrix3 K_sum = Matrix3::Zero(), rK_a = K_sum, rK_b = K_sum, aa = K_sum, bb = K_sum, ab = K_sum;
     for (const Point& point : PointsOf(joint)) {
       if (point.slide.state == State::kOpen) continue;
@@ -336,7 +337,7 @@ void PileSolver::FindStep() {
     if (joint.a != kNone) add(matrix_.diagonal(joint.a), K_sum, rK_a.transpose(), rK_a, aa);
     if (joint.b != kNone) add(matrix_.diagonal(joint.b), K_sum, rK_b.transpose(), rK_b, bb);
     if (joint.a == kNone || joint.b == kNone) continue;
-    // In the row of the one whose column comes later.
+    // In the row of the body whose column comes later.
     if (matrix_.is_turned(joint.edge)) {
       add(matrix_.edge(joint.edge), -K_sum, -rK_a.transpose(), -rK_b, -ab.transpose());
     } else {
@@ -359,7 +360,7 @@ double PileSolver::TakeStep() {
   AtPoints([](const Body& body) -> const Vector3& { return body.step_v; },
            [](const Body& body) -> const Vector3& { return body.step_w; },
            [](Law& law, const Vector3& rates) { law.change = rates; });
-  // The slope at the share s of the step, without that of the contacts: slope + s bend.
+  // Without the contacts, the slope at the share s of the step is free_slope + s bend.
   double begin_slope = 0, free_slope = 0, bend = 0;
   for (const Body& body : bodies_) {
     const Vector3 momentum = body.mass_kg * body.step_v, spin = body.I_W * body.step_w;
@@ -378,12 +379,12 @@ double PileSolver::TakeStep() {
     }
     return slope;
   };
-  // The slope grows with the share. Regula falsi, by the rule of Illinois.
+  // The slope increases with the share: regula falsi with the Illinois rule.
   constexpr double kFlat = 0.01;
   constexpr int kMostTrials = 20;
   const double flat = kFlat * std::abs(begin_slope);
   double share = 1, slope = slope_at(1);
-  if (!std::isfinite(begin_slope) || !std::isfinite(slope)) return kInfinity;  // there is no step
+  if (!std::isfinite(begin_slope) || !std::isfinite(slope)) return kInfinity;  // no usable step
   double low = 0, low_slope = begin_slope, high = 1, high_slope = slope;
   int side = 0;
   for (int i = 0; i < kMostTrials && (slope > flat || (i > 0 && slope < -flat)); ++i) {
@@ -421,8 +422,8 @@ bool PileSolver::Step(double dt_s) {
     joint.edge = edges_.size();
     edges_.emplace_back(joint.a, joint.b);
   }
-  // How exact velocities are: gravity changes them by a thousand times as much. In piles what moves is known
-  // to a thousandth.
+  // Tolerance of velocities: a thousandth of their change by gravity; in large piles, at least a thousandth
+  // of the largest speed.
   constexpr double kExact = 1e-3;
   constexpr std::size_t kFew = 8;
   double enough_m_s = 1e-7 + kExact * settings_.g_W.norm() * dt_s;
@@ -433,8 +434,8 @@ bool PileSolver::Step(double dt_s) {
            [](const Body& body) -> const Vector3& { return body.w; },
            [](Law& law, const Vector3& rates) { law.rate = rates; });
   for (Point& point : points_) point.slide.Push(0);
-  // Slips and loads are taken as they come; from some iteration on as they are, so that it is one convex
-  // problem.
+  // The first kWithLoads iterations update slips and loads. Afterwards they are fixed, so that the problem is
+  // convex.
   constexpr int kMostIterations = 30, kWithLoads = 6;
   double step_m_s = 0;
   for (int i = 0; i < kMostIterations; ++i) {

@@ -13,7 +13,7 @@ namespace coopdyn {
 
 namespace {
 
-// Rates that change by less in a round are found.
+// Rates have converged when they change by less than this in a round.
 constexpr double kFound_m_s = 1e-6;
 constexpr double kNear_m_s = 0.01;
 constexpr int kMostRounds = 100;
@@ -51,7 +51,7 @@ std::uint32_t PlaneSolver::Add(const Actor& actor, std::span<const ChannelState>
   robot.p_x_m = body.p_WB.x();
   robot.p_y_m = body.p_WB.y();
   robot.rest_z_m = actor.thing.rest_z_m;
-  // The robot turns on while it rolls.
+  // The heading at mid-step: the robot turns while it rolls.
   const auto [s, c] = portable::SinCos(robot.turn * dt_s / 2);
   robot.c = body.R_WB[0] * c - body.R_WB[3] * s;
   robot.s = body.R_WB[3] * c + body.R_WB[0] * s;
@@ -93,7 +93,7 @@ void PlaneSolver::Join(std::span<const FoundContact> found, std::uint32_t a, std
                              robot_b.per_yaw * contact.arm_bn * contact.arm_bn);
     contact.mass_t_kg = 1 / (per_mass + robot_a.per_yaw * contact.arm_at * contact.arm_at +
                              robot_b.per_yaw * contact.arm_bt * contact.arm_bt);
-    // As far as they are apart they may come nearer.
+    // The two may close their gap in the substep.
     contact.least_m_s =
         point.depth_m < 0 ? point.depth_m / dt_s : std::min(kErp * point.depth_m / dt_s, kMaxPushOut_m_s);
     contact.friction = std::min(one.a->friction, one.b->friction);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Robots of fidelity planar that push each other, or walls: three rates each, and no rows for what carries
-// them.
-// Only server/physics includes this file.
+// Planar robots that push each other or walls: three rates per robot, and no rows for the floor. Only
+// server/physics includes this file.
 #pragma once
 
 #include <cstddef>
@@ -14,29 +13,30 @@
 
 namespace coopdyn {
 
-/// Solves one island at a time, from its state alone. Each wheel follows its set-point with at most the force
-/// that OneBodyDrive tells, the pair holds likewise sideways, and contacts push and rub in the plane. Rows
-/// are solved in turn until nothing changes (projected Gauss-Seidel: J. J. Moreau (1999), Numerical aspects
-/// of the sweeping process, and E. Catto (2005), Iterative dynamics with temporal coherence, here without
-/// memory of steps before). One thread at a time.
+/// Solves one island at a time, from its state alone. Each wheel follows its set-point with a force within
+/// the limit of OneBodyDrive, both wheels together hold sideways likewise, and contacts push and rub in the
+/// plane. Rows are solved in turn until nothing changes (projected Gauss-Seidel: J. J. Moreau (1999),
+/// Numerical aspects of the sweeping process, and E. Catto (2005), Iterative dynamics with temporal
+/// coherence, here without memory of earlier steps). One thread at a time.
 class PlaneSolver {
  public:
-  static constexpr std::uint32_t kStill = ~std::uint32_t{0};  // what does not move
+  static constexpr std::uint32_t kStill = ~std::uint32_t{0};  // number of anything static
 
-  /// Whether it solves the contacts `found`: pushes and rubs of sides, without bounces, grain and torques.
+  /// Whether the solver accepts the contacts `found`: horizontal pushing and rubbing, without bounces, grain
+  /// and torques.
   static bool Takes(std::span<const FoundContact> found);
 
-  /// Forgets everything.
+  /// Removes all robots and contacts.
   void Begin();
   /// Adds a robot and returns its number. @pre its drive stands, and its body stands upright.
   std::uint32_t Add(const Actor& robot, std::span<const ChannelState> channels, double dt_s);
   /// Adds contacts of A with B, by their numbers. @pre Takes(found), and one of them moves.
   void Join(std::span<const FoundContact> found, std::uint32_t a, std::uint32_t b, double dt_s);
-  /// kNear: rates still changed by more than 1 cm/s in the last round. kInsane: nothing is to be read.
+  /// kNear: rates still changed by more than 1 cm/s in the last round. kInsane: the result must not be read.
   enum class Outcome { kSolved, kNear, kInsane };
   /// Finds the rates at the end of the substep.
   Outcome Step();
-  /// Moves the robot's body on.
+  /// Moves the robot's body by the substep.
   void Move(std::uint32_t number, double dt_s, BodyState& body) const;
 
  private:

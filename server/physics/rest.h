@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// When a body counts as resting, when it sleeps, and when it has exploded. ODE's own sleeping keeps counters
-// that nobody can read, so a saved state would not continue alike; these are in the frame.
+// When a body counts as resting, when it sleeps, and when it has exploded. ODE's own sleeping has counters
+// that cannot be read, so a restored state would continue differently; our counters are in the frame.
 #pragma once
 
 #include <cstdint>
@@ -12,28 +12,29 @@
 
 namespace coopdyn {
 
-/// BodyState::sleep_counter counts the nanoseconds that a body has been slow and its set-points zero, up to
-/// this. Down again while it is nearly slow: in a pile things settle by small jolts. When all bodies of an
-/// island have got there, the island sleeps.
+/// BodyState::sleep_counter counts, up to kSleepAfter, the nanoseconds for which a body has been slow and its
+/// set-points zero. While an object is nearly slow, the counter decreases instead of restarting, because
+/// things in a pile settle in small jolts. When all bodies of an island have reached kSleepAfter, the island
+/// sleeps.
 inline constexpr std::uint64_t kSleepAfter = 500'000'000;
-/// The counter of a body that sleeps: exactly at rest, until something awake touches it or its set-points
-/// change. Below it bodies are awake.
+/// The counter of a sleeping body, which is exactly at rest until something awake touches it or its
+/// set-points change. Bodies with smaller counters are awake.
 inline constexpr std::uint64_t kAsleep = BodyState::kFrozen - 1;
 
 inline constexpr double kRestSpeed_m_s = 2e-3;
 inline constexpr double kRestTurnRate_rad_s = 1e-2;
 
-/// Nearly slow: not beyond this many times these rates.
+/// A body is nearly slow up to kNearly times the rates above.
 inline constexpr double kNearly = 10;
 
-/// Not beyond `times` these rates.
+/// Whether both rates are at most `times` the rates above.
 inline bool IsSlow(const BodyState& body, double times = 1) {
   const double speed_m_s = times * kRestSpeed_m_s, turn_rad_s = times * kRestTurnRate_rad_s;
   return body.v_WB.squaredNorm() <= speed_m_s * speed_m_s &&
          body.w_WB.squaredNorm() <= turn_rad_s * turn_rad_s;
 }
 
-/// Whether a motor is to move one of these channels.
+/// Whether a set-point drives one of these channels.
 inline bool IsDriven(std::span<const ChannelState> channels) {
   for (const ChannelState& channel : channels) {
     if (channel.setpoint.drives()) return true;
@@ -41,8 +42,8 @@ inline bool IsDriven(std::span<const ChannelState> channels) {
   return false;
 }
 
-/// A body that exploded (not finite, or beyond a stated speed) and is held where it was last sane, so that
-/// the rest of the world goes on.
+/// A body that exploded (not finite, or beyond the limits below). It is held at its last sane pose, so that
+/// the rest of the world continues.
 struct FrozenBody {
   std::string name;  // of the robot or object
   std::string why;   // e.g. "speed 312 m/s"
@@ -51,10 +52,11 @@ struct FrozenBody {
 inline constexpr double kMaxSpeed_m_s = 100;
 inline constexpr double kMaxTurnRate_rad_s = 1000;
 
-/// Why `state` is not sane, e.g. "speed 312 m/s"; nothing if it is.
+/// Why `state` is not sane, e.g. "speed 312 m/s"; nullopt if it is sane.
 std::optional<std::string> WhyInsane(const BodyState& state);
 
-/// The largest share of these limits that a body uses; infinite if it is not finite.
+/// The body's speed or turn rate as a share of its limit, whichever is larger; infinite if the state is not
+/// finite.
 double Violence(const BodyState& state);
 
 }  // namespace coopdyn

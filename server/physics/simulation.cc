@@ -158,8 +158,8 @@ std::string Simulation::RestoreControllers(std::span<const std::byte> saved,
     fits = controllers.Restore(frame_, saved);
   }
   if (!has_controllers_) return {};
-  // Nothing has run yet, so they save what they were given, unless it did not fit. A driver that saves
-  // nothing replaces them (a repetition that takes what they did from the recording).
+  // Controllers that accepted the state save the same bytes again, because none has run yet. A driver that
+  // saves nothing replaces the controllers (a repetition reads their outputs from the recording).
   const std::vector<std::byte> now = controllers.Save();
   if (fits && (now.empty() || std::ranges::equal(now, saved))) return {};
   if (saved.empty()) return "the states of its controllers were not saved";

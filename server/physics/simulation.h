@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A world and all that decides how it goes on: bodies, broadcasts on their way, loaded controllers. The live
-// run (stepper.h) and its repetition (server/replay) step the same class, so they cannot differ. Whoever
-// holds the step baton owns it; no locks inside.
+// A world and everything that determines its next steps: bodies, pending broadcasts, loaded controllers. The
+// live run (stepper.h) and its repetition (server/replay) step the same class, so they cannot differ. Owned
+// by the holder of the baton; no locks inside.
 #pragma once
 
 #include <cstdint>
@@ -27,27 +27,28 @@ namespace coopdyn {
 
 class PhysicsWorld;
 
-/// What else takes part in a step; outlives the simulation.
+/// Other participants of a step. Must outlive the simulation.
 struct StepHelpers {
   WorkerPool* pool = nullptr;               // null: everything on the stepping thread
-  ControllerDriver* controllers = nullptr;  // null: robots that ask for a controller are errors
-  /// Gives the filters of channels the values of `frame`, the one after `before`; needed if a channel has
-  /// one.
+  ControllerDriver* controllers = nullptr;  // null: a robot with a controller is an error
+  /// Advances the channels' filters by the values of `frame`, the successor of `before`. Required if a
+  /// channel has a filter.
   void (*advance_filters)(const Frame& before, Frame& frame) = nullptr;
 };
 
-/// What clients want of one step.
+/// The clients' inputs to one step.
 struct StepInputs {
-  std::span<Setpoint> setpoints;          // by the scene's channels; loaded controllers overwrite theirs
+  std::span<Setpoint> setpoints;          // by channel of the scene; loaded controllers overwrite theirs
   std::span<const SentMessage> messages;  // broadcasts, by increasing robot
   std::span<const std::uint8_t> commanded =
-      {};  // by the scene's actuators: a client's command comes in force; or empty
+      {};  // by actuator of the scene: 1 if a client's command takes effect; may be empty
 };
 
 class Simulation {
  public:
-  /// Builds the world of `scene` and makes frame 0 (of epoch `epoch`). Null, with errors at the lines of the
-  /// files, if it or its controllers do not fit. The controllers do not run yet: StartControllers().
+  /// Builds the world of `scene` and makes frame 0 (of epoch `epoch`). Returns null, with errors at the
+  /// files' lines, if the world or its controllers cannot be built. The controllers start later, in
+  /// StartControllers().
   static std::unique_ptr<Simulation> Build(std::shared_ptr<const Scene> scene, std::uint64_t seed,
                                            std::uint64_t epoch, const StepHelpers& helpers,
                                            const Clock& clock, Diagnostics& diagnostics);
@@ -58,27 +59,27 @@ class Simulation {
   const Scene& scene() const { return *scene_; }
   bool has_controllers() const { return has_controllers_; }
 
-  /// How long steps will be, which frame 0 says before there was one. Before StartControllers() or Restart().
+  /// Sets the length of the next steps, which frame 0 shows too. Call before StartControllers() or Restart().
   void SetStepLength(Nanoseconds length);
-  /// Makes all controllers afresh for frame(), which is the start.
+  /// Recreates all controllers for frame(), which is the start.
   void StartControllers();
-  /// Back to the start, with this seed of noise and solver: the same bits as a fresh Build(). Controllers as
-  /// after StartControllers().
+  /// Returns to the start, with a new seed for noise and solver: the same bits as a fresh Build(). Restarts
+  /// the controllers.
   void Restart(std::uint64_t seed, std::uint64_t epoch);
-  /// Goes on from `state`, whose frame has a scene of this scenario, bit for bit; scores and controllers
-  /// included. Else why those cannot: nothing is to be stepped then before another Restore() or Restart(),
-  /// unless those that do not drive any more are noted: `stopped` is ControllerDriver::TakeStopped() of then.
-  /// Empty: all went well.
+  /// Continues bit for bit from `state`, whose frame has a scene of this scenario, including scores and
+  /// controllers. Returns empty, or why scores or controllers cannot continue. After such a failure, call
+  /// Restore() or Restart() before the next step, unless the caller handles the controllers that no longer
+  /// drive: `stopped` receives their ControllerDriver::TakeStopped().
   [[nodiscard]] std::string Restore(const SavedState& state, std::uint64_t epoch,
                                     std::vector<StoppedController>* stopped = nullptr);
-  /// What Restore() takes; `mode` and `paused` are the caller's to fill in.
+  /// Returns the state for Restore(). The caller fills in `mode` and `paused`.
   SavedState Save() const;
 
-  /// Changes what stands in the world, and gives what is new in `change` its ids; frame() shows it. `inverse`
-  /// undoes it. Why it cannot be, and nothing has changed; empty: it is done. Stopped controllers: as with
-  /// Restore().
+  /// Applies `change` to the world and assigns ids to its new things; frame() shows the result. `inverse`
+  /// undoes it. Returns empty, or why it is impossible; then nothing has changed. The caller then collects
+  /// the controllers that stopped (ControllerDriver::TakeStopped()).
   [[nodiscard]] std::string Change(WorldChange& change, WorldChange& inverse);
-  /// Tunes the joints of a control board; frame() says so. Why it cannot; empty: it is done.
+  /// Tunes the joints of a control board; frame() shows the result. Returns empty, or why it is impossible.
   std::string Tune(const edit::TuneJoints& tuning);
   /// Runs a step of `length` and returns its frame.
   const FramePtr& Step(Nanoseconds length, const StepInputs& inputs);
@@ -86,23 +87,23 @@ class Simulation {
   std::vector<FrozenBody> TakeFrozen();
   /// PhysicsWorld::TakeUnsolved().
   std::vector<std::string> TakeUnsolved();
-  /// Physics and publish only.
+  /// Only `physics` and `publish` are set.
   const PhaseTimes& times() const { return times_; }
 
  private:
   Simulation(std::shared_ptr<const Scene> scene, std::unique_ptr<PhysicsWorld> world, std::uint64_t seed,
              std::uint64_t epoch, const StepHelpers& helpers, const Clock& clock);
   std::shared_ptr<Frame> MakeFrame();
-  /// What is derived from the scene.
+  /// Sets the scene and the members derived from it.
   void Use(std::shared_ptr<const Scene> scene);
-  /// `frame`, of a scene of this scenario, tells what stands where from now on.
+  /// Sets the world to the state of `frame`, which has a scene of this scenario.
   void Take(const Frame& frame);
-  /// Why controllers of robots in `change` cannot be; empty: they can.
+  /// Why controllers of robots in `change` cannot be loaded. Empty if they can.
   std::string ControllerFaults(const WorldChange& change) const;
-  /// Puts things as `change` says into `next`, a frame of the world's scene; `before`: the frame before.
+  /// Places the things of `change` in `next`, a frame of the world's scene. `before`: the previous frame.
   std::string PlaceAll(const WorldChange& change, const Frame& before, Frame& next) const;
   std::string RestoreControllers(std::span<const std::byte> saved, std::vector<StoppedController>* told);
-  /// Broadcasts that nobody can hear any more are dropped, those of the coming step added.
+  /// Drops broadcasts that can no longer be heard, and adds those of the coming step.
   void TakeMessages(std::span<const SentMessage> sent);
 
   const StepHelpers helpers_;
@@ -114,10 +115,10 @@ class Simulation {
   std::uint64_t seed_ = 1, epoch_ = 0, step_ = 0;
   Nanoseconds time_ = 0, step_length_ = kDefaultStep;
   bool has_controllers_ = false;
-  bool has_filters_ = false;           // of values of channels
-  UsedIds used_;                       // by edits
-  std::vector<SentMessage> messages_;  // that may still be heard
-  std::uint64_t message_steps_ = 0;    // for so long
+  bool has_filters_ = false;           // a channel has a filter
+  UsedIds used_;                       // ids assigned by edits
+  std::vector<SentMessage> messages_;  // broadcasts that can still be heard
+  std::uint64_t message_steps_ = 0;    // for how many steps they can
   SampleKeeper samples_;
   ScoreKeeper scores_;
   FramePool frames_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Simulation::Change(): edits of what stands in the world.
+// Simulation::Change(): adds, removes and moves things.
 #include <algorithm>
 #include <utility>
 
@@ -25,8 +25,8 @@ std::int32_t WorldIdOf(const Scene& scene, const Thing& thing) {
   return WorldIdOf(scene.objects[static_cast<std::size_t>(thing.object)]);
 }
 
-/// Where things that go, come or change stand: by thing of `things`, which are those of `scene`. `old`: the
-/// scene before the change, not after it.
+/// By thing of `things` (made from `scene`): 1 if `change` removes, places or reshapes it. `old`: `scene` is
+/// the scene before the change; else the scene after it.
 std::vector<std::uint8_t> Chosen(const WorldChange& change, const Scene& scene, const Scene& before,
                                  const Things& things, bool old) {
   std::vector<std::int32_t> ids;
@@ -64,7 +64,7 @@ BodyState Moved(const BodyState& body, const Pose& X_new_old) {
   return StartBodies(alone, Pose{}).front();
 }
 
-/// The bodies of a robot that is put to `X_WR`, at rest. One with limbs keeps its posture.
+/// The bodies of a robot that is placed at `X_WR`, at rest. A robot with limbs keeps its posture.
 std::vector<BodyState> PutTo(const Mechanism& mechanism, const Pose& X_WR, const SceneRobot* was,
                              const Frame& before, int index) {
   std::vector<BodyState> start = StartBodies(mechanism, X_WR);
@@ -91,7 +91,8 @@ void SetCounter(Frame& frame, const Thing& thing, std::uint64_t counter) {
   }
 }
 
-/// A description that keeps its place says where that is, if it has no body any more.
+/// Sets the place in descriptions that keep theirs but lose the old body: objects that become static, and
+/// robots whose model or fidelity changes.
 void KeepPlaces(WorldChange& change, const Frame& before) {
   const Scene& scene = *before.scene;
   for (PutObject& put : change.objects) {
@@ -162,7 +163,7 @@ std::string Simulation::PlaceAll(const WorldChange& change, const Frame& before,
           copy(put->controls, next.controls, robot.first_control, robot.control_count) &&
           copy(put->drive_trains, next.drive_trains, robot.first_drive_train, robot.drive_train_count) &&
           copy(put->measured, next.measured, robot.first_measured, measured);
-      if (!fits) return robot.entry.name + " does not fit its model any more";
+      if (!fits) return robot.entry.name + " no longer fits its model";
       continue;
     }
     const int index = FindRobot(*before.scene, robot.id);
@@ -189,7 +190,7 @@ std::string Simulation::Change(WorldChange& change, WorldChange& inverse) {
   }
   inverse = InverseOf(change, *before);
 
-  std::vector<std::int32_t> sleepers;  // beside what goes
+  std::vector<std::int32_t> sleepers;  // near things that are removed or moved
   const std::vector<std::uint8_t> going = Chosen(change, *scene_, *scene_, world_->things(), true);
   for (const std::uint32_t near :
        NearChosen(world_->things(), going, PairsOfChosen(world_->things(), before->bodies, going))) {
@@ -197,7 +198,7 @@ std::string Simulation::Change(WorldChange& change, WorldChange& inverse) {
   }
 
   const std::shared_ptr<Frame> draft = InScene(*before, scene);
-  draft->measured.clear();  // then they are as at a start
+  draft->measured.clear();  // Restore() then resets them
   world_->Rebuild(scene, *draft);
   Frame begun;
   world_->Fill(begun);
@@ -233,7 +234,7 @@ std::string Simulation::Change(WorldChange& change, WorldChange& inverse) {
       if (WorldIdOf(*scene, things.all[i]) == rest.id) SetCounter(*next, things.all[i], rest.counter);
     }
   }
-  for (const PutObject& put : change.objects) {  // another body where it is: it begins to move anew
+  for (const PutObject& put : change.objects) {  // a reshaped body in its old place wakes
     const SceneObject* thing = FindObject(*scene, put.id);
     if (put.placing != Placing::kKeep || thing->body < 0) continue;
     const SceneObject* was = FindObject(*scene_, put.id);

@@ -39,7 +39,7 @@ double DepthOfPair(Collider& collider, const Actor& a, const Actor& b) {
   return depth;
 }
 
-/// Whether the middle of `inner` lies in what of `outer` stands fixed: the nearest way out may then lead
+/// Whether the middle of `inner` lies inside a fixed part of `outer`: the shortest way out may then lead
 /// through the floor.
 bool HoldsMiddle(Collider& collider, const Actor& outer, const Actor& inner) {
   constexpr double kProbe_m = 1e-3;
@@ -52,7 +52,7 @@ bool HoldsMiddle(Collider& collider, const Actor& outer, const Actor& inner) {
   return false;
 }
 
-/// What stands fixed in the world may reach below the floor.
+/// Depth of the lowest point below the floor, m. Parts fixed in the world are ignored.
 double DepthBelowFloor(const Actor& actor) {
   double below = 0;
   for (std::size_t i = 0; i < actor.parts().size(); ++i) {
@@ -67,7 +67,7 @@ double DepthBelowFloor(const Actor& actor) {
   return below;
 }
 
-/// Fidelity rolling and planar need wheels that their formulas fit.
+/// Fidelity rolling and planar need wheels that fit their formulas.
 void CheckFidelity(const RobotEntry& entry, Diagnostics& diagnostics) {
   if (entry.fidelity == Fidelity::kFull) return;
   const std::string name = entry.fidelity == Fidelity::kPlanar ? "planar" : "rolling";
@@ -79,7 +79,7 @@ void CheckFidelity(const RobotEntry& entry, Diagnostics& diagnostics) {
   }
   if (entry.model->has_limbs()) {
     diagnostics.Error(entry.where, who + " does not fit " + entry.model->type +
-                                       ", which has joints that are no wheels: use fidelity full");
+                                       ", which has joints other than wheels: use fidelity full");
   }
   const Vector3 up = entry.X_WR.q * Vector3::UnitZ();
   if (entry.fidelity == Fidelity::kPlanar && up.z() < 1 - 1e-9) {
@@ -185,7 +185,7 @@ void CheckStart(const Scene& scene, const Things& things, Diagnostics& diagnosti
     const double depth =
         DepthOfPair(collider, things.ActorOf(a, things.bodies), things.ActorOf(b, things.bodies));
     if (depth <= kTolerance_m) continue;
-    // What is fixed stays; of two that move, the later one is to be moved.
+    // Reports the thing that is not fixed; of two, the later one.
     const auto is_fixed = [&](std::uint32_t i) {
       return i >= things.first_static || things.all[i].mechanism->fixed_base;
     };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The loop: when a step runs. What edits do is in stepper_edits.cc.
+// The loop: when a step runs. stepper_edits.cc applies edits.
 #include "server/physics/stepper.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -19,10 +19,10 @@ namespace {
 
 constexpr Nanoseconds kNever = std::numeric_limits<Nanoseconds>::max();
 constexpr Nanoseconds kStatusEvery = 50'000'000;
-/// While the real-time factor still has to fall to 0, a standing world is checked this often.
+/// How often a world that stands still is checked until its real-time factor has fallen to 0.
 constexpr Nanoseconds kLookAgain = 250'000'000;
-/// A robot's thread runs the steps of its own command for at most this time, as its other connections wait
-/// meanwhile, and at most this many, as its subscribers would lose frames.
+/// Limits of the steps that a robot's thread runs for its own command: its other connections wait meanwhile,
+/// and after more steps its subscribers would lose frames.
 constexpr Nanoseconds kTurnHere = 500'000;
 constexpr int kStepsHere = 32;
 
@@ -112,7 +112,7 @@ std::optional<Stepper::PutAside> Stepper::Run(std::stop_token stop) {
     AddEvent("warning", fmt::format("the run ended early {}, at {:.2f} of {:g} s", WhyEarly(*end),
                                     frame().time_s(), ToSeconds(*duration_)));
   }
-  PublishStatus(clock_.Now(), true);  // of the last step
+  PublishStatus(clock_.Now(), true);  // the last step's
   baton_.Pass();
   boards_.edits.Close(boards_.control.stopping_text());
   boards_.commands.Stop(boards_.frames.Latest(), boards_.control.stopping_text());
@@ -129,7 +129,7 @@ Nanoseconds Stepper::WorkOnce(const std::stop_token& stop, UrgentThread& thread,
     logger_->debug("the stepping thread has no higher priority: `ulimit -e 30` or LimitNICE=-10 allows it");
   }
   const Nanoseconds now = clock_.Now();
-  // A load of many robots takes seconds, and so does their first step.
+  // Loading many robots takes seconds, and so does their first step.
   Nanoseconds wake = stop.stop_requested() ? now : StepIfDue(now);
   const bool sleeps = wake > now + kStatusEvery;
   PublishStatus(now, sleeps);
@@ -222,7 +222,7 @@ void Stepper::StepNow(Nanoseconds now) {
     const Score& now = frame->scores[static_cast<std::size_t>(ending)];
     EndRun(now.met ? RunEnd::kScore : RunEnd::kLimit,
            fmt::format("the score {} is {:.6g} {}: {}", score.name, now.value, UnitOf(score.kind),
-                       now.met ? "the run has reached its aim" : "the time for it is over"));
+                       now.met ? "the run has reached its aim" : "its time limit is reached"));
   }
   if (duration_ && frame->time >= *duration_) EndRun(RunEnd::kDuration, "the run has reached its duration");
   const Nanoseconds told = clock_.Now();
@@ -320,7 +320,7 @@ void Stepper::NoteLostClients() {
   for (const LostClient& lost : boards_.commands.LatchedLosses()) {
     const std::string& robot = simulation_->scene().robots[lost.robot].entry.name;
     std::vector<std::string>& robots = by_client[{lost.client, lost.policy, lost.silent}];
-    if (!robots.empty() && robots.back() == robot) continue;  // another of its modules
+    if (!robots.empty() && robots.back() == robot) continue;  // another module of the same robot
     robots.push_back(robot);
     WriteInput(frame().step, ClientLost{robot, lost.policy});
     if (lost.silent > 0) {
@@ -341,7 +341,7 @@ void Stepper::NoteLostClients() {
       const char* until =
           robots.size() > 1 ? " are stopped until their next command" : " is stopped until its next command";
       AddEvent("warning", SilentText(client, silent) + ": " + names + until +
-                              " ('watchdog' of the scenario says after how long, or off)");
+                              " ('watchdog' in the scenario sets this time, or off)");
     } else {
       AddEvent("info", "lost client " + client + ": " + names + " " + what);
     }

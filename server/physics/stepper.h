@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The physics thread, and the rule of who may step. Whoever holds the baton owns the physics world and is the
-// one writer of frames. That is the physics thread; in lockstep the robot thread whose command makes the last
-// robot ready takes the baton, if it is free, and runs the steps itself: a round trip then costs no thread
-// switch (docs/decisions.md).
+// The physics thread, and the rule of which thread may step. The thread that holds the baton owns the physics
+// world and is the only writer of frames. Usually the physics thread holds it. In lockstep, the robot thread
+// whose command makes the last robot ready takes the baton, if it is free, and runs the steps itself, so a
+// round trip costs no thread switch (docs/decisions.md).
 #pragma once
 
 #include <array>
@@ -30,7 +30,7 @@
 
 namespace coopdyn {
 
-/// The right to step. Not a lock that code waits behind: robot threads only try. Any thread.
+/// The right to step. Robot threads only try to take it and never wait for it. Any thread.
 class CAPABILITY("baton") Baton {
  public:
   void Take() ACQUIRE() {
@@ -46,17 +46,17 @@ class CAPABILITY("baton") Baton {
   std::atomic<bool> taken_{false};
 };
 
-/// How the run starts; from the command line over the scenario.
+/// How the run starts. These options of the command line override the scenario.
 struct RunOptions {
   std::optional<Mode> mode;
   std::optional<Nanoseconds> step;
   std::optional<double> speed;
   std::optional<std::uint64_t> seed;
   std::optional<double> duration_s;
-  std::optional<std::uint64_t> steps;  // instead of duration_s: the end, in steps of the first length
+  std::optional<std::uint64_t> steps;  // instead of duration_s: number of steps, of the initial length
   bool paused = false;
   bool stop_on_controller_failure = false;
-  bool ends_daemon = false;  // the end of the run. Else the world stands, and a reset starts it again
+  bool ends_daemon = false;  // when the run ends; else the world stands still, and a reset restarts it
 };
 
 class Stepper {
@@ -71,34 +71,35 @@ class Stepper {
 
   Stepper(Boards boards, const Clock& clock, Logger logger, RunOptions options, StepHelpers helpers = {});
 
-  /// Builds the world of `scenario` and publishes frame 0. False, with errors, if it cannot be built. Before
-  /// Run().
+  /// Builds the world of `scenario` and publishes frame 0. Returns false, with errors, if it cannot be built.
+  /// Call before Run().
   bool Start(std::shared_ptr<const Scenario> scenario, Diagnostics& diagnostics) EXCLUDES(baton_);
-  /// Builds the world of `state`, goes on from there and publishes its frame. As Start() otherwise.
+  /// Builds the world of `state`, continues from it, and publishes its frame. Otherwise as Start().
   bool StartFrom(const SavedStatePtr& state, Diagnostics& diagnostics) EXCLUDES(baton_);
-  /// Clients that are served before Run() make no step: what is to be recorded does not begin before its
-  /// recording.
+  /// Until Run(), commands of clients run no steps, so a recording starts with the first step.
   void WaitForRun() EXCLUDES(baton_);
-  /// A live run that has given way to a recording.
+  /// A live run that was replaced by the playback of a recording.
   struct PutAside {
-    Edit edit;            // the Play that did it, to be answered
-    SavedStatePtr state;  // of the run, for a Restore
+    Edit edit;            // the Play, not yet answered
+    SavedStatePtr state;  // of the live run, for a later Restore
   };
-  /// The physics thread: steps until `stop` is requested (ring the bell after), or until a Play. Returns when
-  /// nothing steps any more.
+  /// The physics thread's loop: steps until `stop` is requested (ring the bell after that) or a Play replaces
+  /// the run. No thread steps after it has returned.
   std::optional<PutAside> Run(std::stop_token stop) EXCLUDES(baton_);
-  /// Instead of Start(): `edit` (a Restore) ended a playback. True if the run is live now. Before Run().
+  /// Applies `edit` (a Restore) that ended a playback; use it instead of Start(), before Run(). Returns
+  /// whether the run is live now.
   bool TakeOver(Edit edit) EXCLUDES(baton_);
-  /// Runs the steps that have just become possible on the calling thread if the baton is free and time
-  /// allows; wakes the physics thread for what is left. Any thread, no lock held.
+  /// Runs the steps that have become possible on the calling thread, if the baton is free, for a limited
+  /// time. Wakes the physics thread for the rest. Any thread, no lock held.
   void StepHere() EXCLUDES(baton_);
-  /// How long the parts of stepping have taken so far. Any thread.
+  /// Total time spent so far in each phase of stepping. Any thread.
   PhaseTimes phase_times() EXCLUDES(baton_);
-  /// Called on the stepping thread when the run has ended: RunControl::end() says why. Set before Start().
+  /// Sets the callback for the end of the run, called on the stepping thread. RunControl::end() has the
+  /// reason. Call before Start().
   void set_on_ended(std::function<void()> on_ended) { on_ended_ = std::move(on_ended); }
 
  private:
-  // Each handles one kind of edit and returns what to answer.
+  // Each handles one kind of edit and returns its reply.
   EditResult Apply(const edit::Run&) REQUIRES(baton_);
   EditResult Apply(const edit::Pause&) REQUIRES(baton_);
   EditResult Apply(const edit::Step&) REQUIRES(baton_);
@@ -121,65 +122,66 @@ class Stepper {
   EditResult Apply(const edit::Log& log) REQUIRES(baton_);
   EditResult Apply(const edit::EndRun& end) REQUIRES(baton_);
   EditResult Apply(const edit::Save&) REQUIRES(baton_);
-  /// The same for any kind; what is for a playback is refused.
+  /// Handles any kind of edit. Refuses edits for a playback.
   EditResult ApplyAny(const EditAction& action) REQUIRES(baton_);
 
-  /// Up to the first Play, which ends the run.
+  /// Applies pending edits up to the first Play, which ends the run.
   void ApplyEdits() REQUIRES(baton_);
   void ApplyEdit(Edit& edit) REQUIRES(baton_);
-  /// Does what is due now and returns when to look again. `put_aside`: set if the run has given way.
+  /// Does the work that is due now and returns the time of the next check. Sets `put_aside` if a Play
+  /// replaced the run.
   Nanoseconds WorkOnce(const std::stop_token& stop, UrgentThread& thread, std::optional<PutAside>& put_aside)
       EXCLUDES(baton_);
   Nanoseconds StepIfDue(Nanoseconds now) REQUIRES(baton_);
   void StepNow(Nanoseconds now) REQUIRES(baton_);
-  /// Takes note of controllers that have stopped: in the step after frame `step`, which is an input of the
-  /// run; or, without, from the start.
+  /// Reports stopped controllers. `step`: they stopped in the step after frame `step`, which becomes an input
+  /// of the run; nullopt: they were stopped before the first step.
   void NoteStoppedControllers(const std::vector<StoppedController>& controllers,
                               std::optional<std::uint64_t> step) REQUIRES(baton_);
-  /// Takes note of the clients that were lost before the step latched last.
+  /// Reports the clients that were lost before the last latched step.
   void NoteLostClients() REQUIRES(baton_);
   void NoteStopped(const std::string& robot, const char* by, const std::string& why) REQUIRES(baton_);
   void TellEnded() REQUIRES(baton_);
-  /// No step is to follow; TellEnded() is due.
+  /// Ends the run: no step follows. The caller must call TellEnded() afterwards.
   void EndRun(RunEnd why, std::string text) REQUIRES(baton_);
-  /// Why nothing steps while the run has ended.
+  /// The reply to requests to step after the run has ended.
   std::string EndedText() const REQUIRES(baton_);
-  /// No step follows at once on this thread.
+  /// Releases resources of the controllers: no step follows immediately on this thread.
   void RestControllers() REQUIRES(baton_);
   std::unique_ptr<Simulation> BuildSimulation(std::shared_ptr<const Scene> scene, std::uint64_t seed,
                                               Diagnostics& diagnostics) REQUIRES(baton_);
-  /// The simulation stands at a frame that does not follow from the one before: publishes it and begins anew
-  /// whatever goes by steps. Its controllers run already. `state`: from which it goes on; null: the start.
+  /// Publishes the simulation's frame, which does not follow from the previous one, and resets everything
+  /// that counts steps. The controllers already run. `state`: the state from which the run continues; null:
+  /// the start.
   void Install(StepEnd end, const SavedState* state = nullptr) REQUIRES(baton_);
-  /// Who drives, and with what, as in `state`.
+  /// Restores which controllers are unloaded, and the set-points in force, from `state`.
   void TakeDrives(const SavedState& state, Nanoseconds now) REQUIRES(baton_);
-  /// The answer to a Restore() that has failed for `why`, after which the run goes on from `present`, as it
-  /// was.
+  /// Restores `present` after a Restore() has failed for `why`, and returns the reply.
   EditResult RefuseRestore(const std::string& why, const SavedState& present) REQUIRES(baton_);
-  /// The controllers do not take the state that they had just now, for `why`: their robots stand. `stopped`:
-  /// as the controllers say; empty if they do not know which. Returns what to answer.
+  /// Handles controllers that cannot return to the present state, for `why`: their robots stand still.
+  /// `stopped`: the controllers that failed; empty if unknown (then all). Returns text to append to the
+  /// reply.
   std::string LoseControllers(const std::string& why, std::vector<StoppedController> stopped)
       REQUIRES(baton_);
-  /// Puts `state`, to which the simulation has been restored, in force.
+  /// Installs `state`, to which the simulation has been restored.
   void InstallState(const SavedState& state, StepEnd end) REQUIRES(baton_);
   SavedStatePtr SaveState() const REQUIRES(baton_);
   static Nanoseconds LengthOf(const SavedState& state) {
     return state.step_length.value_or(state.frame->step_length);
   }
   std::uint64_t NextEpoch() const;
-  /// Makes `change` and puts the new scene in force; `entry` is for the history. `tells`: an event says so.
+  /// Applies `change` and installs the new scene. Fills `entry` for the history. `tells`: adds an event.
   EditResult ChangeWorld(WorldChange change, WorldHistory::Entry& entry, bool tells = true) REQUIRES(baton_);
-  /// Keeps a number that was logged at `now`. False: there are too many names.
+  /// Stores a number that was logged at `now`. Returns false if there are too many names.
   bool LogNumber(const std::string& name, double value, const Frame& now) REQUIRES(baton_);
-  /// What controllers have logged of `seen`, the frame before the newest.
+  /// Stores the numbers that controllers logged when they saw `seen`, the frame before the newest.
   void NoteLogs(std::span<const Supervision::Log> logs, const Frame& seen) REQUIRES(baton_);
-  /// What the supervisor wants is done, after the step in which it said so.
+  /// Executes the supervisor's requests, after the step in which it made them.
   void Supervise(const Supervision& supervision) REQUIRES(baton_);
   void WriteInput(std::uint64_t step, std::variant<RunEdit, RobotEvent, WorldInput> what) REQUIRES(baton_);
-  /// Takes mode, step, speed and duration of the scenario, as far as it says them and the command line does
-  /// not.
+  /// Takes step, speed and duration from the scenario, unless the command line sets them.
   void TakeOptions(const SimulationOptions& said) REQUIRES(baton_);
-  /// Says of each robot that has left the floor since the last call; `first`: stays silent.
+  /// Adds an event for each robot that has left the floor since the last call. `first`: adds none.
   void NoteFloorLeft(const Frame& frame, bool first) REQUIRES(baton_);
   bool may_step() const REQUIRES(baton_) {
     return simulation_ != nullptr && !ended_ && !stopping_ && (!paused_ || allowed_steps_ > 0);
@@ -189,13 +191,14 @@ class Stepper {
   double speed() const REQUIRES(baton_);  // ≤ 0: no limit
   void RestartPace(Nanoseconds now) REQUIRES(baton_);
   PhaseTimes AllTimes() const REQUIRES(baton_);
-  /// Counts what the step has not solved exactly, and tells the first.
+  /// Counts islands that the step did not solve exactly, and adds an event for the first.
   void NoteUnsolved() REQUIRES(baton_);
-  /// A step that began at `began` and was told to the journal from `told` to `written` is over.
+  /// Adds up the costs of a step that began at `began` and was written to the journal from `told` to
+  /// `written`.
   void NoteCosts(Nanoseconds began, Nanoseconds told, Nanoseconds written) REQUIRES(baton_);
-  /// No step follows at once: the time until the next one costs nobody anything.
+  /// No step follows immediately: the time until the next one does not count as idle or waiting.
   void IgnoreRest() REQUIRES(baton_);
-  /// Publishes how the run stands; unless `always`, at most each kStatusEvery.
+  /// Publishes the run's status; unless `always`, at most once per kStatusEvery.
   void PublishStatus(Nanoseconds now, bool always) REQUIRES(baton_);
   void AddEvent(const char* level, std::string text) REQUIRES(baton_);
 
@@ -224,15 +227,15 @@ class Stepper {
   RateMeter rate_ GUARDED_BY(baton_);
   RunStatus status_ GUARDED_BY(baton_);
   Nanoseconds status_at_ GUARDED_BY(baton_) = 0;
-  Nanoseconds watches_at_ GUARDED_BY(baton_) = 0;  // the next look for silent clients
-  Nanoseconds rests_from_ GUARDED_BY(baton_) = 0;  // the end of the step before; 0: it does not count
-  PhaseTimes times_before_ GUARDED_BY(baton_);     // AllTimes() when costs began anew
+  Nanoseconds watches_at_ GUARDED_BY(baton_) = 0;  // the next check for silent clients
+  Nanoseconds rests_from_ GUARDED_BY(baton_) = 0;  // end of the last step; 0: idle time does not count
+  PhaseTimes times_before_ GUARDED_BY(baton_);     // AllTimes() when the costs were reset
   bool has_deadlines_ GUARDED_BY(baton_) = false;
-  Nanoseconds looks_again_at_ GUARDED_BY(baton_) = 0;         // until then the physics thread sleeps
+  Nanoseconds looks_again_at_ GUARDED_BY(baton_) = 0;         // the physics thread sleeps until then
   std::vector<char> off_floor_ GUARDED_BY(baton_);            // 1: yes; by robot
   std::optional<std::uint64_t> moved_at_ GUARDED_BY(baton_);  // step of the supervisor's last moves
-  std::string not_moved_ GUARDED_BY(baton_);                  // why, as the last event said
-  bool logs_lost_ GUARDED_BY(baton_) = false;                 // an event has said so
+  std::string not_moved_ GUARDED_BY(baton_);   // why the supervisor's last moves failed, as in the last event
+  bool logs_lost_ GUARDED_BY(baton_) = false;  // an event has reported it
 };
 
 }  // namespace coopdyn

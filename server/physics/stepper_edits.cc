@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What each edit does to the run, between two steps, by the holder of the baton.
+// Applies each edit to the run between two steps. Called by the holder of the baton.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -21,11 +21,11 @@ constexpr const char* kTooManyLogged = "{} names are logged already: log one of 
 
 void Stepper::ApplyEdits() {
   for (Edit& edit : boards_.edits.TakeAll()) {
-    if (put_aside_) {  // what came after it is for the playback
+    if (put_aside_) {  // later edits are for the playback
       boards_.edits.Push(std::move(edit));
       continue;
     }
-    RestControllers();  // it may start threads, which would stay where this one is held
+    RestControllers();  // an edit may start threads, which would inherit this thread's core
     ApplyEdit(edit);
   }
 }
@@ -143,7 +143,7 @@ EditResult Stepper::Apply(const edit::Change& made) {
 
 EditResult Stepper::Apply(const edit::Undo&) {
   if (!history_.can_undo()) {
-    return {Error::kNotPossible, "there is nothing to undo: the world is as it was loaded"};
+    return {Error::kNotPossible, "there is nothing to undo: the world is unchanged since it was loaded"};
   }
   WorldHistory::Entry entry;
   EditResult result = ChangeWorld(history_.NextUndo(frame().epoch, frame().step), entry);
@@ -229,7 +229,7 @@ EditResult Stepper::Apply(const edit::Note& note) {
 }
 
 EditResult Stepper::Apply(const edit::Log& log) {
-  if (ended_) return {Error::kNotPossible, "the run has ended: what comes after its last step is not logged"};
+  if (ended_) return {Error::kNotPossible, "the run has ended: values after its last step are not logged"};
   if (LogNumber(log.name, log.value, frame())) return {};
   return {Error::kTooLarge, fmt::format(kTooManyLogged, RunControl::kMaxLogged)};
 }
@@ -271,7 +271,7 @@ void Stepper::Supervise(const Supervision& supervision) {
   }
   if (!supervision.end || ended_) return;
   const bool is_robots =
-      simulation_->scene().scenario->simulation.supervisor.empty();  // its controller says who
+      simulation_->scene().scenario->simulation.supervisor.empty();  // its own text names the robot
   EndRun(RunEnd::kSupervisor,
          is_robots ? *supervision.end
                    : who + " ends the run" + (supervision.end->empty() ? "" : ": " + *supervision.end));
@@ -344,7 +344,7 @@ void Stepper::Install(StepEnd end, const SavedState* state) {
   boards_.commands.SetMode(mode_, now);
   boards_.commands.Configure(scene, end, simulation_->frame(), now);
   if (state != nullptr) TakeDrives(*state, now);
-  // Controllers that stand from the start are no input of the run: its state says so.
+  // Controllers that are stopped from the start are no input of the run: the saved state contains them.
   if (journal_ != nullptr) journal_->Begin(SaveState());
   if (helpers_.controllers != nullptr) {
     NoteStoppedControllers(helpers_.controllers->TakeStopped(), std::nullopt);
@@ -374,7 +374,7 @@ EditResult Stepper::RefuseRestore(const std::string& why, const SavedState& pres
     std::vector<StoppedController> stopped;
     const std::string lost = simulation_->Restore(present, boards_.frames.Latest()->epoch, &stopped);
     if (lost.empty()) {
-      helpers_.controllers->TakeStopped();  // it is no news
+      helpers_.controllers->TakeStopped();  // already reported
     } else {
       text += "; the present controllers are lost too" + (lost == why ? "" : ": " + lost);
       text += LoseControllers(lost, std::move(stopped));

@@ -10,7 +10,7 @@ namespace coopdyn {
 
 namespace {
 
-// Nearer to the ground than this a wheel counts as touching it.
+// A wheel nearer to the ground than this counts as touching it.
 constexpr double kTouching_m = 1e-4;
 
 void Copy(dVector3& to, const Vector3& from) {
@@ -56,14 +56,15 @@ bool IsOne(const Toucher& of) {
   return of.actor != nullptr && of.actor->thing.mechanism->one_body();
 }
 
-/// Robots side by side, or along a wall, do not lift each other: friction acts in the plane only. Else a
-/// crowd would climb up on itself, by what is an artefact of stepping.
+/// Robots side by side, or along a wall, do not lift each other: friction acts in the horizontal plane only.
+/// Otherwise a crowd would climb up on itself, an artefact of stepping.
 bool IsFlat(const Toucher& a, const Toucher& b) {
   return b.actor != nullptr && a.actor->thing.robot >= 0 &&
          (b.actor->thing.robot >= 0 || b.actor->thing.body_count() == 0);
 }
 
-/// What gravity adds to the slip of A on B in the step: of what moves; if both do, of the upper one.
+/// The slip of A on B that gravity adds in the step by pulling the one that moves, or the upper one if both
+/// move.
 Vector3 Pull(const Toucher& a, const Toucher& b, const Vector3& n_W, const WorldSettings& settings,
              double dt_s) {
   const double along_n = settings.g_W.dot(n_W);
@@ -71,9 +72,9 @@ Vector3 Pull(const Toucher& a, const Toucher& b, const Vector3& n_W, const World
   return a.moves && (!b.moves || along_n <= 0) ? pull : Vector3(-pull);
 }
 
-// Slower than this nothing slips yet.
+// A contact with less slip does not slip yet.
 constexpr double kSliding_m_s = 0.01;
-// Likewise what rolls.
+// A part that turns more slowly does not roll yet.
 constexpr double kRolling_rad_s = 0.01;
 
 /// Friction along the grain of a part, and across it. `along`: the slip, in the plane of contact.
@@ -138,7 +139,7 @@ void Rub(const FoundContact& found, const Toucher& a, const Toucher& b, const Wo
   }
 }
 
-/// A part rolls where it is round: not on the end of a cylinder, nor on a face.
+/// Whether a part can roll on this contact: not on the end of a cylinder, nor on a face.
 bool IsRound(const Toucher& of, const Part& part, const Vector3& n_W) {
   constexpr double kOnEnd = 0.99;
   if (std::holds_alternative<Cylinder>(part.shape))
@@ -167,7 +168,7 @@ void HoldTurns(const FoundContact& found, const Toucher& a, const Toucher& b, Su
   contact.surface.rho = contact.surface.rho2 = rolling;
   contact.surface.rhoN = spinning;
   if (!surface.may_turn) return;
-  // Along the way that it rolls, as along a slip.
+  // The first axis lies along the rolling direction, as it otherwise does along a slip.
   const Vector3 turns = TurnRate(a, found.a) - TurnRate(b, found.b);
   const Vector3 way = turns.cross(n_W);
   if (way.squaredNorm() <= kRolling_rad_s * kRolling_rad_s) return;
@@ -180,7 +181,7 @@ void Place(const ContactPoint& point, double dt_s, dContact& contact) {
   Copy(contact.geom.normal, point.n_W);
   contact.geom.depth = std::max(0.0, point.depth_m);
   if (point.depth_m < 0) {
-    // They may come as near as they are, and no nearer.
+    // The two may close the gap in this substep, but not overlap.
     contact.surface.mode |= dContactMotionN;
     contact.surface.motionN = point.depth_m / dt_s;
   }
@@ -194,7 +195,7 @@ Surface Rolling(const FoundContact& found, const Toucher& robot, int sign, const
   const std::size_t side = static_cast<std::size_t>(wheel.wheel);
   ContactPoint point = found.point;
   point.n_W *= sign;  // towards the robot
-  // The rolling direction at mid-step: the robot turns on while it rolls.
+  // The rolling direction at mid-step: the robot turns while it rolls.
   const BodyState& state = robot.actor->bodies[0];
   const double half_turn = state.w_WB.z() * dt_s / 2;
   const auto [s, c] = portable::SinCos(half_turn);
@@ -207,7 +208,7 @@ Surface Rolling(const FoundContact& found, const Toucher& robot, int sign, const
   Copy(contact.fdir1, axle.cross(point.n_W).normalized());
   contact.surface.motion1 = drive.SpeedsOf(robot.channels)[side] * drive.wheels.radius_m;
   if (robot.actor->thing.mechanism->planar()) {
-    // It always stands as at rest. One wheel's row holds it sideways for both.
+    // A planar robot always stands as at rest. One wheel's row holds it sideways for both wheels.
     contact.surface.mu = drive.drive_n[side];
     contact.surface.mu2 = side == 0 ? drive.sideways_n : 0;
   } else {
@@ -215,7 +216,7 @@ Surface Rolling(const FoundContact& found, const Toucher& robot, int sign, const
     contact.surface.mode |= dContactApprox1_2;
     contact.surface.mu2 = friction;
     if (drive.stalls && point.depth_m > -kTouching_m) {
-      contact.surface.mu = drive.drive_n[side];  // the motor's, whatever the load
+      contact.surface.mu = drive.drive_n[side];  // the motor's limit, at any load
     } else {
       contact.surface.mode |= dContactApprox1_1;
       contact.surface.mu = friction;
@@ -225,14 +226,15 @@ Surface Rolling(const FoundContact& found, const Toucher& robot, int sign, const
   return surface;
 }
 
-/// The share of its speed that leaves the one that comes with `restitution` the height of a bounce: it is
-/// found when it is deep already, so faster than when it touched, and gravity works in the rest of the step.
+/// The restitution for the solver that gives a bounce the height that belongs to `restitution`. The contact
+/// is found at some depth, so the thing is already faster than when it touched, and gravity acts in the rest
+/// of the step.
 double BounceOf(double restitution, const FoundContact& found, const Toucher& a, const Toucher& b,
                 const WorldSettings& settings, double dt_s) {
   const ContactPoint& point = found.point;
   const Vector3 slip = PointVelocity(a, found.a, point.p_W) - PointVelocity(b, found.b, point.p_W);
   const double speed_m_s = -slip.dot(point.n_W);
-  // The falls of robots that ODE moves have errors that make up for it.
+  // Robots that ODE moves fall with errors that make up for this.
   const auto falls_exactly = [](const Toucher& of) {
     return of.actor->thing.robot < 0 || of.actor->thing.mechanism->has_limbs();
   };
@@ -266,13 +268,13 @@ std::optional<Surface> SurfaceOf(const FoundContact& found, const Toucher& a, co
   if (b_rolls && b.actor->thing.mechanism->drive) return Rolling(found, b, -1, settings, dt_s);
   const ContactPoint& point = found.point;
   const double restitution = std::max(RestitutionOf(found.a), RestitutionOf(found.b));
-  if (restitution > 0 && point.depth_m < 0) return std::nullopt;  // it turns round where it touches
+  if (restitution > 0 && point.depth_m < 0) return std::nullopt;  // it bounces only when it touches
   Surface surface;
   dContact& contact = surface.contact;
   Rub(found, a, b, settings, dt_s, surface);
   HoldTurns(found, a, b, surface);
   if (restitution > 0) {
-    // Slower than gravity makes it in two steps, it stays.
+    // No bounce below the speed that gravity adds in two steps.
     contact.surface.mode |= dContactBounce;
     contact.surface.bounce = BounceOf(restitution, found, a, b, settings, dt_s);
     contact.surface.bounce_vel = 2 * settings.g_W.norm() * dt_s;

@@ -10,9 +10,10 @@ namespace coopdyn {
 
 namespace {
 
-// Of its half size: who comes no farther is not fast; and what is deeper than this has not only been touched.
+// Shares of the half size: an object that moves by more than kFast is fast; a contact deeper than kDeep is
+// more than a touch.
 constexpr double kFast = 0.5, kDeep = 0.1;
-// Deep enough that contacts are found.
+// Deep enough for Collide() to find contacts.
 constexpr double kTouch_m = 1e-5;
 constexpr int kMostLooks = 2000, kBisections = 30;
 
@@ -30,7 +31,7 @@ double HalfSizeOf(const Shape& shape) {
   return std::visit(Visitor(), shape);
 }
 
-/// On the way from `before` to `after`.
+/// Interpolates from `before` to `after`.
 BodyState Between(const BodyState& before, const BodyState& after, double share) {
   BodyState body = after;
   body.p_WB = before.p_WB + share * (after.p_WB - before.p_WB);
@@ -105,7 +106,7 @@ double Sweep::EndBefore(const Things& things, const Fast& a, const Actor* other,
                         Collider& collider) {
   BodyState place, other_place;
   const Actor actor{things.all[a.thing], &place};
-  /// How deep it is in the other there.
+  /// Depth of the deepest contact at `share` of the way, m; -1 without contacts.
   const auto depth_m = [&](double share) {
     place = Between(a.before, a.after, share);
     found_.clear();
@@ -127,7 +128,7 @@ double Sweep::EndBefore(const Things& things, const Fast& a, const Actor* other,
       kFast * std::min(a.half_size_m, moving != nullptr ? moving->half_size_m : a.half_size_m);
   const double deep_m = kDeep * a.half_size_m;
   const int looks = static_cast<int>(std::clamp(std::ceil(way_m.norm() / step_m), 1.0, 1.0 * kMostLooks));
-  if (depth_m(0) > kTouch_m) return 1;  // contacts part them
+  if (depth_m(0) > kTouch_m) return 1;  // contacts push them apart
   for (int i = 1; i <= looks; ++i) {
     if (!(depth_m(1.0 * i / looks) > deep_m)) continue;
     double free = 0, touching = 1.0 * i / looks;

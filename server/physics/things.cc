@@ -61,7 +61,7 @@ class Builder {
   }
 
  private:
-  /// Objects that are alike share their mechanism; most stand one after another.
+  /// Identical objects share their mechanism; most are listed consecutively.
   const Mechanism* ObjectOf(const WorldObject& object) {
     const bool alike = last_object_ != nullptr && last_object_->IsAlike(object);
     if (!alike) things_.mechanisms.push_back(std::make_shared<const Mechanism>(MakeObject(object)));
@@ -114,7 +114,8 @@ class Builder {
     things_.all.push_back(thing);
   }
 
-  /// What robots of one type and fidelity share. More than one body need a pool of their own in ODE.
+  /// Shared by robots of one type and fidelity. A kind with several bodies or a fixed base has its own pool
+  /// in ODE.
   struct Kind {
     const Mechanism* mechanism = nullptr;
     std::size_t pool = 0;

@@ -14,16 +14,16 @@ namespace coopdyn {
 
 namespace {
 
-// Of the acceleration at which a wheel or caster lifts.
+// Share of the acceleration at which a wheel or caster lifts.
 constexpr double kTipShare = 0.8;
 
-/// Where the robot stands on the floor, from its centre of mass.
+/// A point on which the robot stands, relative to its centre of mass.
 struct Support {
   double x = 0, y = 0;
   int wheel = -1;
 };
 
-/// How far the hull of `supports` reaches from the centre of mass along (dx, dy); 0 if it is not within.
+/// How far the hull of `supports` reaches from the centre of mass along (dx, dy); 0 if the centre is outside.
 double Reach(const std::vector<Support>& supports, double dx, double dy) {
   double reach = 0;
   for (const Support& a : supports) {
@@ -64,8 +64,8 @@ Heading2 HeadingOf(const std::array<double, 4>& q) {
   return {(ww - zz) * norm, 2 * q[0] * q[3] * norm};
 }
 
-/// Changes of the treads' speeds in `dt_s` if no wheel pushes more than its limit: the wheel that cannot
-/// follow pushes with all it has, the other follows as it can.
+/// Changes of the treads' speeds in `dt_s` if no wheel pushes more than its limit: a wheel that cannot follow
+/// pushes with its greatest force, and the other follows as far as it can.
 std::array<double, 2> LimitedChange(const OneBodyDrive& drive, const std::array<double, 2>& wanted_m_s,
                                     double dt_s) {
   const double b = drive.wheels.half_track_m;
@@ -133,7 +133,7 @@ std::optional<WheelPair> FindWheels(const RobotModel& model, std::string& why) {
   }
   if (std::abs(radius_m[0] - radius_m[1]) > kTolerance_m || std::abs(y_m[0] + y_m[1]) > kTolerance_m ||
       y_m[0] <= 0) {
-    why = "its wheels must be equal and as far from the middle on either side";
+    why = "its wheels must be equal and equally far from the middle";
     return std::nullopt;
   }
   pair.radius_m = (radius_m[0] + radius_m[1]) / 2;
@@ -161,7 +161,7 @@ OneBodyDrive MakeDrive(const Mechanism& robot, const WheelPair& wheels, double f
   drive.stands = is_level && weight_n > 0 && std::all_of(kWays.begin(), kWays.end(), [&](const auto& way) {
                    return Reach(supports, way[0], way[1]) > 1e-3;
                  });
-  std::array<double, 2> load_n = {weight_n / 2, weight_n / 2};  // that each wheel carries at rest
+  std::array<double, 2> load_n = {weight_n / 2, weight_n / 2};  // of each wheel at rest
   if (drive.stands) {
     const std::vector<double> loads = Loads(supports, weight_n);
     for (std::size_t i = 0; i < supports.size(); ++i) {
@@ -201,7 +201,7 @@ DrivePlan PlanDrive(const OneBodyDrive& drive, const BodyState& body, double res
 
   const Heading2 heading = HeadingOf(body.q_WB);
   const double turn = body.w_WB.z();
-  // Of R's origin, along and across the heading.
+  // Velocity of R's origin, along and across the heading.
   const double along = body.v_WB.x() * heading.c + body.v_WB.y() * heading.s + turn * drive.p_RB.y();
   const double across = body.v_WB.y() * heading.c - body.v_WB.x() * heading.s - turn * drive.p_RB.x();
   if (!(std::abs(across) <= drive.max_across_m_s2 * dt_s)) return plan;

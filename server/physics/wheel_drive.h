@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The two-wheel drive of a robot that is one body (fidelity rolling and planar): what its wheels can do, and
-// the closed form of its motion while it stands upright and touches nothing else. It then moves along the
-// exact arc of its wheels' speeds, as fast as motors and grip let it get there. Pure functions; any thread.
+// The two-wheel drive of a robot that is one body (fidelity rolling and planar): the limits of its wheels,
+// and the closed form of its motion while it stands upright and touches nothing else. It then moves along the
+// exact arc of its wheels' speeds, which change as fast as motors and grip allow. Pure functions; any thread.
 // Only server/physics includes this file.
 #pragma once
 
@@ -19,7 +19,7 @@ namespace coopdyn {
 
 struct Mechanism;
 
-// A robot this near to rest upright on its floor is put there exactly.
+// A robot this near to standing upright at rest on its floor is placed there exactly.
 inline constexpr double kRestHeight_m = 2e-5;
 inline constexpr double kRestTilt_rad = 2e-4;
 inline constexpr double kRestSink_m_s = 2e-3;
@@ -32,18 +32,18 @@ struct WheelPair {
   std::array<double, 2> friction{};  // of the treads: left, right
 };
 
-/// What the wheels of a robot of one body can do.
+/// The wheels of a one-body robot and their limits.
 struct OneBodyDrive {
-  /// It can stand upright by itself (planar: always does), so that the closed form may hold.
+  /// The robot can stand upright on its wheels and casters (planar: always), so the closed form may apply.
   bool stands = false;
   double mass_kg = 0;
   Vector3 p_RB = Vector3::Zero();  // centre of mass
   WheelPair wheels;
   std::size_t first_channel = 0;    // of the robot's: left wheel, right wheel
-  std::array<double, 2> drive_n{};  // the most that each wheel pushes along its rolling direction
-  double sideways_n = 0;            // the most that both wheels hold against sideways forces
+  std::array<double, 2> drive_n{};  // greatest force of each wheel along its rolling direction
+  double sideways_n = 0;            // greatest sideways force of both wheels together
   double yaw_inertia_kg_m2 = 0;     // about the middle of the axle
-  bool stalls = false;  // the motors give in before the wheels slip: a held robot's wheels stand still
+  bool stalls = false;  // the motors stall before the wheels slip: a held robot's wheels stand still
   // Beyond these accelerations it slides sideways or lifts a wheel.
   double max_along_m_s2 = 0, max_across_m_s2 = 0;
 
@@ -52,38 +52,40 @@ struct OneBodyDrive {
   std::span<State> ChannelsOf(std::span<State> robot) const {
     return robot.subspan(first_channel, 2);
   }
-  /// How fast they are to turn.
+  /// The wheels' set-points, rad/s.
   WheelSpeeds SpeedsOf(std::span<const ChannelState> robot) const {
     return {robot[first_channel].setpoint.reference, robot[first_channel + 1].setpoint.reference};
   }
 };
 
-/// The wheels of `model` as fidelity rolling and planar need them; else why they do not fit.
+/// Returns the wheels of `model` as fidelity rolling and planar need them; else nullopt, and in `why` the
+/// reason.
 std::optional<WheelPair> FindWheels(const RobotModel& model, std::string& why);
 
-/// Which wheel of the drive `collision` of link `link` is the tread of: 0 left, 1 right; -1: it is none.
+/// The wheel of the drive whose tread is `collision` of link `link`: 0 left, 1 right; -1: neither.
 int WheelOf(const RobotModel& model, int link, const LinkShape& collision);
-/// The drive of `robot`, which has its body and parts. @pre its model has a drive, whose wheels are `wheels`.
+/// Makes the drive of `robot`, whose body and parts are set.
+/// @pre its model has a drive, whose wheels are `wheels`.
 OneBodyDrive MakeDrive(const Mechanism& robot, const WheelPair& wheels, double floor_friction,
                        const Vector3& g_W);
 
 /// Speeds of one substep.
 struct DrivePlan {
-  bool closed = false;  // the closed form holds, as far as this robot's own state says
+  bool closed = false;  // the closed form applies, as far as the robot's own state is concerned
   double forward_m_s = 0;
   double turn_rad_s = 0;
-  WheelSpeeds wheels_rad_s{};  // as turned
+  WheelSpeeds wheels_rad_s{};  // as they turn
 };
 
 /// True if the body is upright at height `rest_z_m` (of its centre of mass), within the tolerances above.
 bool StandsUpright(const BodyState& body, double rest_z_m);
 
-/// What the drive does in the next `dt_s`. `closed` is false if the robot is not upright at rest, or if its
-/// acceleration would make it slide sideways or tip.
+/// Plans the drive's motion in the next `dt_s`. `closed` is false if the robot is not upright at rest, or if
+/// its acceleration would make it slide sideways or tip.
 DrivePlan PlanDrive(const OneBodyDrive& drive, const BodyState& body, double rest_z_m,
                     const WheelSpeeds& setpoint_rad_s, double dt_s);
 
-/// How fast the wheels have turned with `body`, which ODE has moved.
+/// The wheels' rates after a solver has moved `body`.
 WheelSpeeds TurnedWheels(const OneBodyDrive& drive, const BodyState& body, const WheelSpeeds& setpoint_rad_s);
 
 /// Moves `body` by `plan`. @pre plan.closed.

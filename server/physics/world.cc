@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The course of a substep, and what needs no solver. What needs a solver is in world_solve.cc.
+// The sequence of a substep, and the motion that needs no solver. world_solve.cc has the rest.
 #include "server/physics/world.h"
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace coopdyn {
 
 namespace {
 
-// Fewer robots are not worth waking other threads.
+// With fewer robots, waking other threads does not pay.
 constexpr std::size_t kParallelFrom = 512, kGrain = 128;
 
 std::uint64_t SolverSeed(std::uint64_t seed) {
@@ -221,7 +221,7 @@ void PhysicsWorld::CountRest(Nanoseconds dt) {
   for (const std::uint32_t i : active_) {
     if (moves_[i] && rested_[islands_.RootOf(i)]) Hold(i, kAsleep);
   }
-  // What is not in ODE is an island of its own.
+  // A robot that moves by the closed form is its own island.
   for (std::size_t i = things_.first_robot; i < dynamic_count(); ++i) {
     if (!moves_[i] || in_ode_[i]) continue;
     BodyState& body = bodies_[first_bodies_[i]];
@@ -235,7 +235,7 @@ void PhysicsWorld::CountRest(Nanoseconds dt) {
 }
 
 bool PhysicsWorld::AtRest(std::uint32_t thing) const {
-  // Most things move: the first body tells it without a look at the rest.
+  // Most things move, so the first body usually decides.
   if (!IsSlow(FirstBody(thing))) return false;
   const Thing& info = things_.all[thing];
   if (IsDriven(info) || !RotorsRest(info)) return false;

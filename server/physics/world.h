@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The physics world of one scene: in each substep, who moves by the closed form, who is handed to ODE, who
-// sleeps. Whoever holds the step baton (server/physics/stepper.h) owns it; no locks inside.
+// The physics world of one scene. In each substep, decides which things move by the closed form, which go to
+// a solver, and which sleep. Owned by the holder of the baton (server/physics/stepper.h); no locks inside.
 #pragma once
 
 #include <cstdint>
@@ -31,13 +31,14 @@ namespace coopdyn {
 class PhysicsWorld {
  public:
   /// Builds the bodies of `scene`. Null, with errors at the model's lines, if a dynamic body starts inside
-  /// another. `pool` (null: none) outlives it and makes steps faster, never different.
+  /// another. `pool` (may be null) must outlive the world. A pool makes steps faster and does not change
+  /// results.
   static std::unique_ptr<PhysicsWorld> Build(std::shared_ptr<const Scene> scene, std::uint64_t seed,
                                              Diagnostics& diagnostics, WorkerPool* pool = nullptr);
 
-  /// Advances by `step` in `substeps` equal parts. `setpoints`: of the scene's channels. Frozen bodies are
-  /// held. Deterministic: depends on the state and the arguments alone. `noise`: seed of the run, and number
-  /// of the step.
+  /// Advances by `step` in `substeps` equal parts. `setpoints`: by channel of the scene. Frozen bodies are
+  /// held in place. Deterministic: depends only on the state and the arguments. `noise`: the run's seed and
+  /// the step's number.
   struct NoiseOf {
     std::uint64_t seed = 0, step = 0;
   };
@@ -48,26 +49,30 @@ class PhysicsWorld {
     Step(step, substeps, setpoints, NoiseOf());
   }
 
-  /// Writes bodies, channels (set-points before the first step: zeros) and solver_seed into `frame`; no
-  /// actuator is commanded.
+  /// Writes the world's state into `frame`: bodies, channels (set-points are zero before the first step),
+  /// controls, drive trains, solver_seed and measured values. Marks no actuator as commanded.
   void Fill(Frame& frame) const;
-  /// The world of `scene` from now on, in the exact state of `frame`, which has this scene: the next steps
-  /// give the same bits as a fresh Build() with Restore(). What both scenes have is kept, so one thing more
-  /// or less among thousands costs a small part of Build(). Floor and gravity are those of before. @pre the
-  /// robots have passed Build() in some scene.
+  /// Switches to `scene`, in the exact state of `frame`, which belongs to `scene`. The next steps give the
+  /// same bits as after a fresh Build() and Restore(). Keeps the mechanisms that both scenes share, so adding
+  /// or removing one thing among thousands costs a small part of Build().
+  /// @pre floor and gravity are unchanged
+  /// @pre the robots have passed Build() in some scene
   void Rebuild(std::shared_ptr<const Scene> scene, const Frame& frame);
-  /// Changes how a joint of a control board is driven, and wakes its robot.
+  /// Changes how a control board's joint is driven, and wakes the robot.
   void Tune(std::size_t control, const JointControl& tuned);
   const std::vector<JointControl>& controls() const { return controls_; }
   const std::vector<DriveTrainState>& drive_trains() const { return drive_trains_; }
-  /// Takes the exact state of `frame` (of the same scene), so that the next steps give the same bits. Whoever
-  /// changes poses in it sets the sleep counters of what may be affected to 0: sleepers look at nothing.
+  /// Restores the exact state of `frame` (of the same scene): the next steps give the same bits. If the
+  /// caller has changed poses in `frame`, it must also set the sleep counters of all affected bodies to 0,
+  /// because sleeping bodies check nothing.
   void Restore(const Frame& frame);
-  /// The exact state of `start`, frame 0 of this world, with the solver's seed of `seed`: as a fresh Build().
+  /// Restores the exact state of `start`, frame 0 of this world, and derives the solver's seed from `seed`:
+  /// equivalent to a fresh Build().
   void Restart(const Frame& start, std::uint64_t seed);
-  /// Bodies frozen since the last call.
+  /// Returns the bodies frozen since the last call.
   std::vector<FrozenBody> TakeFrozen() { return std::exchange(frozen_, {}); }
-  /// Since the last call: for each substep of an island with limbs that was not solved exactly, who is in it.
+  /// Returns, for each island and substep that were not solved exactly since the last call, the name of the
+  /// island's first thing.
   std::vector<std::string> TakeUnsolved() { return std::exchange(unsolved_, {}); }
 
   const Scene& scene() const { return *scene_; }
@@ -76,7 +81,7 @@ class PhysicsWorld {
  private:
   PhysicsWorld(std::shared_ptr<const Scene> scene, std::uint64_t seed, WorkerPool* pool);
 
-  /// What one thread solves islands with.
+  /// One thread's solvers.
   struct Solvers {
     Solvers(const Things& things, const WorldSettings& settings)
         : lane(things, settings), limbs(things, settings), pile(things, settings) {}
@@ -86,8 +91,8 @@ class PhysicsWorld {
     PlaneSolver plane;
   };
   enum class Method { kDirect, kIterative, kLimbs, kPile, kPlane };
-  /// Islands that are solved together; by kLimbs one, of bodies with limbs or an object in flight; by kPile
-  /// one, of objects; by kPlane one, of robots of fidelity planar.
+  /// Islands that are solved together. A kLimbs batch is one island that has limbs, or one object in flight;
+  /// a kPile batch is one island of objects; a kPlane batch is one island of planar robots.
   struct Batch {
     Method method = Method::kDirect;
     std::vector<std::uint32_t> members;                         // things, island by island
@@ -99,94 +104,95 @@ class PhysicsWorld {
     bool is_for_ode() const { return method == Method::kDirect || method == Method::kIterative; }
   };
 
-  /// Makes what depends on the number of things. @pre things_
+  /// Sizes and builds all members that depend on the things.
+  /// @pre things_ is set
   void Fit();
-  /// `left`: substeps of the step that are to come, this one included.
+  /// `left`: the step's remaining substeps, including this one.
   void Substep(Nanoseconds dt, int left);
-  /// Where every robot wants to go, and the space it needs for that.
+  /// Plans each robot's motion and the space that it needs.
   void PlanAll(double dt_s);
   void PlanRobot(std::size_t robot, double dt_s);
-  /// Decides who is handed to ODE.
+  /// Finds the pairs that may touch, and decides which things go to a solver.
   void Sort();
 
-  /// Finds all contacts between things in this substep, and wakes who sleeps and is touched.
+  /// Finds all contacts between things in this substep, and wakes sleepers that are touched.
   void Touch(double dt_s);
-  /// Contacts of the pairs of Sort(); true if none of them touches a sleeper.
+  /// Finds the contacts of Sort()'s pairs. Returns whether no sleeper was touched.
   bool FindPairContacts(double dt_s);
   void Wake(std::uint32_t thing, double dt_s);
   std::span<const FoundContact> ContactsOf(std::size_t pair) const;
-  /// Groups who is handed to ODE into islands, and islands into batches.
+  /// Groups the active things into islands, and the islands into batches.
   void MakeIslands();
   void MakeBatches();
   Batch& NextBatch(Method method);
   bool HasLimbs(std::uint32_t root) const;
-  /// It is of objects alone, few or calm ones.
+  /// The island contains only objects, and they are few or slow.
   bool IsPile(std::uint32_t root);
-  /// It is an object that touches nothing.
+  /// The island is one object that touches nothing.
   bool Flies(std::uint32_t root) { return root < things_.first_robot && islands_.RowsOf(root) == 0; }
-  /// It is of planar robots of which no forces are wanted.
+  /// The island contains only upright planar robots whose forces are not measured.
   bool IsPlane(std::uint32_t root) const;
-  /// PlaneSolver takes these contacts, and both things.
+  /// PlaneSolver accepts the pair's contacts and both things.
   bool FitsPlane(std::size_t pair) const;
-  /// Solves what stays in the plane; the others become batches of ODE.
+  /// Solves the kPlane batches that PlaneSolver accepts; the other ones become ODE batches.
   void SolvePlanes(double dt_s);
   void SolvePlane(Batch& batch, PlaneSolver& solver, double dt_s);
   void SolveAll(double dt_s);
   /// Calls work(index, solvers) for the batches after the first, on all threads if that pays.
   template <typename Work>
   void ForBatches(const Work& work);
-  /// Solves a batch; if that fails, again without the body that was fastest.
+  /// Solves a batch. If that fails, freezes the fastest thing and tries again.
   void SolveBatch(Batch& batch, Solvers& solvers, double dt_s);
-  /// Why it failed.
+  /// Returns why it failed, or nullopt if it succeeded.
   std::optional<std::string> TryBatch(Batch& batch, Solvers& solvers, double dt_s);
-  /// False: nothing moves.
+  /// Returns false if nothing in the batch moves.
   bool FreezeFastest(std::string why, Batch& batch);
-  // `solver`: a Lane or a LimbSolver.
+  // `solver`: a Lane, a LimbSolver or a PileSolver.
   template <typename Solver>
   void LoadBatch(const Batch& batch, Lane& lane, Solver& solver, double dt_s);
   template <typename Solver>
   void ReadBatch(Batch& batch, const Solver& solver, double dt_s);
   template <typename Solver>
   void ReadChannels(std::uint32_t thing, const Solver& solver, double dt_s);
-  /// Wheels of a robot of one body that a solver has moved.
+  /// Turns the wheels of a one-body robot that a solver has moved.
   void TurnWheels(std::uint32_t thing, double dt_s);
-  /// Lists the joints of control boards.
+  /// Lists the control boards' joints.
   void FitBoards();
-  /// Takes the set-points of a step; who gets other ones wakes.
+  /// Applies the set-points of a step, and wakes robots whose control boards get new ones.
   void TakeSetpoints(std::span<const Setpoint> setpoints);
-  /// How fast each joint turns or slides, by the bodies, if its motor's work is wanted; else empty.
+  /// Rate of each joint, from its bodies' twists. Empty if the work of the thing's motors is not measured.
   std::vector<double> RatesOf(std::uint32_t thing) const;
-  /// Where a joint of a control board is, by its bodies.
+  /// Position, velocity and load of a control board's joint, from its bodies.
   JointPlace PlaceOf(std::size_t control) const;
-  /// Where the motor of such a joint is: with a drive train its rotor.
+  /// The same of the joint's motor: of the rotor if the joint has a drive train.
   JointPlace MotorPlaceOf(std::size_t control) const;
-  /// What the joint of an elastic drive train moves, kg m², as if all that carries it stood still.
+  /// Inertia beyond the joint about its axis, kg m², as if the parent stood still.
   double InertiaBeyond(std::size_t control) const;
   const JointModel& MotorOf(std::size_t control) const;
-  /// Moves the drive train of a control on by a substep in which it gave its joint this effort.
+  /// Advances a control's drive train by a substep in which it applied `effort` to the joint.
   void FinishTrain(std::size_t control, double effort, double dt_s);
   /// No rotor turns.
   bool RotorsRest(const Thing& thing) const;
-  /// What the motors of the control boards do in this substep, of which `left` are to come.
+  /// Computes what the control boards' motors do in this substep. `left`: as in Substep().
   void AdvanceBoards(double dt_s, int left);
-  /// A motor is to move the thing.
+  /// A set-point or an unfinished motion drives the thing.
   bool IsDriven(const Thing& thing) const {
     return coopdyn::IsDriven(ChannelsOf(thing)) || (thing.control_count > 0 && IsUnderWay(thing));
   }
-  /// One of its joints is on its way to a position.
+  /// One of the joints is still moving to a commanded position.
   bool IsUnderWay(const Thing& thing) const;
-  /// A channel has turned at this rate in a substep.
+  /// Advances a channel that turned at `rate` in a substep.
   void Turn(ChannelState& channel, double rate, double dt_s) const {
     channel.position += rate * dt_s;
     channel.velocity += rate * share_;
   }
 
   void AdvanceClosed(double dt_s);
-  /// Counts how long everybody has been at rest, and lets whole islands sleep.
+  /// Counts how long each thing has been at rest, and puts resting islands to sleep.
   void CountRest(Nanoseconds dt);
   bool AtRest(std::uint32_t thing) const;
   void Freeze(std::uint32_t thing, std::string why, Batch& batch);
-  /// Puts its bodies to rest where they are.
+  /// Stops the thing's bodies in place and sets their sleep counters.
   void Hold(std::uint32_t thing, std::uint64_t counter);
 
   /// Calls work(first, end) for parts of [0, count), on all threads if that pays.
@@ -212,11 +218,11 @@ class PhysicsWorld {
   std::shared_ptr<const Scene> scene_;
   WorkerPool* const pool_;
   Things things_;
-  std::optional<BroadPhase> broad_phase_;  // always there
+  std::optional<BroadPhase> broad_phase_;  // always set after construction
   Islands islands_;
   Sweep sweep_;
-  std::vector<std::unique_ptr<Solvers>> solvers_;  // one a thread; the first also has the large islands
-  // All that the next step depends on, besides the scene and the set-points.
+  std::vector<std::unique_ptr<Solvers>> solvers_;  // one per thread; the first also solves the large islands
+  // Everything that the next step depends on, besides the scene and the set-points.
   std::vector<BodyState> bodies_;              // as Frame::bodies
   std::vector<ChannelState> channels_;         // as Frame::channels
   std::vector<JointControl> controls_;         // as Frame::controls
@@ -233,26 +239,26 @@ class PhysicsWorld {
     const Joint* joint = nullptr;
     int drive_train = -1;  // of Frame::drive_trains
   };
-  /// A drive train in the present substep, and the motor that its servo takes it for: one that turns the
-  /// rotor, without the stops and springs of the joint.
+  /// A drive train in the current substep. `motor`: the joint's model as its servo sees it, for turning the
+  /// rotor: without stops, damping, friction and spring.
   struct BoardTrain {
     JointModel motor;
     TrainStep step;
   };
-  std::vector<BoardJoint> board_joints_;  // as controls_
-  std::vector<JointRow> rows_;            // likewise; of the present substep
-  std::vector<BoardTrain> board_trains_;  // as drive_trains_
+  std::vector<BoardJoint> board_joints_;  // by control
+  std::vector<JointRow> rows_;            // by control, for this substep
+  std::vector<BoardTrain> board_trains_;  // by drive train
 
-  double share_ = 1;  // of a substep in the present step
-  // Of the present substep.
+  double share_ = 1;  // one substep's share of the step
+  // For the current substep.
   std::vector<std::size_t> first_bodies_;  // by dynamic thing
   std::vector<std::uint8_t> moves_;        // by dynamic thing: neither frozen nor asleep
   std::vector<std::uint8_t> near_;         // by dynamic thing: in a pair
   std::vector<std::uint8_t> in_ode_;       // by dynamic thing
-  std::vector<std::uint8_t> rested_;       // by dynamic thing: of an island's root: all its members
-  std::vector<double> travel_m_;           // by dynamic thing: how far it may come
+  std::vector<std::uint8_t> rested_;       // by dynamic thing; at an island's root: all members rested
+  std::vector<double> travel_m_;           // by dynamic thing: how far it may move
   std::vector<DrivePlan> plans_;           // by robot
-  std::vector<std::uint32_t> active_;      // things handed to ODE, increasing
+  std::vector<std::uint32_t> active_;      // things that go to a solver, increasing
   std::span<const BroadPhase::Pair> pairs_;
   std::vector<FoundContact> found_;
   std::vector<std::size_t> found_ends_;  // by pair: where its contacts end in found_
@@ -261,7 +267,7 @@ class PhysicsWorld {
   std::size_t batch_count_ = 0;
 };
 
-/// The number of substeps of a step when not given: each at most 10 ms.
+/// Default number of substeps: each lasts at most 10 ms.
 int DefaultSubsteps(Nanoseconds step);
 
 }  // namespace coopdyn

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The control boards of a world: set-points, and what the motors of their joints do in a substep.
+// The world's control boards: their set-points, and what their joints' motors do in a substep.
 #include <algorithm>
 #include <cmath>
 
@@ -10,14 +10,14 @@ namespace coopdyn {
 
 namespace {
 
-/// A joint in the world, as its child sees it, and how fast it turns or slides.
+/// A joint's axis and anchor in the world, carried by its child, and its rate.
 struct JointMotion {
   Vector3 axis_W, anchor_W;
   double rate = 0;
 };
 JointMotion MotionOf(const JointModel& joint, std::span<const RigidBody> rigid, const BodyState* bodies) {
   if (joint.muscle || joint.limits >= 0)
-    return {Vector3::Zero(), Vector3::Zero(), 0};  // no motor does its work
+    return {Vector3::Zero(), Vector3::Zero(), 0};  // no motor works on its axis
   const auto child = static_cast<std::size_t>(joint.child), parent = static_cast<std::size_t>(joint.parent);
   const Quaternion R_WR = bodies[child].orientation() * rigid[child].X_RB.q.conjugate();
   JointMotion motion;

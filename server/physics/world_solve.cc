@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What of a substep goes through a solver: ODE, or that of limbs.
+// The part of a substep that needs a solver: ODE or our own.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -16,12 +16,12 @@ namespace coopdyn {
 
 namespace {
 
-// A robot is held at its height rather than dropped and caught: its floor contacts exist from this gap on.
+// Up to this gap a robot has floor contacts, so it is held at its height rather than dropped and caught.
 constexpr double kFloorGap_m = 2e-3;
-// Things of a batch: enough that a call of ODE pays, few enough to stay in the cache.
+// Things per batch: enough that a call of ODE pays, few enough to stay in the cache.
 constexpr std::size_t kBatchThings = 8;
 
-/// Puts a planar robot back into its plane, upright.
+/// Returns a planar robot to its plane, upright.
 void Flatten(BodyState& body, double rest_z_m) {
   const double norm = portable::Hypot(body.q_WB[0], body.q_WB[3]);
   const double w = body.q_WB[0] / norm, z = body.q_WB[3] / norm;
@@ -181,8 +181,8 @@ bool PhysicsWorld::HasLimbs(std::uint32_t root) const {
 }
 
 bool PhysicsWorld::IsPile(std::uint32_t root) {
-  // Many that fall over each other change what they touch too often for Newton's method, and the work grows
-  // with the square of their number, or faster where each touches many.
+  // When many objects tumble, their contacts change too often for Newton's method. The work grows with the
+  // square of the number of objects, or faster if each touches many.
   constexpr int kFew = 16, kMost = 256, kMostRows = 6000;
   constexpr double kCalm_m_s = 0.5;
   int count = 0;
@@ -206,7 +206,7 @@ void PhysicsWorld::ForBatches(const Work& work) {
     some(0, small, *solvers_.front());
     return;
   }
-  // Whichever thread comes first takes the next solvers: all give the same bits.
+  // Each part uses any free set of solvers: all give the same bits.
   const std::size_t count = solvers_.size(), each = (small + 4 * count - 1) / (4 * count);
   std::vector<std::atomic_flag> taken(count);
   pool_->For(small, each, [&](std::size_t first, std::size_t end) {
@@ -263,7 +263,7 @@ void PhysicsWorld::SolveAll(double dt_s) {
   SolvePlanes(dt_s);
   Batch& large = batches_.front();
   if (!large.members.empty()) {
-    // The iterative solver draws from ODE's only random generator, so it works alone.
+    // The iterative solver uses ODE's single global random generator, so it runs alone.
     dRandSetSeed(static_cast<unsigned long>(solver_seed_));
     SolveBatch(large, *solvers_.front(), dt_s);
     solver_seed_ = dRandGetSeed();
@@ -398,7 +398,7 @@ void PhysicsWorld::ReadBatch(Batch& batch, const Solver& solver, double dt_s) {
     if constexpr (!std::is_same_v<Solver, PileSolver>) {
       if (info.channel_count > 0) ReadChannels(thing, solver, dt_s);
     }
-    // Effort × mean rate: exact where the motor alone moves a body.
+    // Effort × mean rate: exact if only the motor moves the body.
     const std::vector<double> rates = RatesOf(thing);
     for (std::size_t i = 0; i < rates.size(); ++i) {
       const int channel = info.mechanism->joints[i].channel;

@@ -53,7 +53,7 @@ class RobotField {
   const Pose& pose(int robot) const { return poses_[static_cast<std::size_t>(robot)]; }
 
   /// Calls visit(entries) for spans that together contain every robot whose centre is within `radius_m` of
-  /// (x, y), and others nearby; each robot once.
+  /// (x, y), and other robots nearby; each robot once.
   template <typename Visit>
   void ForCenters(double x, double y, double radius_m, Visit visit) const {
     grid_.ForRuns({x - radius_m, y - radius_m, x + radius_m, y + radius_m},

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Data that sensing derives from one frame: the field of robots on first use of anything, the grid of movable
 // objects and each kept sensor's values on their first use. Lives in Frame::cache. Any thread: the first user
-// of a part computes it; others wait for that part only.
+// of a part computes it; other threads wait only for that part.
 #pragma once
 
 #include <atomic>
@@ -90,7 +90,7 @@ class SensingCache final : public FrameCache {
   ThingHit Cast(const Ray& ray_W, double max_range_m, int ignored_robot) const;
 
  private:
-  /// Computes the values of a kept sensor unless available. One thread computes; others wait.
+  /// Computes the values of a kept sensor unless available. One thread computes; other threads wait.
   void Need(int robot, const SceneSensing::Place& place, std::size_t kept) const;
   void Make(int robot, const SceneSensing::Place& place, std::size_t kept) const;
   /// The memory of the values.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Robots of links and hinges that a test builds by hand.
+// Hand-made robots of links and hinges.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ inline JointModel Hinge(const std::string& name, int parent, int child, const Ve
   return joint;
 }
 
-/// A base in the world at a height of 3 m.
+/// A robot whose base is fixed to the world at a height of 3 m.
 inline RobotModel OnAPost() {
   RobotModel model;
   model.type = "rig";
@@ -42,7 +42,7 @@ inline RobotModel OnAPost() {
   return model;
 }
 
-/// A world with one of them, in steps of `step_ms`.
+/// Builds a world with one such robot and steps of `step_ms`.
 inline void BuildWith(RobotModel model, int step_ms, PhysicsScene& scene) {
   scene.step_length = step_ms * 1'000'000;
   scene.robot_model = std::make_shared<const RobotModel>(std::move(model));
