@@ -4,6 +4,7 @@
 
 #include <csignal>
 #include <exception>
+#include <new>
 
 #include "server/app/commands.h"
 #include "server/app/print.h"
@@ -20,7 +21,10 @@ int main(int argc, char** argv) {
   pthread_sigmask(SIG_BLOCK, &report, nullptr);
   try {
     return coopdyn::RunCommandLine(argc, argv);
-  } catch (const std::exception& exception) {  // e.g. no more threads, no more memory
+  } catch (const std::bad_alloc&) {
+    coopdyn::PrintError("coopdyn: cannot continue: not enough memory: load less, or raise the limit\n");
+    return coopdyn::kExitErrors;
+  } catch (const std::exception& exception) {  // e.g. no more threads
     coopdyn::PrintError("coopdyn: cannot continue: {}\n", exception.what());
     return coopdyn::kExitErrors;
   }
