@@ -69,14 +69,14 @@ void Channel::set(const std::vector<double>& values, const Which& motors) {
   for (const double value : values) Finite(value, "a value");
   const std::vector<std::int32_t> ids = Ids(motors, motors_, "motor");
   const std::vector<double> spread = Spread(values, ids.size(), "motor");
-  if (ids.size() < motors_.size() && told_.empty())
+  if (ids.size() < motors_.size() && sent_.empty())
     throw Error(kNotPossible, "set all " + std::to_string(motors_.size()) +
                                   " motors first: c.set({…}), then one by its name");
-  std::vector<double> told = told_;
+  std::vector<double> told = sent_;
   told.resize(motors_.size());
   for (std::size_t i = 0; i < ids.size(); ++i) told[static_cast<std::size_t>(ids[i]) - 1] = spread[i];
   link_->Actuate(command::kSetMotors, told, {1});  // for one step; then they stay
-  told_ = std::move(told);
+  sent_ = std::move(told);
 }
 
 std::vector<double> Channel::get(const Which& values) {

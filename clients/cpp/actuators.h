@@ -95,7 +95,7 @@ class Channel {
   std::shared_ptr<RobotLink> link_;
   std::vector<Mapped> motors_, values_;
   int steps_ = 1;
-  std::vector<double> told_;
+  std::vector<double> sent_;
 };
 
 }  // namespace coopdyn::client

@@ -140,7 +140,7 @@ Motion Joints::get_motion(const WhichJoints& joints) {
 bool Joints::arrived(const WhichJoints& joints) {
   if (link_->kept) return false;
   const Motion motion = get_motion(joints);
-  return session_->steps() > link_->told_at &&
+  return session_->steps() > link_->commanded_at &&
          std::all_of(motion.arrived.begin(), motion.arrived.end(), [](bool there) { return there; });
 }
 

@@ -70,7 +70,7 @@ class LaunchedDaemon {
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, in.file(), STDIN_FILENO);
     posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, said_.file(), STDERR_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, stderr_.file(), STDERR_FILENO);
     posix_spawnattr_init(&attributes);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);  // Ctrl-C is the program's
     std::vector<char*> arguments;
@@ -112,7 +112,7 @@ class LaunchedDaemon {
       char bytes[4096];
       const ssize_t read = ::read(out_, bytes, sizeof bytes);
       if (read < 0 && errno == EINTR) continue;
-      if (read <= 0) throw Error(7, "the daemon did not start:\n" + said_.Content());
+      if (read <= 0) throw Error(7, "the daemon did not start:\n" + stderr_.Content());
       text.append(bytes, static_cast<std::size_t>(read));
       const std::size_t at = text.find(kReady),
                         end = at == std::string::npos ? at : text.find(' ', at + std::strlen(kReady));
@@ -122,7 +122,7 @@ class LaunchedDaemon {
   }
 
  private:
-  MemoryFile said_;
+  MemoryFile stderr_;
   int out_ = -1;
   pid_t process_ = -1;
 };

@@ -104,7 +104,7 @@ struct RobotLink {
   std::optional<Command> sent;                                 // its reply has not come yet
   std::optional<Command> last;        // what it is told when the session is closed, if not to stop or hold
   std::int64_t sent_at = 0;           // the newest step when it was sent
-  std::int64_t told_at = -1;          // the newest when a command was answered at once
+  std::int64_t commanded_at = -1;     // the newest when a command was answered at once
   int unstepped = 0;                  // commands since the last step
   std::int64_t unstepped_since = 0;   // the step of the first of them
   std::optional<Error> lost;          // why it is not ours any more

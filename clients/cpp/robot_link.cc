@@ -100,7 +100,7 @@ void RobotLink::GiveToChannel() {
 }
 
 void RobotLink::ForgetCommands() {
-  told_at = -1;
+  commanded_at = -1;
   kept.reset();
   sent.reset();
   carried.reset();
@@ -270,7 +270,7 @@ void RobotLink::Actuate(std::int32_t command, std::vector<double> data, std::vec
   }
   sent = Command{command, std::move(data), std::move(joints)};
   AwaitCommand(kCommandWait_s);
-  told_at = session.steps();
+  commanded_at = session.steps();
 }
 
 Message RobotLink::Read(const std::string& module, Request request) {

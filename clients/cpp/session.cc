@@ -264,11 +264,11 @@ void Session::Keep(std::vector<std::optional<Command>> kept) {
 
 void Session::CountUnstepped(RobotLink& link) {
   if (++link.unstepped == 1) link.unstepped_since = steps_;
-  if (link.unstepped < kUnstepped || told_to_step_) return;
+  if (link.unstepped < kUnstepped || warned_to_step_) return;
   link.unstepped = 0;
   const bool lockstep = mode_ == kLockstep;
   if (!lockstep && 2 * (steps_ - link.unstepped_since) >= kUnstepped) return;
-  told_to_step_ = true;
+  warned_to_step_ = true;
   std::cerr << "coopdyn: " << kUnstepped << " commands to " << link.robot << " without a step, "
             << (lockstep ? "nothing moves" : "your loop runs faster than time")
             << ": write sim.step() at the end of your loop" << std::endl;
@@ -296,11 +296,11 @@ const Message& Session::Note(const Message& reply) {
 
 Message Session::Fresh(Message reply, std::int64_t since) {
   Note(reply);
-  GoOn(steps_, since);
+  Resume(steps_, since);
   return reply;
 }
 
-void Session::GoOn(std::int64_t step, std::int64_t since) {
+void Session::Resume(std::int64_t step, std::int64_t since) {
   if (step >= since) {
     reached_ = std::max(reached_, step);
   } else if (watch_ || !Status()["playback"].is_null()) {

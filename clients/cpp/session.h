@@ -135,7 +135,7 @@ class Session {
   /// Gives up a robot that was only looked at, so that a team can have it.
   bool LetGo(const std::string& robot);
   Connection& Of(const std::string& module);
-  void GoOn(std::int64_t step, std::int64_t since);
+  void Resume(std::int64_t step, std::int64_t since);
   std::vector<Waiting> WhoSteps(const TeamRequest& command);
   void TakeIn(Waiting& w, Message reply, Replies& replies);
   bool TakeAllIn(std::vector<Waiting>& waiting, bool all, std::vector<int>& missing, Replies& replies);
@@ -156,7 +156,7 @@ class Session {
   double time_ = 0;
   std::int64_t steps_ = 0, reached_ = 0;
   std::string scenario_;  // its name, as it was when this world began
-  bool told_to_step_ = false;
+  bool warned_to_step_ = false;
   bool closed_ = false;
 };
 

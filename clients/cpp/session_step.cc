@@ -93,7 +93,7 @@ void Session::Step(int n, double timeout_s, const TeamRequest& team_request) {
     GiveUp(waiting, e);
     throw;
   }
-  GoOn(replies.earliest, since);
+  Resume(replies.earliest, since);
 }
 
 /// Takes in a reply; an error reply is thrown.

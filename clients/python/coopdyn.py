@@ -1878,7 +1878,7 @@ class _Link:
         self.kept: Optional[_Command] = None  # for the next step
         self.sent: Optional[_Command] = None  # its reply has not come yet
         self.sent_at = 0  # the newest step when it was sent
-        self.told_at = -1  # the newest step when the last command was answered at once: it runs with a later one
+        self.commanded_at = -1  # the newest step when the last command was answered at once: it runs with a later one
         self.unstepped = 0  # commands since the last step
         self.unstepped_since = 0  # the step of the first of them
         self.lost: Optional[Error] = None  # why it is not ours any more
@@ -1901,7 +1901,7 @@ class _Link:
 
     def forget_commands(self) -> None:
         self.kept = self.sent = self.carried = None
-        self.told_at = -1
+        self.commanded_at = -1
         self.scans.clear()
 
     def path(self, module: str) -> str:
@@ -2491,7 +2491,7 @@ class _Session:
             raise self.lose(link, e) from None
         link.sent = _Command(command, joints, data)
         self.await_command(link)
-        link.told_at = self.steps
+        link.commanded_at = self.steps
 
     def count_unstepped(self, link: _Link) -> None:
         """Says once that the program never calls `sim.step()`; not if it lets time go by in another way, as by sleeping."""
@@ -3597,7 +3597,7 @@ class Joints(_Parts):
         if link.kept is not None:
             return False
         motion: Motion = self.get_motion(joints)
-        return session.steps > link.told_at and all(motion.arrived)
+        return session.steps > link.commanded_at and all(motion.arrived)
 
     @_usage('arm.get_references() or arm.get_references("elbow")')
     def get_references(self, joints: Names = None) -> List[float]:

@@ -71,7 +71,7 @@ Daemon::Daemon(const ServeOptions& options, Logger logger, Shutdown& shutdown)
       uploads_(options.no_net || options.no_http ? std::filesystem::path() : Uploads::ChooseFolder()),
       models_(PathOf(options, uploads_)),
       yarp_(names_, logger_,
-            {options.yarp_server, told_host(), Addresses(options.hosts).front(), DialectOf(options),
+            {options.yarp_server, advertised_host(), Addresses(options.hosts).front(), DialectOf(options),
              !options.token_for_all,
              [this](std::uint64_t id, const std::string& name, std::uint64_t step, int every) {
                board_.NoteSampleTaken(id, name, step, every);
@@ -178,7 +178,7 @@ std::string Daemon::OpenRobots() {
   host.threads = options_.robot_threads.value_or(0);
   host.spin = Spin();
   host.channel_ports = &channel_ports_;
-  host.said_channel_ports = !options_.channel_port;
+  host.requested_channel_ports = !options_.channel_port;
   host.channel_ports_file = options_.channel_ports_file;
   const RobotServices robot_services{board_,  frames_,      edits_, images_,  names_,       net_,
                                      roster_, robot_guard_, clock_, kVersion, &yars_ports_, &yarp_ports_};
@@ -393,12 +393,12 @@ void Daemon::LogWaiting() {
 void Daemon::ApplyScene(std::shared_ptr<const Scene> scene, std::function<void()> done) {
   robots_->Begin(std::move(scene));
   applied_.push_back(std::move(done));
-  if (applied_.size() == 1) GoOnApplying();
+  if (applied_.size() == 1) ResumeApplying();
 }
 
-void Daemon::GoOnApplying() {
+void Daemon::ResumeApplying() {
   if (applied_.empty()) return;  // the daemon is stopping
-  if (!robots_->GoOn()) return control_.Post([this] { GoOnApplying(); });
+  if (!robots_->Resume()) return control_.Post([this] { ResumeApplying(); });
   robots_->SetSpin(Spin());
   TellYarpServer();
   for (const auto& done : std::exchange(applied_, {})) done();
@@ -422,7 +422,7 @@ std::vector<std::string> Daemon::addresses() const {
   return Addresses(options_.hosts);
 }
 
-std::string Daemon::told_host() const {
+std::string Daemon::advertised_host() const {
   if (!options_.advertise.empty()) return options_.advertise;
   if (options_.hosts.empty()) return "127.0.0.1";
   const std::string address = ListenAddresses(options_.hosts.front()).front();
@@ -431,7 +431,7 @@ std::string Daemon::told_host() const {
 
 std::string Daemon::http() const {
   if (!options_.seat.empty()) return options_.seat_url;
-  return web_ == nullptr ? "" : fmt::format("http://{}:{}/", Bracketed(told_host()), web_->port());
+  return web_ == nullptr ? "" : fmt::format("http://{}:{}/", Bracketed(advertised_host()), web_->port());
 }
 
 std::vector<std::string> Daemon::ChannelLines() const {
@@ -447,16 +447,16 @@ std::vector<std::string> Daemon::ChannelLines() const {
 
 std::string Daemon::ReadyLine() const {
   const std::string names =
-      !listens() ? "off" : fmt::format("{}:{}", Bracketed(told_host()), name_server_->port());
+      !listens() ? "off" : fmt::format("{}:{}", Bracketed(advertised_host()), name_server_->port());
   return fmt::format("ready names={} http={} robots={}", names,
                      web_ == nullptr || !listens() ? "off" : http(), frames_.Latest()->scene->robots.size());
 }
 
-std::string Daemon::HowToGoOn() const {
+std::string Daemon::ConnectHints() const {
   std::ostringstream out;
   if (!listens()) return {};
   // With --host 0.0.0.0 other machines need an address of this machine, not 127.0.0.1.
-  std::string host = told_host();
+  std::string host = advertised_host();
   if (BeyondLoopback(options_) && IsLoopback(host)) {
     if (const std::string lan = LanAddress(); !lan.empty()) host = lan;
   }

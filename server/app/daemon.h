@@ -65,7 +65,7 @@ class Daemon final : private ControlActions {
   /// A line `opened port N for ROBOT` per channel, which programs that start YARS look for.
   std::vector<std::string> ChannelLines() const;
   /// The hints printed at the start: the page's URL, and how to connect from MATLAB, Python and telnet.
-  std::string HowToGoOn() const;
+  std::string ConnectHints() const;
   FramePtr frame() const { return frames_.Latest(); }
   RunStatus status() const { return run_.status(); }
   /// The state or the result of the run. `wall_s`: its wall time so far.
@@ -89,7 +89,7 @@ class Daemon final : private ControlActions {
 
   /// Updates the robots' modules to `scene`, slice by slice, then calls `done`. Control thread.
   void ApplyScene(std::shared_ptr<const Scene> scene, std::function<void()> done);
-  void GoOnApplying();
+  void ResumeApplying();
 
   // daemon_yarp.cc
   /// Calls YarpPorts::Open() if `name` is a port of a module. Control thread.
@@ -135,7 +135,7 @@ class Daemon final : private ControlActions {
   /// The addresses on which the ports listen.
   std::vector<std::string> addresses() const;
   /// The address that other programs should use.
-  std::string told_host() const;
+  std::string advertised_host() const;
 
   const ServeOptions options_;
   const Logger logger_;
@@ -184,8 +184,8 @@ class Daemon final : private ControlActions {
   std::unique_ptr<PassedDoor> seat_door_;
   std::optional<boost::asio::steady_timer> clock_timer_, sweep_timer_;
   std::unique_ptr<NameClient> name_client_;
-  std::map<std::string, int> told_names_;  // registered at the other name server: name, port
-  std::unique_ptr<PageServices> page_;     // used by web_
+  std::map<std::string, int> registered_names_;  // registered at the other name server: name, port
+  std::unique_ptr<PageServices> page_;           // used by web_
   std::unique_ptr<WebServer> web_;
   std::jthread physics_;
   /// `done` of each ApplyScene() in progress; control thread.

@@ -65,16 +65,16 @@ void Daemon::TellYarpServer() {
     if (entry.kind == NameKind::kAlias && !yarp_ports_.IsKept(entry.name)) continue;
     names.emplace(entry.name, entry.port);
   }
-  const std::string ip = options_.advertise.empty() && BeyondLoopback(options_) ? "" : told_host();
-  for (const auto& [name, port] : told_names_) {
+  const std::string ip = options_.advertise.empty() && BeyondLoopback(options_) ? "" : advertised_host();
+  for (const auto& [name, port] : registered_names_) {
     const auto still = names.find(name);
     if (still == names.end() || still->second != port) name_client_->Unregister(name);
   }
   for (const auto& [name, port] : names) {
-    const auto before = told_names_.find(name);
-    if (before == told_names_.end() || before->second != port) name_client_->Register(name, ip, port);
+    const auto before = registered_names_.find(name);
+    if (before == registered_names_.end() || before->second != port) name_client_->Register(name, ip, port);
   }
-  told_names_ = std::move(names);
+  registered_names_ = std::move(names);
 }
 
 }  // namespace coopdyn

@@ -115,7 +115,7 @@ int Serve(ServeOptions options) {
   }
   starting.reset();
   ServedRun served(daemon, clock, log.logger(), options.summary_file);
-  PrintErrorLines(daemon.HowToGoOn());
+  PrintErrorLines(daemon.ConnectHints());
   if (options.channel_quits) {
     for (const std::string& line : daemon.ChannelLines()) Print("{}\n", line);
   }

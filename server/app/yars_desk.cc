@@ -71,8 +71,8 @@ bool YarsDesk::IsEdited(const std::shared_ptr<const Scenario>& scenario) {
   const bool is_same = unedited_ != nullptr && unedited_->file == file &&
                        (unedited_ == scenario || unedited_->text == scenario->text);
   if (is_same && stamp && stamp == stamp_) return false;
-  Diagnostics told_by_reload;
-  const std::optional<std::string> text = ReadTextFile(file, {file, 0}, told_by_reload);
+  Diagnostics logged_by_reload;
+  const std::optional<std::string> text = ReadTextFile(file, {file, 0}, logged_by_reload);
   if (!text || !scenario->text.starts_with(*text)) return true;
   // Settings from the command line may follow the file's text.
   std::string_view rest = std::string_view(scenario->text).substr(text->size());

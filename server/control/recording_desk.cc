@@ -70,8 +70,8 @@ std::string RecordingDesk::MakeRecorder(const fs::path& file, bool force,
   if (std::string error = recorder->Check(); !error.empty()) return error;
   const FramePtr frame = frames_.Latest();
   const RecordWhat what = options_.what.value_or(DefaultRecordWhat(frame->scene->robots.size()));
-  const double said_s = frame->scene->scenario->simulation.duration_s.value_or(0);
-  const double duration_s = options_.duration_s > 0 ? options_.duration_s : said_s;
+  const double scenario_s = frame->scene->scenario->simulation.duration_s.value_or(0);
+  const double duration_s = options_.duration_s > 0 ? options_.duration_s : scenario_s;
   const double left_s = duration_s > 0 ? std::max(0.0, duration_s - frame->time_s()) : 0;
   const SpaceNeeded space = EstimateSpace(*frame, what, options_.pose_every, left_s, file.string());
   logger_->info("a recording to {} takes {}", file.string(), ToString(space));

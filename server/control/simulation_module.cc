@@ -182,7 +182,7 @@ SimulationModule::~SimulationModule() = default;
 std::optional<Message> SimulationModule::Change(Peer& peer, const Message& request) {
   if (request.command == command::kQuit) return Done(request);
   if (request.command == command::kSaveState) return Save(peer, request);
-  if (request.command == command::kStopAll) peer.text = GoOnText();
+  if (request.command == command::kStopAll) peer.text = ResumeText();
   if (request.command == command::kLog) return Log(peer, request);
   if (request.command == command::kEndRun) return Push(peer, edit::EndRun{request.text});
   std::string error;
@@ -243,7 +243,7 @@ void SimulationModule::BeginLoad() {
   if (!loads_.empty()) services_.run_loader(loads_.front());
 }
 
-std::string SimulationModule::GoOnText() const {
+std::string SimulationModule::ResumeText() const {
   const std::vector<CommandBoard::Owner> owners = services_.board.Owners();
   const auto driven = std::count_if(owners.begin(), owners.end(),
                                     [](const CommandBoard::Owner& owner) { return owner.driven; });

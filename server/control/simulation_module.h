@@ -99,7 +99,7 @@ class SimulationModule final : public GlobalModule {
   std::optional<Message> Restore(Peer& peer, const Message& request, const RestoreRequest& restore);
   Message ReadSaved(const Message& request) const;
   /// The note of `stop_all` about robots driven by loaded controllers.
-  std::string GoOnText() const;
+  std::string ResumeText() const;
   /// Stores a number that a client logs.
   std::optional<Message> Log(Peer& peer, const Message& request);
   std::optional<Message> Release(Peer& peer, const Message& request, const edit::UnloadController& unload);

@@ -81,7 +81,7 @@ class MeshLoader {
     std::string key = mesh.name == "heightmap" ? HeightsKey(mesh, uri, found) : Key(mesh, uri, found);
     if (is_visual && !key.empty() && texture_ != nullptr) key = Dressed(key);
     if (!key.empty()) ReadOptimization(mesh);
-    if (!is_missing_ || said_.emplace(uri.text, is_visual).second) Say(found, is_visual);
+    if (!is_missing_ || reported_.emplace(uri.text, is_visual).second) Say(found, is_visual);
     if (key.empty()) return false;
     uri.text = key;
     mesh.name = "mesh";
@@ -331,10 +331,11 @@ class MeshLoader {
   const Resources* resources_;
   MeshTable& table_;
   Diagnostics& diagnostics_;
-  const bool fills_gaps_;                        // a missing mesh is not an error
-  bool is_missing_ = false;                      // the last mesh is missing or has an unsupported format
-  std::set<std::pair<std::string, bool>> said_;  // reported missing files, and whether only visuals use them
-  std::optional<StandIn> stand_in_;              // of the current link
+  const bool fills_gaps_;    // a missing mesh is not an error
+  bool is_missing_ = false;  // the last mesh is missing or has an unsupported format
+  std::set<std::pair<std::string, bool>>
+      reported_;                     // reported missing files, and whether only visuals use them
+  std::optional<StandIn> stand_in_;  // of the current link
   FileReader reader_;
   std::map<std::string, std::string> keys_;
   std::size_t triangles_ = 0;

@@ -133,7 +133,7 @@ void RobotSections::ReadLosses(SectionReader& reader, RobotEntry& entry) {
                      "'on_deadline' has no effect without 'deadline', for example: deadline 2s");
   }
   Take(reader.Choice<LossPolicy>("on_disconnect", kLossPolicyWords), entry.on_disconnect);
-  if (entry.watchdog_s.value_or(0) > 0 && entry.goes_on_alone()) {
+  if (entry.watchdog_s.value_or(0) > 0 && entry.runs_without_client()) {
     reader.WarningAt("watchdog", std::string("'watchdog' has no effect with 'on_disconnect ") +
                                      ToString(*entry.on_disconnect) +
                                      "', with which the robot continues alone");

@@ -90,7 +90,7 @@ struct RobotEntry {
   SourceLine where;
 
   /// True if the robot keeps its set-points when its client disconnects.
-  bool goes_on_alone() const {
+  bool runs_without_client() const {
     return on_disconnect == LossPolicy::kWait || on_disconnect == LossPolicy::kHold;
   }
   /// The actuator modules that need a command for each lockstep step.

@@ -126,16 +126,16 @@ class ScenarioReader {
     if (random.empty() || diagnostics_.has_errors()) return;
     std::uint64_t seed = seed_.value_or(scenario_->simulation.seed);
     if (const Section* simulation = FirstSection("simulation"); simulation != nullptr && !seed_) {
-      Diagnostics said_later;
-      SectionReader reader(*simulation, label_, false, said_later);
+      Diagnostics later;
+      SectionReader reader(*simulation, label_, false, later);
       Take(reader.WholeNumber("seed", 0, kMaxSeed), seed);
     }
     scenario_->random = random.Draw(
         seed, sections_, [this](const std::vector<Section>& sections) -> std::shared_ptr<const Scenario> {
-          Diagnostics said_later;
-          ScenarioReader reader(label_, library_, by_socket_, seed_, said_later);
+          Diagnostics later;
+          ScenarioReader reader(label_, library_, by_socket_, seed_, later);
           reader.sections_ = sections;
-          const bool read = reader.ReadStanding() && !said_later.has_errors();
+          const bool read = reader.ReadStanding() && !later.has_errors();
           return read ? reader.scenario_ : nullptr;
         });
   }

@@ -87,15 +87,16 @@ NameReply AnswerLines(Client& client, NameTable& table, const Clock& clock) {
   } else if (!kMagicFamily.starts_with(in)) {
     client.first_bytes = false;
   }
-  const auto goes_on = [&all] { return !all.close && !all.open && all.text.size() < kMaxUnwritten; };
+  const auto may_continue = [&all] { return !all.close && !all.open && all.text.size() < kMaxUnwritten; };
   std::size_t begin = 0;
-  for (std::size_t end = 0; goes_on() && (end = in.find('\n', begin)) != std::string::npos; begin = end + 1) {
+  for (std::size_t end = 0; may_continue() && (end = in.find('\n', begin)) != std::string::npos;
+       begin = end + 1) {
     const std::string_view line = std::string_view(in).substr(begin, end - begin);
     client.context.now = clock.Now();
     add(line.size() > kMaxLineBytes ? TooLong() : AnswerLine(line, client, table));
   }
   in.erase(0, begin);
-  if (goes_on() && in.size() > kMaxLineBytes && in.find('\n') == std::string::npos) add(TooLong());
+  if (may_continue() && in.size() > kMaxLineBytes && in.find('\n') == std::string::npos) add(TooLong());
   return all;
 }
 

@@ -17,7 +17,7 @@
 namespace coopdyn {
 
 /// The answer to Incoming::ask, which may arrive while its connection is between two modules. Thread-safe.
-class AskedAnswer {
+class PendingAnswer {
  public:
   /// Call at most once.
   void Give(const Message& answer) {
@@ -39,21 +39,21 @@ class AskedAnswer {
 };
 
 /// A connection that belongs to no module.
-struct LooseConnection {
+struct DetachedConnection {
   UniqueFd fd = {};
   std::string already_read = {};
   PeerInfo peer = {};
   std::unique_ptr<Encoding> encoding = nullptr;  // null: the first bytes choose
   std::string unsent = {};
-  std::shared_ptr<AskedAnswer> awaited = nullptr;  // null: no answer is pending
-  std::optional<Message> request = {};             // handled before already_read
+  std::shared_ptr<PendingAnswer> awaited = nullptr;  // null: no answer is pending
+  std::optional<Message> request = {};               // handled before already_read
 };
 
 /// A port that keeps listening: new connections wait until a module accepts them.
 struct LoosePort {
   int port = 0;
   std::vector<UniqueFd> listening = {};
-  std::vector<LooseConnection> connections = {};
+  std::vector<DetachedConnection> connections = {};
 };
 
 }  // namespace coopdyn

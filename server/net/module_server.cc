@@ -28,7 +28,7 @@ constexpr auto kSweepPeriod = std::chrono::seconds(4);  // keepalive's 20 s + th
 
 struct ModuleServer::Impl : std::enable_shared_from_this<ModuleServer::Impl> {
   /// Passes a connection to the server's thread; closes it if the server is gone. Any thread.
-  using Sender = std::function<void(LooseConnection)>;
+  using Sender = std::function<void(DetachedConnection)>;
 
   Impl(IoThread& thread, Endpoint& e, NetServices& s, std::string n)
       : io(thread),
@@ -45,15 +45,15 @@ struct ModuleServer::Impl : std::enable_shared_from_this<ModuleServer::Impl> {
         sweep_timer(context) {}
 
   Sender sender() {
-    return [post = poster, weak = weak_from_this()](LooseConnection arrival) {
-      post([weak, held = std::make_shared<LooseConnection>(std::move(arrival))] {
+    return [post = poster, weak = weak_from_this()](DetachedConnection arrival) {
+      post([weak, held = std::make_shared<DetachedConnection>(std::move(arrival))] {
         const std::shared_ptr<Impl> impl = weak.lock();
         if (impl && !impl->closed) impl->Open(std::move(*held));
       });
     };
   }
 
-  void Open(LooseConnection arrival) {
+  void Open(DetachedConnection arrival) {
     const std::optional<ConnectionEnd> end = EndOf(arrival.fd.get());
     if (!end) {
       return services.logger()->error("{}: cannot take a connection: neither a stream nor datagrams", name);
@@ -98,7 +98,7 @@ struct ModuleServer::Impl : std::enable_shared_from_this<ModuleServer::Impl> {
   }
 
   /// Makes the sessions that may leave call `done`. Returns their number. Io thread.
-  std::size_t SendAway(const std::function<void(LooseConnection)>& done) {
+  std::size_t SendAway(const std::function<void(DetachedConnection)>& done) {
     std::vector<std::shared_ptr<Session>> leaving;
     for (const auto& [id, session] : sessions) {
       if (session->may_leave()) leaving.push_back(session);
@@ -142,16 +142,16 @@ std::string ModuleServer::Listen(const std::vector<std::string>& addresses, int 
 
 void ModuleServer::Listen(LoosePort port) {
   impl_->listener.Listen(std::move(port.listening), port.port);
-  for (LooseConnection& connection : port.connections) impl_->sender()(std::move(connection));
+  for (DetachedConnection& connection : port.connections) impl_->sender()(std::move(connection));
 }
 
 LoosePort ModuleServer::Release() {
   LoosePort released{.port = port()};
   Mutex mutex;
   ConditionVariable one_more;
-  std::vector<LooseConnection>& connections = released.connections;
+  std::vector<DetachedConnection>& connections = released.connections;
   std::size_t all = 0;
-  const auto add = [&](LooseConnection connection) {
+  const auto add = [&](DetachedConnection connection) {
     const MutexLock lock(mutex);
     connections.push_back(std::move(connection));
     one_more.NotifyAll();
@@ -164,7 +164,7 @@ LoosePort ModuleServer::Release() {
     const MutexLock lock(mutex);
     while (connections.size() < all) one_more.Wait(mutex);
   }
-  std::erase_if(connections, [](const LooseConnection& each) { return !each.fd; });
+  std::erase_if(connections, [](const DetachedConnection& each) { return !each.fd; });
   return released;
 }
 

@@ -45,7 +45,7 @@ Session::Session(asio::io_context& context, Socket socket, ConnectionEnd end, En
       on_end_(std::move(on_end)),
       heard_at_(steady_clock::now()) {}
 
-void Session::Start(LooseConnection connection) {
+void Session::Start(DetachedConnection connection) {
   CallEndpoint([this](Endpoint& endpoint) { endpoint.OnOpen(*this); });
   out_.AddRaw(connection.unsent);
   if (connection.encoding != nullptr) TakeEncoding(std::move(connection.encoding));
@@ -145,10 +145,10 @@ void Session::Process() {
 
 void Session::PostProcess() {
   if (std::exchange(process_posted_, true)) return;
-  Post(&Session::GoOn);
+  Post(&Session::Resume);
 }
 
-void Session::GoOn() {
+void Session::Resume() {
   process_posted_ = false;
   Process();
   StartRead();
@@ -173,7 +173,7 @@ bool Session::HandleNext() {
     out_.AddRaw(incoming.answer);
   }
   if (incoming.ask) {
-    const auto answer = std::make_shared<AskedAnswer>();
+    const auto answer = std::make_shared<PendingAnswer>();
     Await(answer);
     incoming.ask(*this, [answer](const Message& message) { answer->Give(message); });
     if (incoming.status == DecodeStatus::kLeave) Close("goodbye");
@@ -228,7 +228,7 @@ ReplyFunction Session::AwaitReply() {
   };
 }
 
-void Session::Await(std::shared_ptr<AskedAnswer> answer) {
+void Session::Await(std::shared_ptr<PendingAnswer> answer) {
   asked_ = std::move(answer);
   asked_->GoTo([post = poster_, reply = AwaitReply()](const Message& message) {
     post([reply, message] { reply(message); });

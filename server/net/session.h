@@ -57,12 +57,12 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
           std::function<void(ClientId)> on_end);
 
   /// Opens the session at the endpoint and continues with everything in `connection` but its socket and peer.
-  void Start(LooseConnection connection);
+  void Start(DetachedConnection connection);
   /// True while the session is open and its encoding outlives the module or is not chosen yet.
   bool may_leave() const;
   /// Detaches the socket after the current read and passes it to `done`, on this thread; passes an empty
   /// connection if the session has ended meanwhile. Also calls on_end. @pre may_leave()
-  void Leave(std::function<void(LooseConnection)> done);
+  void Leave(std::function<void(DetachedConnection)> done);
   /// Closes at once because the server goes away: writes the notice as far as possible, calls OnClosed() but
   /// not on_end.
   void Abort(const std::string& reason);
@@ -112,7 +112,7 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   // Requests.
   void Process();
   void PostProcess();
-  void GoOn();
+  void Resume();
   bool HandleNext();
   void TakeEncoding(std::unique_ptr<Encoding> encoding);
   void HandRequest(Message request, bool changes);
@@ -122,7 +122,7 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   bool Changes(std::int32_t command) const;
   void OnReply(std::uint64_t serial, const Message& reply);
   /// Waits for `answer`, which may have arrived already.
-  void Await(std::shared_ptr<AskedAnswer> answer);
+  void Await(std::shared_ptr<PendingAnswer> answer);
   bool MayHandle() const { return !closing_ && !closed_ && !waiting_ && !blocked_ && !leave_; }
   // Writing.
   void Flush();
@@ -174,12 +174,12 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   OutQueue out_;
   int malformed_ = 0;  // in a row
 
-  std::uint64_t serial_ = 0;            // of the last request passed on
-  bool waiting_ = false;                // for the reply to that request
-  std::shared_ptr<AskedAnswer> asked_;  // the pending answer of Incoming::ask; null: the endpoint replies
-  std::optional<Message> asked_again_;  // the request to repeat at the successor
-  std::optional<Message> next_;         // the encoding's next request before it answers
-  bool processing_ = false;             // Process() runs
+  std::uint64_t serial_ = 0;              // of the last request passed on
+  bool waiting_ = false;                  // for the reply to that request
+  std::shared_ptr<PendingAnswer> asked_;  // the pending answer of Incoming::ask; null: the endpoint replies
+  std::optional<Message> asked_again_;    // the request to repeat at the successor
+  std::optional<Message> next_;           // the encoding's next request before it answers
+  bool processing_ = false;               // Process() runs
   bool process_posted_ = false;
   bool reading_ = false;      // a read into the room of in_ is pending
   bool blocked_ = false;      // the send buffer is full; OnWritable() follows
@@ -190,7 +190,7 @@ class Session final : public Connection, public std::enable_shared_from_this<Ses
   bool closing_ = false;      // no more requests are handled
   bool fin_sent_ = false;
   bool closed_ = false;
-  std::function<void(LooseConnection)> leave_;  // not null: HandOver() follows the pending read
+  std::function<void(DetachedConnection)> leave_;  // not null: HandOver() follows the pending read
 
   Timer linger_timer_, watch_timer_, verbose_timer_;
   Timer silence_timer_;  // only for sockets without a stream

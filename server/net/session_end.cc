@@ -73,7 +73,7 @@ bool Session::may_leave() const {
   return !has_ended && (encoding_ == nullptr || encoding_->outlives_module());
 }
 
-void Session::Leave(std::function<void(LooseConnection)> done) {
+void Session::Leave(std::function<void(DetachedConnection)> done) {
   leave_ = std::move(done);
   if (!reading_) return HandOver();
   // Bytes may already be in the buffer and OnRead() be queued.
@@ -87,7 +87,7 @@ void Session::HandOver() {
   input_end_->Forget();
   DeliverClosed();
   StopTimers();
-  LooseConnection connection{.already_read = std::string(in_.bytes()), .peer = peer_};
+  DetachedConnection connection{.already_read = std::string(in_.bytes()), .peer = peer_};
   if (asked_ != nullptr) asked_->GoTo(nullptr);
   connection.awaited = std::move(asked_);
   connection.request = std::move(asked_again_);

@@ -24,16 +24,16 @@ class WaitingNote {
   std::string Line(std::uint64_t serial, const std::string& whom, TimePoint now) {
     const bool first = std::exchange(serial_, serial) != serial;
     std::string stable = whom.substr(0, whom.rfind("), "));
-    if (whom.empty() || (!first && stable == told_ && now - told_at_ < kRepeat)) return {};
-    told_ = std::move(stable);
-    told_at_ = now;
+    if (whom.empty() || (!first && stable == reported_ && now - reported_at_ < kRepeat)) return {};
+    reported_ = std::move(stable);
+    reported_at_ = now;
     return (whom.starts_with("waiting for ") ? "# " : "# waiting for ") + whom + "\n";
   }
 
  private:
   std::uint64_t serial_ = 0;
-  std::string told_;
-  TimePoint told_at_{};
+  std::string reported_;
+  TimePoint reported_at_{};
 };
 
 }  // namespace coopdyn

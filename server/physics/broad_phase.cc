@@ -190,7 +190,7 @@ void BroadPhase::Objects::Move(std::size_t object, const PlacedPart& part) {
   boxes[object] = {part.p[0] - half.x(), part.p[1] - half.y(), part.p[0] + half.x(), part.p[1] + half.y()};
 }
 
-bool BroadPhase::Objects::BesideInHeight(std::size_t object, double min_z, double max_z) const {
+bool BroadPhase::Objects::OverlapsInHeight(std::size_t object, double min_z, double max_z) const {
   const PlacedPart& part = parts[object];
   const double half_m = part.half_m.z() + kAhead_m;
   return part.p[2] - half_m <= max_z && part.p[2] + half_m >= min_z;
@@ -215,7 +215,7 @@ void BroadPhase::FindNear(std::size_t thing, const Objects& objects, std::size_t
                           std::vector<Pair>& pairs) const {
   const RobotSpace& space = spaces_[thing - things_.first_robot];
   objects.grid.VisitOverlaps(objects.boxes, Around(space.circle), [&](std::uint32_t item) {
-    if (!objects.BesideInHeight(item, space.min_z, space.max_z)) return true;
+    if (!objects.OverlapsInHeight(item, space.min_z, space.max_z)) return true;
     if (!Reaches(space.circle, objects.parts[item])) return true;
     const std::uint32_t a = static_cast<std::uint32_t>(thing), b = static_cast<std::uint32_t>(first + item);
     pairs.emplace_back(std::min(a, b), std::max(a, b));
@@ -235,7 +235,7 @@ void BroadPhase::FindObjects(std::span<const std::uint8_t> moves) {
       const auto [a, b] = pair;
       const PlacedPart& part = objects_.parts[b];
       return (!moves[a] && !moves[b]) ||
-             !objects_.BesideInHeight(a, part.p[2] - part.half_m.z(), part.p[2] + part.half_m.z());
+             !objects_.OverlapsInHeight(a, part.p[2] - part.half_m.z(), part.p[2] + part.half_m.z());
     });
   }
   for (std::size_t thing = count; thing < moves.size(); ++thing) {
@@ -258,7 +258,7 @@ void BroadPhase::FindStatics(std::span<const std::uint8_t> moves) {
     } else {
       const PlacedPart& part = objects_.parts[thing];
       statics_.grid.VisitOverlaps(statics_.boxes, objects_.boxes[thing], [&](std::uint32_t item) {
-        if (statics_.BesideInHeight(item, part.p[2] - part.half_m.z(), part.p[2] + part.half_m.z())) {
+        if (statics_.OverlapsInHeight(item, part.p[2] - part.half_m.z(), part.p[2] + part.half_m.z())) {
           pairs_.emplace_back(static_cast<std::uint32_t>(thing),
                               static_cast<std::uint32_t>(things_.first_static + item));
         }
@@ -276,7 +276,7 @@ void BroadPhase::FindIn(const Vector3& low_m, const Vector3& high_m,
   for (std::size_t i = 0; i < objects_.boxes.size(); ++i) {
     const Aabb2& of = objects_.boxes[i];
     if (of.min_x <= box.max_x && of.max_x >= box.min_x && of.min_y <= box.max_y && of.max_y >= box.min_y &&
-        objects_.BesideInHeight(i, low_m.z(), high_m.z()))
+        objects_.OverlapsInHeight(i, low_m.z(), high_m.z()))
       found.push_back(static_cast<std::uint32_t>(i));
   }
   for (std::size_t i = 0; i < spaces_.size(); ++i) {
@@ -288,7 +288,7 @@ void BroadPhase::FindIn(const Vector3& low_m, const Vector3& high_m,
   }
   const std::size_t first = found.size();
   statics_.grid.VisitOverlaps(statics_.boxes, box, [&](std::uint32_t item) {
-    if (statics_.BesideInHeight(item, low_m.z(), high_m.z()))
+    if (statics_.OverlapsInHeight(item, low_m.z(), high_m.z()))
       found.push_back(static_cast<std::uint32_t>(things_.first_static + item));
     return true;
   });

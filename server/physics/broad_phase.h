@@ -82,7 +82,7 @@ class BroadPhase {
 
     void Add(const Actor& actor);
     void Move(std::size_t object, const PlacedPart& part);
-    bool BesideInHeight(std::size_t object, double min_z, double max_z) const;
+    bool OverlapsInHeight(std::size_t object, double min_z, double max_z) const;
   };
   /// Appends to `pairs` those of `objects` that may touch robot `thing`. `first`: thing number of the first
   /// object.

@@ -261,7 +261,7 @@ bool ArePartedBy(const ContactList& list, const PlacedPart& a, const PlacedPart&
 
 ContactList ConvexContacts(const PlacedPart& a, const PlacedPart& b) {
   constexpr double kOverlap_m = 1e-7;  // things that merely touch are left alone
-  const LeastWay least = FindLeastWay(a, b);
+  const Separation least = FindSeparation(a, b);
   return least.depth_m > kOverlap_m ? ListOf(ContactsAlong(a, b, least)) : ContactList{};
 }
 

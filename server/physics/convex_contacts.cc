@@ -34,11 +34,11 @@ Vector3 Furthest(const PlacedPart& part, const Vector3& n_W) {
 /// The set of differences of points of B and A, which contains the origin if the two overlap. Expands a
 /// polytope towards the point of the set's surface nearest to the origin (the expanding polytope algorithm,
 /// van den Bergen 2001). At first the polytope may not contain the origin.
-class Differences {
+class MinkowskiDifference {
  public:
-  Differences(const PlacedPart& a, const PlacedPart& b) : a_(a), b_(b) {}
+  MinkowskiDifference(const PlacedPart& a, const PlacedPart& b) : a_(a), b_(b) {}
 
-  LeastWay Find() {
+  Separation Find() {
     if (!Begin()) return least_;
     constexpr int kMostSteps = 100;
     for (int step = 0; step < kMostSteps; ++step) {
@@ -161,7 +161,7 @@ class Differences {
   }
 
   const PlacedPart &a_, &b_;
-  LeastWay least_{std::numeric_limits<double>::infinity()};
+  Separation least_{std::numeric_limits<double>::infinity()};
   double last_m_ = 0;
   std::vector<Difference> points_;
   std::vector<Face> faces_;
@@ -283,11 +283,11 @@ double OverlapAlong(const PlacedPart& a, const PlacedPart& b, const Vector3& n_W
   return n_W.dot(Furthest(b, n_W) - Furthest(a, -n_W));
 }
 
-LeastWay FindLeastWay(const PlacedPart& a, const PlacedPart& b) {
-  return Differences(a, b).Find();
+Separation FindSeparation(const PlacedPart& a, const PlacedPart& b) {
+  return MinkowskiDifference(a, b).Find();
 }
 
-std::vector<ContactPoint> ContactsAlong(const PlacedPart& a, const PlacedPart& b, const LeastWay& least) {
+std::vector<ContactPoint> ContactsAlong(const PlacedPart& a, const PlacedPart& b, const Separation& least) {
   const Vector3& n = least.n_W;
   const Patch of_a = PatchOf(a, -n), of_b = PatchOf(b, n);
   // The outline with fewer corners clips the other; a corner or an edge clips nothing.

@@ -11,7 +11,7 @@
 namespace coopdyn {
 
 /// The shortest translation that separates A from B.
-struct LeastWay {
+struct Separation {
   double depth_m = 0;              // ≤ 0: they are apart
   Vector3 n_W = Vector3::UnitZ();  // from B to A
   Vector3 p_W = Vector3::Zero();   // in the middle of the overlap; unset if they are apart
@@ -20,8 +20,8 @@ struct LeastWay {
 /// Distance that A must move along `n_W` to separate from B, m.
 /// @pre here and below: A and B are boxes, cylinders, spheres, capsules or convex meshes
 double OverlapAlong(const PlacedPart& a, const PlacedPart& b, const Vector3& n_W);
-LeastWay FindLeastWay(const PlacedPart& a, const PlacedPart& b);
+Separation FindSeparation(const PlacedPart& a, const PlacedPart& b);
 /// Contacts of A and B along `least`: at least one, all with its normal, the deepest one with its depth.
-std::vector<ContactPoint> ContactsAlong(const PlacedPart& a, const PlacedPart& b, const LeastWay& least);
+std::vector<ContactPoint> ContactsAlong(const PlacedPart& a, const PlacedPart& b, const Separation& least);
 
 }  // namespace coopdyn

@@ -109,7 +109,7 @@ void Forest::Begin(const Vector3& g_W, double dt_s) {
   AddUp(rates_, true);
 }
 
-void Forest::Weigh() {
+void Forest::ComputeMasses() {
   masses_.resize(rates_.size());
   for (Node& node : nodes_) node.subtree = node.inertia;
   for (std::size_t n = nodes_.size(); n-- > 0;) {
@@ -123,7 +123,7 @@ void Forest::Weigh() {
   }
 }
 
-void Forest::TakeForcesAt(std::span<const double> rates) {
+void Forest::EvaluateForcesAt(std::span<const double> rates) {
   AddUp(rates, false);
 }
 

@@ -64,11 +64,11 @@ class Forest {
   /// centrifugal and gyroscopic forces at the rates of the step's beginning.
   void Begin(const Vector3& g_W, double dt_s);
   /// Computes MassOf(). After Begin().
-  void Weigh();
+  void ComputeMasses();
   /// Recomputes momentum() with those forces at `rates`, such as the mean of the step's beginning and end.
-  void TakeForcesAt(std::span<const double> rates);
+  void EvaluateForcesAt(std::span<const double> rates);
   /// Mass or inertia that a degree of freedom moves, kg or kg m², as if its parent stood still. After
-  /// Weigh().
+  /// ComputeMasses().
   double MassOf(int dof) const { return at(masses_, dof); }
   /// Factors the mass matrix with `added` (by degree of freedom) on its diagonal.
   void Factor(std::span<const double> added);

@@ -185,7 +185,7 @@ void Forest::Continue(std::span<const double> rates) {
 }
 
 bool Forest::IsViolent() const {
-  return std::ranges::any_of(nodes_, [](const Node& node) { return Violence(node.state) > 1; });
+  return std::ranges::any_of(nodes_, [](const Node& node) { return LimitRatio(node.state) > 1; });
 }
 
 Forest::Energy Forest::EnergyAt(const Vector3& g_W) const {

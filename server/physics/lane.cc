@@ -248,7 +248,8 @@ void Lane::Join(std::span<const FoundContact> found, const Actor& a, std::uint32
     dBodyID body_a = BodyOf(index_a, *contact.a);
     dBodyID body_b = b == nullptr ? nullptr : BodyOf(index_b, *contact.b);
     if (body_a == nullptr && body_b == nullptr) continue;
-    const Toucher of_b = b == nullptr ? Toucher() : Toucher{b, body_b != nullptr, channels(index_b)};
+    const ContactSide of_b =
+        b == nullptr ? ContactSide() : ContactSide{b, body_b != nullptr, channels(index_b)};
     auto surface = SurfaceOf(contact, {&a, body_a != nullptr, channels(index_a)}, of_b, settings_, dt_s);
     if (!surface) continue;
     if (surface->swapped) std::swap(body_a, body_b);

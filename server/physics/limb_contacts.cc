@@ -19,7 +19,8 @@ void LimbSolver::Join(std::span<const FoundContact> found, const Actor& a, std::
     int node_a = NodeOf(index_a, *contact.a);
     int node_b = b == nullptr ? kNone : NodeOf(index_b, *contact.b);
     if (node_a == kNone && node_b == kNone) continue;
-    const Toucher of_b = b == nullptr ? Toucher() : Toucher{b, node_b != kNone, channels(index_b)};
+    const ContactSide of_b =
+        b == nullptr ? ContactSide() : ContactSide{b, node_b != kNone, channels(index_b)};
     const auto surface = SurfaceOf(contact, {&a, node_a != kNone, channels(index_a)}, of_b, settings_, dt_s);
     if (!surface) continue;
     if (surface->swapped) std::swap(node_a, node_b);

@@ -15,7 +15,7 @@ namespace {
 
 using Kind = JointModel::Kind;
 
-constexpr double kGivenIn = 1 - 1e-9;
+constexpr double kSaturated = 1 - 1e-9;
 
 }  // namespace
 
@@ -95,8 +95,8 @@ void LimbSolver::DriveByTrain(const Member& member, int joint, std::span<const C
   for (std::size_t i = first; i < motors_.size(); ++i) {
     Motor& motor = motors_[i];
     const double missing = motor.target - rate;
-    if (missing > motor.softness * motor.upper) motor.gives_in = 1;
-    if (missing < motor.softness * motor.lower) motor.gives_in = -1;
+    if (missing > motor.softness * motor.upper) motor.saturated_side = 1;
+    if (missing < motor.softness * motor.lower) motor.saturated_side = -1;
   }
   Resist(member, joint, FrictionOf(*of.model->drive_train, rate), false, dt_s);
 }
@@ -170,8 +170,8 @@ void LimbSolver::DriveJoints(const Member& member, std::span<const JointRow> row
                  row.max_effort * dt_s, true, {row.stiffness, row.damping});
         // Warm start: saturated motors start saturated.
         const double effort = member.channels[static_cast<std::size_t>(joint.channel)].effort;
-        if (motors_.size() > first && std::abs(effort) > kGivenIn * row.max_effort)
-          motors_.back().gives_in = effort > 0 ? 1 : -1;
+        if (motors_.size() > first && std::abs(effort) > kSaturated * row.max_effort)
+          motors_.back().saturated_side = effort > 0 ? 1 : -1;
       }
       if (row.friction > 0) AddMotor(member, index, 0, 0, -row.friction * dt_s, row.friction * dt_s, true);
       // In a part of a step, row.stop is out of date.

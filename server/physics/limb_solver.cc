@@ -122,13 +122,13 @@ void LimbSolver::BeginStep(double dt_s) {
     Couple(member, dt_s);
   }
   forest_.Begin(settings_.g_W, dt_s);
-  if (!motors_.empty() || !rows_.empty()) forest_.Weigh();
+  if (!motors_.empty() || !rows_.empty()) forest_.ComputeMasses();
   FitSprings(dt_s);
 }
 
 bool LimbSolver::FindRates() {
   const bool is_solved = Settle(false);
-  return is_solved && TakeMeanForces() ? Settle(true) : is_solved;
+  return is_solved && UseMeanForces() ? Settle(true) : is_solved;
 }
 
 void LimbSolver::AddEfforts() {
@@ -151,7 +151,7 @@ bool LimbSolver::Settle(bool is_again) {
   return false;
 }
 
-bool LimbSolver::TakeMeanForces() {
+bool LimbSolver::UseMeanForces() {
   const std::vector<double>& before = forest_.rates();
   mean_.resize(rates_.size());
   for (std::size_t dof = 0; dof < mean_.size(); ++dof) {
@@ -159,7 +159,7 @@ bool LimbSolver::TakeMeanForces() {
     if (!std::isfinite(mean_[dof])) return false;
   }
   momentum_ = forest_.momentum();
-  forest_.TakeForcesAt(mean_);
+  forest_.EvaluateForcesAt(mean_);
   const double matters = touches_ ? kMattersInContact : 0;
   for (int dof = 0; dof < forest_.dof_count(); ++dof) {
     const auto d = static_cast<std::size_t>(dof);
@@ -212,23 +212,23 @@ void LimbSolver::FitSprings(double dt_s) {
   }
 }
 
-bool LimbSolver::SwitchMotors(bool may_hold_again) {
+bool LimbSolver::SwitchMotors(bool may_release) {
   bool switched = false;
   for (Motor& motor : motors_) {
     const double missing = motor.target - rates_[static_cast<std::size_t>(motor.dof)];
-    motor.applied = motor.gives_in != 0 ? motor.bound() : missing / motor.softness;
+    motor.applied = motor.saturated_side != 0 ? motor.bound() : missing / motor.softness;
     if (motor.lower == -kInfinity && motor.upper == kInfinity) continue;
     constexpr double kSlack = 1e-12;  // rounding
-    if (motor.gives_in == 0) {
+    if (motor.saturated_side == 0) {
       if (missing > motor.softness * motor.upper + kSlack) {
-        motor.gives_in = 1;
+        motor.saturated_side = 1;
       } else if (missing < motor.softness * motor.lower - kSlack) {
-        motor.gives_in = -1;
+        motor.saturated_side = -1;
       }
-      switched |= motor.gives_in != 0;
-    } else if (may_hold_again && (motor.gives_in > 0 ? missing < motor.softness * motor.upper - kSlack
-                                                     : missing > motor.softness * motor.lower + kSlack)) {
-      motor.gives_in = 0;
+      switched |= motor.saturated_side != 0;
+    } else if (may_release && (motor.saturated_side > 0 ? missing < motor.softness * motor.upper - kSlack
+                                                        : missing > motor.softness * motor.lower + kSlack)) {
+      motor.saturated_side = 0;
       switched = true;
     }
   }
@@ -241,7 +241,7 @@ bool LimbSolver::Solve(bool is_again, bool same_motors) {
   for (std::size_t dof = 0; dof < state_.size(); ++dof) state_[dof] += pushes_[dof];
   for (const Motor& motor : motors_) {
     const auto dof = static_cast<std::size_t>(motor.dof);
-    if (motor.gives_in == 0) {
+    if (motor.saturated_side == 0) {
       added_[dof] += 1 / motor.softness;
       state_[dof] += motor.target / motor.softness;
     } else {

@@ -77,9 +77,9 @@ class LimbSolver {
     std::size_t effort = 0;  // of efforts_; kNowhere: not reported
     double target = 0, softness = 0, lower = -kInfinity, upper = kInfinity;
     Resistance resistance;
-    int gives_in = 0;    // −1 or 1: saturated at the lower or upper bound; 0: holds
-    double applied = 0;  // impulse of the last solution
-    double bound() const { return gives_in > 0 ? upper : lower; }
+    int saturated_side = 0;  // −1 or 1: saturated at the lower or upper bound; 0: holds
+    double applied = 0;      // impulse of the last solution
+    double bound() const { return saturated_side > 0 ? upper : lower; }
   };
   /// J v + softness · impulse = target, with lower ≤ impulse ≤ upper.
   struct Row {
@@ -180,7 +180,7 @@ class LimbSolver {
   Work WorkSince(std::span<const double> before) const;
   /// Recomputes Coriolis, centrifugal and gyroscopic forces at the mean of the rates before the step and
   /// rates_. Returns whether the change matters.
-  bool TakeMeanForces();
+  bool UseMeanForces();
   /// Computes the impulses of all rows for the motors' present states, and the transformed rates `state_`.
   /// `is_again`: warm start from the last impulses. `same_motors`: no motor has switched since the last call.
   /// Returns whether the impulses are exact, up to the method's error.
@@ -201,7 +201,7 @@ class LimbSolver {
   void Apply(const Row& row, double impulse);
   /// Records the motors' impulses, and switches motors between holding and saturated. Returns whether one
   /// switched.
-  bool SwitchMotors(bool may_hold_again);
+  bool SwitchMotors(bool may_release);
 
   const Things& things_;
   const WorldSettings settings_;

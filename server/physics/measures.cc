@@ -158,7 +158,7 @@ void Measures::EndContacts(std::span<const BodyState> bodies) {
   };
   std::vector<Found> all;
   all.reserve(gathered_.size());
-  for (const Gathered& gathered : gathered_) {
+  for (const AddedContact& gathered : gathered_) {
     const MeasuredContact& from = gathered.contact;
     all.push_back(
         {{EndOf(from.a, from.part_a), EndOf(from.b, from.part_b), from.p_W, from.normal_W, from.force_W},

@@ -38,7 +38,9 @@ class Measures {
   /// The forces on this thing are measured.
   bool Wants(std::uint32_t thing) const { return thing < wants_.size() && wants_[thing] != 0; }
   /// The work of this thing's motors is measured.
-  bool WantsWork(std::uint32_t thing) const { return thing < wants_work_.size() && wants_work_[thing] != 0; }
+  bool MeasuresWork(std::uint32_t thing) const {
+    return thing < wants_work_.size() && wants_work_[thing] != 0;
+  }
 
   /// Begins a step. `bodies`: as Frame::bodies.
   void Begin(std::span<const BodyState> bodies);
@@ -81,7 +83,7 @@ class Measures {
     std::vector<BodyState> before;  // its bodies when the step began
   };
   /// An added contact.
-  struct Gathered {
+  struct AddedContact {
     MeasuredContact contact;  // its force is multiplied by `share`
     std::uint32_t index = 0;  // among the contacts of the same two parts
     double share = 0;
@@ -129,7 +131,7 @@ class Measures {
   std::vector<std::uint32_t> thing_of_object_;  // by object of the scene
   std::vector<double> values_;                  // as Frame::measured
   std::vector<Contact> contacts_;               // as Frame::contacts
-  std::vector<Gathered> gathered_;              // of this step
+  std::vector<AddedContact> gathered_;          // of this step
   std::vector<ContactOfRobot> by_robot_;        // sorted; of contacts_ at the end of the step
 };
 

@@ -133,7 +133,7 @@ void PileSolver::Join(std::span<const FoundContact> found, const Actor& a, std::
   if (body_a == kNone && body_b == kNone) return;
   Joint joint{body_a, body_b, points_.size()};
   for (const FoundContact& contact : found) {
-    const Toucher of_b = b == nullptr ? Toucher() : Toucher{b, body_b != kNone, {}};
+    const ContactSide of_b = b == nullptr ? ContactSide() : ContactSide{b, body_b != kNone, {}};
     const auto surface = SurfaceOf(contact, {&a, body_a != kNone, {}}, of_b, settings_, dt_s);
     if (!surface) continue;
     AddPoint(*surface, body_a, body_b, dt_s);
@@ -237,7 +237,7 @@ void PileSolver::AtPoints(const Linear& linear, const Angular& angular, const Ta
   }
 }
 
-double PileSolver::TakeLoads() {
+double PileSolver::UpdateLoads() {
   double most = 0;
   for (Point& point : points_) {
     if (point.slide.is_cone) {
@@ -439,7 +439,7 @@ bool PileSolver::Step(double dt_s) {
   constexpr int kMostIterations = 30, kWithLoads = 6;
   double step_m_s = 0;
   for (int i = 0; i < kMostIterations; ++i) {
-    const double change_m_s = i < kWithLoads ? TakeLoads() : 0;
+    const double change_m_s = i < kWithLoads ? UpdateLoads() : 0;
     if (FindGradient() < enough_m_s) {
       step_m_s = 0;
       break;

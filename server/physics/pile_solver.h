@@ -110,7 +110,7 @@ class PileSolver {
   void AtPoints(const Linear& linear, const Angular& angular, const Take& take);
   /// Updates friction to the current loads and slips. Returns the largest change of a slip, times its
   /// friction, m/s.
-  double TakeLoads();
+  double UpdateLoads();
   /// Computes the gradients of all bodies. Returns the largest, as the change of velocity that it causes,
   /// m/s.
   double FindGradient();

@@ -69,10 +69,10 @@ std::uint32_t PlaneSolver::Add(const Actor& actor, std::span<const ChannelState>
 }
 
 void PlaneSolver::Join(std::span<const FoundContact> found, std::uint32_t a, std::uint32_t b, double dt_s) {
-  const bool is_swapped = a == kStill;
+  const bool is_swapped = a == kStatic;
   if (is_swapped) std::swap(a, b);
   const Robot& robot_a = robots_[a];
-  const Robot& robot_b = b == kStill ? still_ : robots_[b];
+  const Robot& robot_b = b == kStatic ? still_ : robots_[b];
   for (const FoundContact& one : found) {
     const ContactPoint& point = one.point;
     const double length =
@@ -123,7 +123,7 @@ double PlaneSolver::SolveWheels(Robot& robot) {
 
 double PlaneSolver::SolveContact(Contact& contact) {
   Robot& a = robots_[contact.a];
-  Robot& b = contact.b == kStill ? still_ : robots_[contact.b];
+  Robot& b = contact.b == kStatic ? still_ : robots_[contact.b];
   const double n_x = contact.n_x, n_y = contact.n_y;
   const double near_m_s =
       n_x * (a.x - b.x) + n_y * (a.y - b.y) + contact.arm_an * a.turn - contact.arm_bn * b.turn;

@@ -20,7 +20,7 @@ namespace coopdyn {
 /// coherence, here without memory of earlier steps). One thread at a time.
 class PlaneSolver {
  public:
-  static constexpr std::uint32_t kStill = ~std::uint32_t{0};  // number of anything static
+  static constexpr std::uint32_t kStatic = ~std::uint32_t{0};  // number of anything static
 
   /// Whether the solver accepts the contacts `found`: horizontal pushing and rubbing, without bounces, grain
   /// and torques.
@@ -50,7 +50,7 @@ class PlaneSolver {
     double arm_m[3]{}, wanted_m_s[3]{}, most_ns[3]{}, push_ns[3]{}, mass_kg[3]{};
   };
   struct Contact {
-    std::uint32_t a = 0, b = kStill;
+    std::uint32_t a = 0, b = kStatic;
     double n_x = 0, n_y = 0;  // the normal, towards A; the tangent is (-n_y, n_x)
     double arm_an = 0, arm_at = 0, arm_bn = 0, arm_bt = 0;
     double mass_n_kg = 0, mass_t_kg = 0;

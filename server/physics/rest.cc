@@ -24,14 +24,14 @@ bool IsFinite(const BodyState& state) {
 
 }  // namespace
 
-std::optional<std::string> WhyInsane(const BodyState& state) {
+std::optional<std::string> FindFault(const BodyState& state) {
   if (!IsFinite(state)) return "position or speed not finite";
   if (!(state.v_WB.norm() <= kMaxSpeed_m_s)) return Number("speed", state.v_WB.norm(), "m/s");
   if (!(state.w_WB.norm() <= kMaxTurnRate_rad_s)) return Number("turn rate", state.w_WB.norm(), "rad/s");
   return std::nullopt;
 }
 
-double Violence(const BodyState& state) {
+double LimitRatio(const BodyState& state) {
   if (!IsFinite(state)) return std::numeric_limits<double>::infinity();
   return std::max(state.v_WB.norm() / kMaxSpeed_m_s, state.w_WB.norm() / kMaxTurnRate_rad_s);
 }

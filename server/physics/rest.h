@@ -53,10 +53,10 @@ inline constexpr double kMaxSpeed_m_s = 100;
 inline constexpr double kMaxTurnRate_rad_s = 1000;
 
 /// Why `state` is not sane, e.g. "speed 312 m/s"; nullopt if it is sane.
-std::optional<std::string> WhyInsane(const BodyState& state);
+std::optional<std::string> FindFault(const BodyState& state);
 
 /// The body's speed or turn rate as a share of its limit, whichever is larger; infinite if the state is not
 /// finite.
-double Violence(const BodyState& state);
+double LimitRatio(const BodyState& state);
 
 }  // namespace coopdyn

@@ -210,7 +210,7 @@ std::string Simulation::Change(WorldChange& change, WorldChange& inverse) {
   std::vector<ThingPair> pairs;
   if (refusal.empty()) {
     pairs = PairsOfChosen(things, next->bodies, chosen);
-    refusal = WhyNotThere(*scene, things, next->bodies, chosen, pairs);
+    refusal = PlacementFault(*scene, things, next->bodies, chosen, pairs);
   }
   if (!refusal.empty()) {
     world_->Rebuild(scene_, *before);

@@ -131,8 +131,8 @@ std::vector<std::uint32_t> NearChosen(const Things& things, std::span<const std:
   return near;
 }
 
-std::string WhyNotThere(const Scene& scene, const Things& things, std::span<const BodyState> bodies,
-                        std::span<const std::uint8_t> chosen, std::span<const ThingPair> pairs) {
+std::string PlacementFault(const Scene& scene, const Things& things, std::span<const BodyState> bodies,
+                           std::span<const std::uint8_t> chosen, std::span<const ThingPair> pairs) {
   for (std::size_t i = 0; i < things.first_static; ++i) {
     if (chosen[i] == 0) continue;
     const Actor actor = things.ActorOf(i, bodies);

@@ -135,7 +135,7 @@ Nanoseconds Stepper::WorkOnce(const std::stop_token& stop, UrgentThread& thread,
   PublishStatus(now, sleeps);
   if (wake > now) RestControllers();
   if (sleeps && status_.real_time_factor > 0) wake = std::min(wake, now + kLookAgain);
-  looks_again_at_ = wake;
+  next_check_at_ = wake;
   baton_.Pass();
   return wake;
 }
@@ -159,7 +159,7 @@ void Stepper::StepHere() {
   if (ran > 0) RestControllers();
   const bool wake_physics = ran == 0 || (may_step() && boards_.commands.AllReady()) ||
                             !boards_.edits.empty() ||
-                            (has_deadlines_ && boards_.commands.NextDeadline() < looks_again_at_);
+                            (has_deadlines_ && boards_.commands.NextDeadline() < next_check_at_);
   baton_.Pass();
   if (wake_physics) boards_.bell.Ring();
 }
@@ -192,9 +192,9 @@ Nanoseconds Stepper::StepIfDue(Nanoseconds now) {
 
 void Stepper::StepNow(Nanoseconds now) {
   const std::uint64_t before = frame().step;
-  if (mode_ == Mode::kRealtime && now >= watches_at_) {
+  if (mode_ == Mode::kRealtime && now >= next_watchdog_at_) {
     boards_.commands.StopSilent(now);
-    watches_at_ = now + kStatusEvery;
+    next_watchdog_at_ = now + kStatusEvery;
   }
   StepInputs inputs;
   inputs.setpoints = boards_.commands.Latch(before + 1);
@@ -243,7 +243,7 @@ void Stepper::StepNow(Nanoseconds now) {
   NoteCosts(now, told, written);
   if (ended_) {
     PublishStatus(now, true);
-    TellEnded();
+    NotifyEnded();
   }
 }
 
@@ -264,13 +264,13 @@ void Stepper::NoteCosts(Nanoseconds began, Nanoseconds told, Nanoseconds written
   costs.busy += ended - began;
   costs.journal += written - told;
   costs.answer += ended - written;
-  if (rests_from_ > 0) costs.idle += began - rests_from_;
-  rests_from_ = ended;
+  if (idle_since_ > 0) costs.idle += began - idle_since_;
+  idle_since_ = ended;
   if (!may_step()) IgnoreRest();
 }
 
 void Stepper::IgnoreRest() {
-  rests_from_ = 0;
+  idle_since_ = 0;
   boards_.commands.IgnoreWait();
 }
 
@@ -309,7 +309,7 @@ void Stepper::EndRun(RunEnd why, std::string text) {
   AddEvent("info", std::move(text));
 }
 
-void Stepper::TellEnded() {
+void Stepper::NotifyEnded() {
   if (boards_.control.end() && on_ended_) return on_ended_();
   boards_.commands.Stop(simulation_->frame(), EndedText());  // until Configure()
 }
@@ -390,7 +390,7 @@ void Stepper::RestartPace(Nanoseconds now) {
   pacer_.Stop();
   if (speed() > 0) pacer_.Start(now, step_length_, speed());
   boards_.commands.RestartWaiting(now);
-  rests_from_ = 0;
+  idle_since_ = 0;
 }
 
 void Stepper::PublishStatus(Nanoseconds now, bool always) {

@@ -141,8 +141,8 @@ class Stepper {
   /// Reports the clients that were lost before the last latched step.
   void NoteLostClients() REQUIRES(baton_);
   void NoteStopped(const std::string& robot, const char* by, const std::string& why) REQUIRES(baton_);
-  void TellEnded() REQUIRES(baton_);
-  /// Ends the run: no step follows. The caller must call TellEnded() afterwards.
+  void NotifyEnded() REQUIRES(baton_);
+  /// Ends the run: no step follows. The caller must call NotifyEnded() afterwards.
   void EndRun(RunEnd why, std::string text) REQUIRES(baton_);
   /// The reply to requests to step after the run has ended.
   std::string EndedText() const REQUIRES(baton_);
@@ -170,8 +170,9 @@ class Stepper {
     return state.step_length.value_or(state.frame->step_length);
   }
   std::uint64_t NextEpoch() const;
-  /// Applies `change` and installs the new scene. Fills `entry` for the history. `tells`: adds an event.
-  EditResult ChangeWorld(WorldChange change, WorldHistory::Entry& entry, bool tells = true) REQUIRES(baton_);
+  /// Applies `change` and installs the new scene. Fills `entry` for the history. `adds_event`: adds an event.
+  EditResult ChangeWorld(WorldChange change, WorldHistory::Entry& entry, bool adds_event = true)
+      REQUIRES(baton_);
   /// Stores a number that was logged at `now`. Returns false if there are too many names.
   bool LogNumber(const std::string& name, double value, const Frame& now) REQUIRES(baton_);
   /// Stores the numbers that controllers logged when they saw `seen`, the frame before the newest.
@@ -227,11 +228,11 @@ class Stepper {
   RateMeter rate_ GUARDED_BY(baton_);
   RunStatus status_ GUARDED_BY(baton_);
   Nanoseconds status_at_ GUARDED_BY(baton_) = 0;
-  Nanoseconds watches_at_ GUARDED_BY(baton_) = 0;  // the next check for silent clients
-  Nanoseconds rests_from_ GUARDED_BY(baton_) = 0;  // end of the last step; 0: idle time does not count
-  PhaseTimes times_before_ GUARDED_BY(baton_);     // AllTimes() when the costs were reset
+  Nanoseconds next_watchdog_at_ GUARDED_BY(baton_) = 0;  // the next check for silent clients
+  Nanoseconds idle_since_ GUARDED_BY(baton_) = 0;        // end of the last step; 0: idle time does not count
+  PhaseTimes times_before_ GUARDED_BY(baton_);           // AllTimes() when the costs were reset
   bool has_deadlines_ GUARDED_BY(baton_) = false;
-  Nanoseconds looks_again_at_ GUARDED_BY(baton_) = 0;         // the physics thread sleeps until then
+  Nanoseconds next_check_at_ GUARDED_BY(baton_) = 0;          // the physics thread sleeps until then
   std::vector<char> off_floor_ GUARDED_BY(baton_);            // 1: yes; by robot
   std::optional<std::uint64_t> moved_at_ GUARDED_BY(baton_);  // step of the supervisor's last moves
   std::string not_moved_ GUARDED_BY(baton_);   // why the supervisor's last moves failed, as in the last event

@@ -105,7 +105,7 @@ EditResult Stepper::Apply(const edit::Reset& reset) {
   return {};
 }
 
-EditResult Stepper::ChangeWorld(WorldChange change, WorldHistory::Entry& entry, bool tells) {
+EditResult Stepper::ChangeWorld(WorldChange change, WorldHistory::Entry& entry, bool adds_event) {
   entry.epoch = frame().epoch;
   entry.step = frame().step;
   if (std::string why = simulation_->Change(change, entry.inverse); !why.empty()) {
@@ -122,7 +122,7 @@ EditResult Stepper::ChangeWorld(WorldChange change, WorldHistory::Entry& entry, 
   std::ranges::sort(unloaded);
   boards_.commands.Revise(scene, unloaded, simulation_->frame(), clock_.Now());
   WriteInput(frame().step, change);
-  if (tells) AddEvent("info", change.label);
+  if (adds_event) AddEvent("info", change.label);
   if (simulation_->has_controllers()) {
     NoteStoppedControllers(helpers_.controllers->TakeStopped(), std::nullopt);
   }
@@ -263,9 +263,9 @@ void Stepper::Supervise(const Supervision& supervision) {
   if (!supervision.moves.empty()) {
     change.label = who + ": move" + names;
     const auto before = std::exchange(moved_at_, frame().step);
-    const bool goes_on = before && *before + 1 == frame().step;
+    const bool continues_edit = before && *before + 1 == frame().step;
     WorldHistory::Entry entry;
-    if (refusal.empty()) refusal = ChangeWorld(change, entry, !goes_on).text;
+    if (refusal.empty()) refusal = ChangeWorld(change, entry, !continues_edit).text;
     if (!refusal.empty() && refusal != not_moved_) AddEvent("warning", who + " moves nothing: " + refusal);
     not_moved_ = refusal;
   }
@@ -281,7 +281,7 @@ EditResult Stepper::Apply(const edit::EndRun& end) {
   if (ended_) return {Error::kNotPossible, "the run has ended already"};
   EndRun(RunEnd::kClient, "a client ends the run" + (end.why.empty() ? "" : ": " + end.why));
   PublishStatus(clock_.Now(), true);
-  TellEnded();
+  NotifyEnded();
   return {};
 }
 
@@ -352,7 +352,7 @@ void Stepper::Install(StepEnd end, const SavedState* state) {
   rate_.Reset();
   RestartPace(now);
   PublishStatus(now, true);
-  if (ended_) TellEnded();
+  if (ended_) NotifyEnded();
 }
 
 void Stepper::TakeDrives(const SavedState& state, Nanoseconds now) {
@@ -399,7 +399,7 @@ std::string Stepper::LoseControllers(const std::string& why, std::vector<Stopped
   }
   const bool ended = ended_;
   NoteStoppedControllers(stopped, frame().step);
-  if (ended_ && !ended) TellEnded();
+  if (ended_ && !ended) NotifyEnded();
   if (stopped.empty()) return {};
   const std::string more =
       stopped.size() == 1 ? " stands" : fmt::format(" and {} more stand", stopped.size() - 1);

@@ -17,13 +17,13 @@ void Copy(dVector3& to, const Vector3& from) {
   std::copy_n(from.data(), 3, to);
 }
 
-Vector3 PointVelocity(const Toucher& of, const Part* part, const Vector3& p) {
+Vector3 PointVelocity(const ContactSide& of, const Part* part, const Vector3& p) {
   if (!of.moves) return Vector3::Zero();
   const BodyState& body = of.actor->bodies[static_cast<std::size_t>(part->body)];
   return body.v_WB + body.w_WB.cross(p - body.p_WB);
 }
 
-Vector3 TurnRate(const Toucher& of, const Part* part) {
+Vector3 TurnRate(const ContactSide& of, const Part* part) {
   if (!of.moves) return Vector3::Zero();
   return of.actor->bodies[static_cast<std::size_t>(part->body)].w_WB;
 }
@@ -42,30 +42,30 @@ double RestitutionOf(const Part* part) {
 }
 
 /// A direction of a part's shape in the world.
-Vector3 InWorld(const Toucher& of, const Part& part, const Vector3& direction_G) {
+Vector3 InWorld(const ContactSide& of, const Part& part, const Vector3& direction_G) {
   return of.actor->bodies[static_cast<std::size_t>(part.body)].orientation() * (part.R_BG * direction_G);
 }
 
 /// The direction of a part's grain in the world.
-Vector3 GrainInWorld(const Toucher& of, const Part& part) {
+Vector3 GrainInWorld(const ContactSide& of, const Part& part) {
   if (part.friction_body < 0) return InWorld(of, part, part.friction_along_G);
   return of.actor->bodies[static_cast<std::size_t>(part.friction_body)].orientation() * part.friction_along_G;
 }
 
-bool IsOne(const Toucher& of) {
+bool IsOne(const ContactSide& of) {
   return of.actor != nullptr && of.actor->thing.mechanism->one_body();
 }
 
 /// Robots side by side, or along a wall, do not lift each other: friction acts in the horizontal plane only.
 /// Otherwise a crowd would climb up on itself, an artefact of stepping.
-bool IsFlat(const Toucher& a, const Toucher& b) {
+bool IsFlat(const ContactSide& a, const ContactSide& b) {
   return b.actor != nullptr && a.actor->thing.robot >= 0 &&
          (b.actor->thing.robot >= 0 || b.actor->thing.body_count() == 0);
 }
 
 /// The slip of A on B that gravity adds in the step by pulling the one that moves, or the upper one if both
 /// move.
-Vector3 Pull(const Toucher& a, const Toucher& b, const Vector3& n_W, const WorldSettings& settings,
+Vector3 Pull(const ContactSide& a, const ContactSide& b, const Vector3& n_W, const WorldSettings& settings,
              double dt_s) {
   const double along_n = settings.g_W.dot(n_W);
   const Vector3 pull = dt_s * (settings.g_W - along_n * n_W);
@@ -102,7 +102,7 @@ void RubGrain(const Vector3& grain_W, double friction, double across, const Vect
 }
 
 /// Friction against sliding.
-void Rub(const FoundContact& found, const Toucher& a, const Toucher& b, const WorldSettings& settings,
+void Rub(const FoundContact& found, const ContactSide& a, const ContactSide& b, const WorldSettings& settings,
          double dt_s, Surface& surface) {
   const ContactPoint& point = found.point;
   dContact& contact = surface.contact;
@@ -140,14 +140,14 @@ void Rub(const FoundContact& found, const Toucher& a, const Toucher& b, const Wo
 }
 
 /// Whether a part can roll on this contact: not on the end of a cylinder, nor on a face.
-bool IsRound(const Toucher& of, const Part& part, const Vector3& n_W) {
+bool IsRound(const ContactSide& of, const Part& part, const Vector3& n_W) {
   constexpr double kOnEnd = 0.99;
   if (std::holds_alternative<Cylinder>(part.shape))
     return std::abs(InWorld(of, part, Vector3::UnitZ()).dot(n_W)) < kOnEnd;
   return std::holds_alternative<Sphere>(part.shape) || std::holds_alternative<Capsule>(part.shape);
 }
 
-double RollingOf(const Toucher& of, const Part* part, const Vector3& n_W) {
+double RollingOf(const ContactSide& of, const Part* part, const Vector3& n_W) {
   const bool rolls = part != nullptr && part->rolling_friction_m > 0 && IsRound(of, *part, n_W);
   return rolls ? part->rolling_friction_m : 0;
 }
@@ -157,7 +157,7 @@ double SpinningOf(const Part* part) {
 }
 
 /// Torques against rolling and spinning.
-void HoldTurns(const FoundContact& found, const Toucher& a, const Toucher& b, Surface& surface) {
+void HoldTurns(const FoundContact& found, const ContactSide& a, const ContactSide& b, Surface& surface) {
   const Vector3& n_W = found.point.n_W;
   dContact& contact = surface.contact;
   const double rolling = std::max(RollingOf(a, found.a, n_W), RollingOf(b, found.b, n_W));
@@ -187,7 +187,7 @@ void Place(const ContactPoint& point, double dt_s, dContact& contact) {
   }
 }
 
-Surface Rolling(const FoundContact& found, const Toucher& robot, int sign, const WorldSettings& settings,
+Surface Rolling(const FoundContact& found, const ContactSide& robot, int sign, const WorldSettings& settings,
                 double dt_s) {
   const Part& wheel = *(found.wheel == 0 ? found.a : found.b);
   const Part* ground = found.wheel == 0 ? found.b : found.a;
@@ -229,13 +229,13 @@ Surface Rolling(const FoundContact& found, const Toucher& robot, int sign, const
 /// The restitution for the solver that gives a bounce the height that belongs to `restitution`. The contact
 /// is found at some depth, so the thing is already faster than when it touched, and gravity acts in the rest
 /// of the step.
-double BounceOf(double restitution, const FoundContact& found, const Toucher& a, const Toucher& b,
+double BounceOf(double restitution, const FoundContact& found, const ContactSide& a, const ContactSide& b,
                 const WorldSettings& settings, double dt_s) {
   const ContactPoint& point = found.point;
   const Vector3 slip = PointVelocity(a, found.a, point.p_W) - PointVelocity(b, found.b, point.p_W);
   const double speed_m_s = -slip.dot(point.n_W);
   // Robots that ODE moves fall with errors that make up for this.
-  const auto falls_exactly = [](const Toucher& of) {
+  const auto falls_exactly = [](const ContactSide& of) {
     return of.actor->thing.robot < 0 || of.actor->thing.mechanism->has_limbs();
   };
   if (speed_m_s <= 0 || !falls_exactly(a.moves ? a : b)) return restitution;
@@ -260,7 +260,7 @@ int RowsOf(const FoundContact& found) {
   return rows;
 }
 
-std::optional<Surface> SurfaceOf(const FoundContact& found, const Toucher& a, const Toucher& b,
+std::optional<Surface> SurfaceOf(const FoundContact& found, const ContactSide& a, const ContactSide& b,
                                  const WorldSettings& settings, double dt_s) {
   const bool a_rolls = found.wheel == 0 && a.moves && IsOne(a);
   const bool b_rolls = found.wheel == 1 && b.moves && IsOne(b);

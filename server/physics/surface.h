@@ -26,7 +26,7 @@ struct WorldSettings {
 };
 
 /// One of the two things in a contact.
-struct Toucher {
+struct ContactSide {
   const Actor* actor = nullptr;  // null: the floor
   bool moves = false;            // the touching body is free to move in this step
   std::span<const ChannelState> channels;
@@ -51,7 +51,7 @@ struct Surface {
 /// Largest number of solver rows of a contact.
 int RowsOf(const FoundContact& found);
 /// Returns nullopt if the two do not act on each other.
-std::optional<Surface> SurfaceOf(const FoundContact& found, const Toucher& a, const Toucher& b,
+std::optional<Surface> SurfaceOf(const FoundContact& found, const ContactSide& a, const ContactSide& b,
                                  const WorldSettings& settings, double dt_s);
 
 }  // namespace coopdyn

@@ -160,8 +160,8 @@ std::vector<ThingPair> PairsOfChosen(const Things& things, std::span<const BodyS
                                      std::span<const std::uint8_t> chosen);
 /// Why the chosen things cannot stand there: "box BOX_1 would stand 0.1 m inside WALL_2: …". Empty if they
 /// can.
-std::string WhyNotThere(const Scene& scene, const Things& things, std::span<const BodyState> bodies,
-                        std::span<const std::uint8_t> chosen, std::span<const ThingPair> pairs);
+std::string PlacementFault(const Scene& scene, const Things& things, std::span<const BodyState> bodies,
+                           std::span<const std::uint8_t> chosen, std::span<const ThingPair> pairs);
 /// The other dynamic things of `pairs`, increasing.
 std::vector<std::uint32_t> NearChosen(const Things& things, std::span<const std::uint8_t> chosen,
                                       std::span<const ThingPair> pairs);

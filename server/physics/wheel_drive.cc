@@ -227,8 +227,7 @@ DrivePlan PlanDrive(const OneBodyDrive& drive, const BodyState& body, double res
   return plan;
 }
 
-WheelSpeeds TurnedWheels(const OneBodyDrive& drive, const BodyState& body,
-                         const WheelSpeeds& setpoint_rad_s) {
+WheelSpeeds WheelRates(const OneBodyDrive& drive, const BodyState& body, const WheelSpeeds& setpoint_rad_s) {
   if (!drive.stalls) return setpoint_rad_s;
   // The wheels grip: they turn as the floor passes under them.
   WheelSpeeds turned_rad_s{};

@@ -86,7 +86,7 @@ DrivePlan PlanDrive(const OneBodyDrive& drive, const BodyState& body, double res
                     const WheelSpeeds& setpoint_rad_s, double dt_s);
 
 /// The wheels' rates after a solver has moved `body`.
-WheelSpeeds TurnedWheels(const OneBodyDrive& drive, const BodyState& body, const WheelSpeeds& setpoint_rad_s);
+WheelSpeeds WheelRates(const OneBodyDrive& drive, const BodyState& body, const WheelSpeeds& setpoint_rad_s);
 
 /// Moves `body` by `plan`. @pre plan.closed.
 void Advance(const OneBodyDrive& drive, const DrivePlan& plan, double rest_z_m, double dt_s, BodyState& body);

@@ -90,7 +90,7 @@ void PhysicsWorld::Fit() {
     first_bodies_.push_back(static_cast<std::size_t>(things_.all[i].first_body));
   }
   plans_.resize(things_.first_static - things_.first_robot);
-  for (auto* flags : {&moves_, &near_, &in_ode_, &rested_}) flags->resize(dynamic_count());
+  for (auto* flags : {&moves_, &near_, &in_solver_, &rested_}) flags->resize(dynamic_count());
   travel_m_.resize(dynamic_count());
   batch_of_.resize(dynamic_count());
   islands_.Resize(dynamic_count());
@@ -178,8 +178,8 @@ void PhysicsWorld::Sort() {
   active_.clear();
   for (std::size_t i = 0; i < count; ++i) {
     const bool closed = i >= base && !near_[i] && plans_[i - base].closed;
-    in_ode_[i] = moves_[i] && !closed;
-    if (in_ode_[i]) active_.push_back(static_cast<std::uint32_t>(i));
+    in_solver_[i] = moves_[i] && !closed;
+    if (in_solver_[i]) active_.push_back(static_cast<std::uint32_t>(i));
   }
 }
 
@@ -187,7 +187,7 @@ void PhysicsWorld::AdvanceClosed(double dt_s) {
   const std::size_t base = things_.first_robot;
   ForAll(plans_.size(), [&](std::size_t first, std::size_t end) {
     for (std::size_t i = first; i < end; ++i) {
-      if (!moves_[base + i] || in_ode_[base + i] || !plans_[i].closed) continue;
+      if (!moves_[base + i] || in_solver_[base + i] || !plans_[i].closed) continue;
       const Thing& thing = things_.all[base + i];
       BodyState& body = bodies_[first_bodies_[base + i]];
       const DrivePlan& plan = plans_[i];
@@ -223,7 +223,7 @@ void PhysicsWorld::CountRest(Nanoseconds dt) {
   }
   // A robot that moves by the closed form is its own island.
   for (std::size_t i = things_.first_robot; i < dynamic_count(); ++i) {
-    if (!moves_[i] || in_ode_[i]) continue;
+    if (!moves_[i] || in_solver_[i]) continue;
     BodyState& body = bodies_[first_bodies_[i]];
     if (!AtRest(static_cast<std::uint32_t>(i))) {
       body.sleep_counter = 0;

@@ -254,7 +254,7 @@ class PhysicsWorld {
   std::vector<std::size_t> first_bodies_;  // by dynamic thing
   std::vector<std::uint8_t> moves_;        // by dynamic thing: neither frozen nor asleep
   std::vector<std::uint8_t> near_;         // by dynamic thing: in a pair
-  std::vector<std::uint8_t> in_ode_;       // by dynamic thing
+  std::vector<std::uint8_t> in_solver_;    // by dynamic thing
   std::vector<std::uint8_t> rested_;       // by dynamic thing; at an island's root: all members rested
   std::vector<double> travel_m_;           // by dynamic thing: how far it may move
   std::vector<DrivePlan> plans_;           // by robot

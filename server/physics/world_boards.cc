@@ -66,7 +66,7 @@ void PhysicsWorld::FitBoards() {
 std::vector<double> PhysicsWorld::RatesOf(std::uint32_t thing) const {
   std::vector<double> rates;
   const Mechanism& mechanism = *things_.all[thing].mechanism;
-  if (!measures_.WantsWork(thing) || mechanism.one_body()) return rates;
+  if (!measures_.MeasuresWork(thing) || mechanism.one_body()) return rates;
   for (const Joint& joint : mechanism.joints)
     rates.push_back(MotionOf(*joint.model, mechanism.bodies, &FirstBody(thing)).rate);
   return rates;

@@ -95,7 +95,7 @@ void PhysicsWorld::MakeIslands() {
     const std::span<const FoundContact> contacts = ContactsOf(k);
     if (contacts.empty()) continue;
     const auto [a, b] = pairs_[k];
-    const bool in_a = in_ode_[a], in_b = b < count && in_ode_[b];
+    const bool in_a = in_solver_[a], in_b = b < count && in_solver_[b];
     if (!in_a && !in_b) continue;
     int rows = 0;
     for (const FoundContact& contact : contacts) rows += RowsOf(contact);
@@ -147,7 +147,7 @@ void PhysicsWorld::MakeBatches() {
   const std::size_t count = dynamic_count();
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const auto [a, b] = pairs_[k];
-    const bool in_a = in_ode_[a], in_b = b < count && in_ode_[b];
+    const bool in_a = in_solver_[a], in_b = b < count && in_solver_[b];
     if ((!in_a && !in_b) || ContactsOf(k).empty()) continue;
     batches_[batch_of_[islands_.RootOf(in_a ? a : b)]].pairs.push_back(static_cast<std::uint32_t>(k));
   }
@@ -225,7 +225,7 @@ void PhysicsWorld::SolvePlane(Batch& batch, PlaneSolver& solver, double dt_s) {
   }
   const auto number = [&](std::uint32_t thing) {
     const auto at = std::ranges::lower_bound(batch.members, thing);
-    if (at == batch.members.end() || *at != thing) return PlaneSolver::kStill;
+    if (at == batch.members.end() || *at != thing) return PlaneSolver::kStatic;
     return static_cast<std::uint32_t>(at - batch.members.begin());
   };
   for (const std::uint32_t pair : batch.pairs) {
@@ -334,8 +334,8 @@ bool PhysicsWorld::FreezeFastest(std::string why, Batch& batch) {
   for (const std::uint32_t thing : batch.members) {
     if (!moves_[thing]) continue;
     for (const BodyState& body : BodiesOf(thing)) {
-      if (Violence(body) <= most) continue;
-      most = Violence(body);
+      if (LimitRatio(body) <= most) continue;
+      most = LimitRatio(body);
       fastest = thing;
     }
   }
@@ -380,7 +380,7 @@ void PhysicsWorld::ReadBatch(Batch& batch, const Solver& solver, double dt_s) {
     const Thing& info = things_.all[thing];
     const std::span<BodyState> bodies = BodiesOf(thing);
     std::optional<std::string> why;
-    for (std::size_t k = 0; k < bodies.size() && !why; ++k) why = WhyInsane(solver.Read(thing, k));
+    for (std::size_t k = 0; k < bodies.size() && !why; ++k) why = FindFault(solver.Read(thing, k));
     if (why) {
       Freeze(thing, *why, batch);
       continue;
@@ -438,7 +438,7 @@ void PhysicsWorld::TurnWheels(std::uint32_t thing, double dt_s) {
   const Thing& info = things_.all[thing];
   const OneBodyDrive& drive = *info.mechanism->drive;
   const std::span<ChannelState> channels = ChannelsOf(info);
-  const WheelSpeeds rates_rad_s = TurnedWheels(drive, FirstBody(thing), drive.SpeedsOf(channels));
+  const WheelSpeeds rates_rad_s = WheelRates(drive, FirstBody(thing), drive.SpeedsOf(channels));
   const std::span<ChannelState> wheels = drive.ChannelsOf(channels);
   for (std::size_t wheel = 0; wheel < wheels.size(); ++wheel) Turn(wheels[wheel], rates_rad_s[wheel], dt_s);
 }

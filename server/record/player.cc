@@ -94,10 +94,10 @@ Nanoseconds Player::ShowDue() {
     Look(false);
     return reader_->growing() ? looked_at_ + kLookEvery : kNever;
   }
-  return playing_ ? GoOn() : GoByStep();
+  return playing_ ? Resume() : GoByStep();
 }
 
-Nanoseconds Player::GoOn() {
+Nanoseconds Player::Resume() {
   const bool back = speed_ < 0;
   if (!back) Look(false);
   const std::optional<Place> next = Next(back);

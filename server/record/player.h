@@ -129,7 +129,7 @@ class Player {
   /// Applies the queued edits; returns the edit that ends the playback.
   std::optional<Edit> ApplyEdits();
   Nanoseconds ShowDue();
-  Nanoseconds GoOn();
+  Nanoseconds Resume();
   Nanoseconds GoByStep();
   /// At an end: wraps around, waits for more frames, or stops.
   Nanoseconds AtEnd(bool back);

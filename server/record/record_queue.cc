@@ -195,7 +195,7 @@ void RecordQueue::Stall(std::uint64_t lost) {
   room_.NotifyAll();
 }
 
-void RecordQueue::GoOn() {
+void RecordQueue::Resume() {
   const MutexLock lock(mutex_);
   stalled_ = false;
 }

@@ -67,10 +67,10 @@ class RecordQueue {
   bool HasMore() const EXCLUDES(mutex_);
   /// Closed and empty.
   bool ended() const EXCLUDES(mutex_);
-  /// Nothing can be written for now. Until GoOn(), leaves out steps and inputs, including the queued ones,
+  /// Nothing can be written for now. Until Resume(), leaves out steps and inputs, including the queued ones,
   /// and makes no caller wait for room. `lost`: steps popped already that are left out too.
   void Stall(std::uint64_t lost) EXCLUDES(mutex_);
-  void GoOn() EXCLUDES(mutex_);
+  void Resume() EXCLUDES(mutex_);
   /// Waits briefly. True if Close() was called.
   bool WaitStalled() EXCLUDES(mutex_);
 

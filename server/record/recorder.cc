@@ -111,7 +111,7 @@ class Recorder::Impl {
     while (!queue_.ended()) {
       if (!stall_.empty()) {
         if (queue_.WaitStalled()) break;
-        if (clock_.Now() >= retry_at_) TryToGoOn();
+        if (clock_.Now() >= retry_at_) TryToResume();
         continue;
       }
       const bool is_dirty = writer_ != nullptr && writer_->dirty();
@@ -307,11 +307,11 @@ class Recorder::Impl {
     if (options_.on_stall) options_.on_stall(text);
   }
 
-  void TryToGoOn() {
+  void TryToResume() {
     retry_at_ = clock_.Now() + retry_after_;
     if (!files_.HasRoom()) return;
     if (writer_ != nullptr) {
-      writer_->GoOn();
+      writer_->Resume();
       bool written = true;
       for (const Event& event : events_) written = written && writer_->AddEvent(event);
       if (!written || !writer_->Commit()) {
@@ -324,7 +324,7 @@ class Recorder::Impl {
     stall_.clear();
     if (begin_) BeginFile();
     if (!writes()) return;
-    queue_.GoOn();
+    queue_.Resume();
     const std::string text = "there is room again: recording to " + writer_->file() + " resumes";
     logger_->info("{}", text);
     {
@@ -355,7 +355,7 @@ class Recorder::Impl {
       // If there is room for two rows, the file says how many steps are missing.
       std::string ignored;
       const std::uint64_t lost = owed_ + queue_.TakeLostAtEnd();
-      writer_->GoOn();
+      writer_->Resume();
       const bool said =
           lost == 0 || (writer_->AddLostAfter(lost) &&
                         writer_->AddEvent({last_.step, last_.time_s, "warning", LostText(lost)}));

@@ -177,7 +177,7 @@ bool RunWriter::Try(Write write) {
   return false;
 }
 
-void RunWriter::GoOn() {
+void RunWriter::Resume() {
   error_.clear();
   full_ = false;
   // After a checkpoint the log restarts at its beginning and needs less room.

@@ -41,7 +41,7 @@ class RunWriter {
   RunWriter& operator=(const RunWriter&) = delete;
 
   // All below return false, with error() set, if the file could not be written. Then uncommitted rows are
-  // lost, and the file accepts no more until GoOn().
+  // lost, and the file accepts no more until Resume().
   /// Adds a step; step numbers increase. Also writes the scene if it differs from the last frame's.
   bool AddStep(const Frame& frame);
   /// Adds the pictures that cameras took in a step added before; does nothing unless RecordWhat::images is
@@ -58,7 +58,7 @@ class RunWriter {
   /// Makes all added rows safe from a crash and visible to readers.
   bool Commit();
   /// Clears the error: new rows follow the last committed row. The next step must be a keyframe.
-  void GoOn();
+  void Resume();
   /// Commits and makes the recording one plain file. If another process has the file open, a -wal file stays
   /// beside it and `remark` says so.
   bool Close(std::string& remark);

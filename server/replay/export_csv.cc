@@ -160,8 +160,8 @@ std::string ExportCsv(RunReader& reader, const ExportOptions& options, const std
     ++rows;
   };
   // Stop at once when the disk is full, not at the end.
-  const auto go_on = [&](double share) { return !file.failed() && (!progress || progress(share)); };
-  error = table->ForEach({write_row, nullptr}, go_on);
+  const auto proceed = [&](double share) { return !file.failed() && (!progress || progress(share)); };
+  error = table->ForEach({write_row, nullptr}, proceed);
   if (!file.failed() && !error.empty()) return error;
   if (!file.failed() && rows == 0) return "no step of this time range was recorded with poses";
   if (error = WriteEvents(*table, events); !error.empty()) return error;

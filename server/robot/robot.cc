@@ -47,7 +47,7 @@ Robot::~Robot() {
   });
 }
 
-int Robot::said_port(std::size_t module) const {
+int Robot::requested_port(std::size_t module) const {
   if (!is_channel(module)) return 0;
   const auto* const channel = core_.model().Find<ChannelModel>();
   return channel == nullptr ? 0 : channel->port;

@@ -37,7 +37,7 @@ class Robot {
   /// True if the module has motors and values for clients of YARS.
   bool is_channel(std::size_t module) const { return core_.devices()[module]->drives_all(); }
   /// The port that the robot's model asks for; 0: none.
-  int said_port(std::size_t module) const;
+  int requested_port(std::size_t module) const;
   /// Makes a module listen, a channel also by UDP. Returns an error text, or empty on success. At most once
   /// per module.
   std::string Listen(std::size_t module, const std::vector<std::string>& addresses, int port);

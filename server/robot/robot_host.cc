@@ -130,7 +130,7 @@ std::string RobotHost::OpenModule(Robot& robot, std::size_t module) {
     return {};
   }
   if (change_->out_of_files) return kTooManyFiles;
-  const int said = options_.said_channel_ports ? robot.said_port(module) : 0;
+  const int said = options_.requested_channel_ports ? robot.requested_port(module) : 0;
   for (int attempt = 0; attempt < kMaxBusyPorts; ++attempt) {
     const bool as_said = said > 0 && !ports.IsForeign(said + attempt);
     const int port = as_said ? said + attempt : ports.Take();
@@ -170,7 +170,7 @@ void RobotHost::Open(Robot& robot, const RobotEntry& entry) {
 std::string RobotHost::Apply(std::shared_ptr<const Scene> scene, bool at_start) {
   Begin(std::move(scene));
   change_->at_start = at_start;
-  while (!GoOn()) {
+  while (!Resume()) {
     if (change_->error.empty()) continue;
     std::string error = std::move(change_->error);
     Stop(error);
@@ -200,7 +200,7 @@ void RobotHost::Begin(std::shared_ptr<const Scene> scene) {
   change_ = std::move(change);
 }
 
-bool RobotHost::GoOn() {
+bool RobotHost::Resume() {
   if (!change_) return true;
   if (!change_->leaving.empty()) LetGo();
   if (!change_->leaving.empty()) return false;

@@ -28,11 +28,11 @@ struct RobotHostOptions {
   bool sockets = true;                 // false: `--no-net`, modules can only adopt connections
   std::vector<std::string> addresses;  // ListenAddresses(--host)
   int threads = 0;  // `--robot-threads`, for all robots; 0: one each for robots with sockets, else a pool
-  std::chrono::microseconds spin{0};  // IoThread
-  std::size_t cores = 0;              // 0: all of this machine
-  PortPlan* channel_ports = nullptr;  // for channels, i.e. clients of YARS; null: like all other modules
-  bool said_channel_ports = true;     // channels first try the port of their model
-  std::string channel_ports_file{};   // prefix of the files that hold channels' ports; empty: none
+  std::chrono::microseconds spin{0};    // IoThread
+  std::size_t cores = 0;                // 0: all of this machine
+  PortPlan* channel_ports = nullptr;    // for channels, i.e. clients of YARS; null: like all other modules
+  bool requested_channel_ports = true;  // channels first try the port of their model
+  std::string channel_ports_file{};     // prefix of the files that hold channels' ports; empty: none
 };
 
 class RobotHost {
@@ -43,7 +43,7 @@ class RobotHost {
   /// Size of the pool: one thread per this many robots, at most kMaxPool and at most half the cores, because
   /// clients need the others.
   static constexpr std::size_t kRobotsPerThread = 4, kMaxPool = 2;
-  /// Robots removed or added per GoOn(): a few milliseconds, tens of them with sockets. Removal visits each
+  /// Robots removed or added per Resume(): a few milliseconds, tens of them with sockets. Removal visits each
   /// thread only twice, so more are removed.
   static constexpr std::size_t kGoAtOnce = 256, kComeAtOnce = 32;
 
@@ -59,9 +59,9 @@ class RobotHost {
   /// notice. Call it once the board is configured for the scene.
   void Begin(std::shared_ptr<const Scene> scene);
   /// Continues for a while: other work can run between calls. Returns true once all robots are up.
-  bool GoOn();
-  /// Begin() and GoOn() until all robots are up. A busy port with `at_start` is an error: returns a text that
-  /// names it, and no robots stay up. Otherwise takes the next free port. Returns "" on success.
+  bool Resume();
+  /// Begin() and Resume() until all robots are up. A busy port with `at_start` is an error: returns a text
+  /// that names it, and no robots stay up. Otherwise takes the next free port. Returns "" on success.
   std::string Apply(std::shared_ptr<const Scene> scene, bool at_start);
   /// Calls Robot::OpenYarpPort() of the robot whose name begins `name`, if it has sockets.
   void OpenYarpPort(const std::string& name, const std::string& asker);

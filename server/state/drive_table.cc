@@ -70,7 +70,7 @@ void DriveTable::Configure(const Scene& scene, bool keep_participants, std::span
     slot.on_deadline = entry.on_deadline;
     slot.on_disconnect = entry.on_disconnect;
     slot.watchdog_s = entry.watchdog_s ? entry.watchdog_s : scene.scenario->simulation.watchdog_s;
-    if (entry.goes_on_alone()) slot.watchdog_s = 0;
+    if (entry.runs_without_client()) slot.watchdog_s = 0;
     slot.may_be_awaited = std::ranges::find(awaited, actuator.module) != awaited.end();
     slot.may_participate = entry.sync && slot.may_be_awaited;
     Drive drive;

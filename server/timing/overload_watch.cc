@@ -206,14 +206,14 @@ std::string OverloadWatch::Look(Nanoseconds now, const RunStatus& status) {
   if (!from) return {};
   const Nanoseconds wall = now - from->now;
   const double lost = LostPart(from->status, status, wall);
-  const bool said_lately = said_ && now - *said_ < kAgainAfter;
-  if (lost <= kMostLost || said_lately) {
+  const bool warned_lately = warned_at_ && now - *warned_at_ < kAgainAfter;
+  if (lost <= kMostLost || warned_lately) {
     use_.reset();
     return {};
   }
   const std::optional<CpuUse> before = std::exchange(use_, read_use_());
   if (!before) return {};
-  said_ = now;
+  warned_at_ = now;
   std::string text =
       fmt::format("real time is lost: {:.0f} % in the last {:.0f} s. ", 100 * lost, ToSeconds(wall));
   text += DescribeSteps(from->status, status);

@@ -72,7 +72,7 @@ class OverloadWatch {
   const std::function<CpuUse()> read_use_;
   std::optional<Moment> from_;  // start of the window
   std::optional<CpuUse> use_;   // at that time, if the previous window lost too much
-  std::optional<Nanoseconds> said_;
+  std::optional<Nanoseconds> warned_at_;
 };
 
 /// Fraction of the real time `wall` from `before` to `after` that was skipped.

@@ -66,7 +66,7 @@ bool IsUnreadable(const error_code& failed) {
 }  // namespace
 
 HttpSession::HttpSession(asio::ip::tcp::socket socket, WebContext& context, PeerInfo peer)
-    : stream_(std::move(socket)), context_(context), peer_(std::move(peer)), patience_(context.io) {}
+    : stream_(std::move(socket)), context_(context), peer_(std::move(peer)), deadline_timer_(context.io) {}
 
 HttpSession::~HttpSession() = default;
 
@@ -335,7 +335,7 @@ void HttpSession::OpenRun(std::uint64_t ticket, const std::string& name, const W
   }
   if (ticket != ticket_) return;  // timed out
   ++ticket_;
-  patience_.cancel();
+  deadline_timer_.cancel();
   const bool head_only = parser_->get().method() == http::verb::head;
   const auto stream = std::make_shared<FileStream>(std::move(stream_), context_.runs, std::move(file),
                                                    static_cast<std::uint64_t>(about.st_size));
@@ -345,8 +345,8 @@ void HttpSession::OpenRun(std::uint64_t ticket, const std::string& name, const W
 
 std::uint64_t HttpSession::Await(const std::string& whom, std::chrono::seconds time) {
   const std::uint64_t ticket = ++ticket_;
-  patience_.expires_after(time);
-  patience_.async_wait([self = shared_from_this(), ticket, whom, time](error_code cancelled) {
+  deadline_timer_.expires_after(time);
+  deadline_timer_.async_wait([self = shared_from_this(), ticket, whom, time](error_code cancelled) {
     if (cancelled) return;
     const std::string text = "no answer from " + whom + " within " + std::to_string(time.count()) + " s";
     self->AnswerLater(ticket, ErrorAnswer(504, text));
@@ -357,7 +357,7 @@ std::uint64_t HttpSession::Await(const std::string& whom, std::chrono::seconds t
 void HttpSession::AnswerLater(std::uint64_t ticket, HttpAnswer answer) {
   if (ticket != ticket_) return;
   ++ticket_;
-  patience_.cancel();
+  deadline_timer_.cancel();
   Answer(std::move(answer));
 }
 

@@ -88,7 +88,7 @@ class HttpSession : public WebConnection, public std::enable_shared_from_this<Ht
   std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
   std::optional<boost::beast::http::response<boost::beast::http::string_body>> response_;
   HttpRoute route_;
-  boost::asio::steady_timer patience_;
+  boost::asio::steady_timer deadline_timer_;
   std::uint64_t ticket_ = 0;  // of the pending answer
   std::unique_ptr<PageBridge> bridge_;
   std::size_t drained_ = 0;

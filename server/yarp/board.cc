@@ -394,10 +394,10 @@ void BoardClient::Overlay(BoardState& state) const {
       joint.stiffness = impedances_[i]->first;
       joint.damping = impedances_[i]->second;
     }
-    if (i >= told_.size() || state.step > told_[i].until_step) continue;
-    if (told_[i].mode) joint.mode = *told_[i].mode;
-    if (told_[i].moves) joint.arrived = false;
-    if (told_[i].reference) OverlayReference(*told_[i].reference, joint);
+    if (i >= commanded_.size() || state.step > commanded_[i].until_step) continue;
+    if (commanded_[i].mode) joint.mode = *commanded_[i].mode;
+    if (commanded_[i].moves) joint.arrived = false;
+    if (commanded_[i].reference) OverlayReference(*commanded_[i].reference, joint);
   }
 }
 
@@ -426,14 +426,14 @@ void BoardClient::Taken(const Message& command, const Message& reply) {
   const bool refers = mode && command.command != command::kHold;
   for (std::size_t k = 0; k < command.params.size(); ++k) {
     const auto joint = static_cast<std::size_t>(command.params[k]) - 1;
-    if (joint >= told_.size()) told_.resize(joint + 1);
+    if (joint >= commanded_.size()) commanded_.resize(joint + 1);
     // The current step may have missed the command.
-    told_[joint] = {static_cast<std::int64_t>(reply.data.back()) + 1,
-                    command.command == command::kSetModes
-                        ? std::optional(static_cast<BoardMode>(static_cast<int>(command.data[k])))
-                        : mode,
-                    command.command == command::kSetPositions,
-                    refers ? std::optional(command.data[k]) : std::nullopt};
+    commanded_[joint] = {static_cast<std::int64_t>(reply.data.back()) + 1,
+                         command.command == command::kSetModes
+                             ? std::optional(static_cast<BoardMode>(static_cast<int>(command.data[k])))
+                             : mode,
+                         command.command == command::kSetPositions,
+                         refers ? std::optional(command.data[k]) : std::nullopt};
   }
 }
 

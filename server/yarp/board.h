@@ -126,7 +126,7 @@ class BoardClient {
   BoardAnswer Tell(const BoardCall& call, const BoardState& state, const std::vector<std::size_t>& joints);
   Message Compliance(const BoardCall& call, const BoardState& state, const std::vector<std::size_t>& joints);
 
-  std::vector<Joint> told_;
+  std::vector<Joint> commanded_;
   std::vector<std::optional<std::pair<double, double>>>
       impedances_;  // of stiff joints, for when they become compliant
 };

@@ -150,12 +150,12 @@ class BaseRpcTranslator final : public ReadingTranslator {
   std::optional<Message> Command(const Message& /*reading*/) override {
     const auto values = ThreeNumbers(request(), arguments());
     if (name() != "applyVelocityCommandRPC" || !values) return {};
-    told_ = *values;
-    return SetVelocity(told_[0], told_[2] * kOneDegree);
+    setpoint_ = *values;
+    return SetVelocity(setpoint_[0], setpoint_[2] * kOneDegree);
   }
   std::optional<YarpAnswer> Answer(const Message& reply) override {
     if (reply.command == command::kSetVelocity) {
-      last_ = told_;
+      last_ = setpoint_;
       return Returned(ReturnCode::kDone);
     }
     if (name() != "getLastVelocityCommandRPC") return {};
@@ -164,7 +164,7 @@ class BaseRpcTranslator final : public ReadingTranslator {
     });
   }
 
-  std::array<double, 3> told_{}, last_{};
+  std::array<double, 3> setpoint_{}, last_{};
 };
 
 }  // namespace

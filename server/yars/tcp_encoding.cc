@@ -127,7 +127,7 @@ class YarsTcpEncoding final : public Encoding {
 
   std::string Warning(const Message& reply) override {
     const bool is_reset = reply.error == static_cast<std::int32_t>(Error::kNotPossible);
-    if (asks_ != Asks::kStep || reply.error == 0 || is_reset || std::exchange(told_, true)) return {};
+    if (asks_ != Asks::kStep || reply.error == 0 || is_reset || std::exchange(logged_, true)) return {};
     return endpoint_->path() + " has not taken ACTUATORS, and nothing has moved: " + reply.text +
            " (later ones are not told)";
   }
@@ -230,7 +230,7 @@ class YarsTcpEncoding final : public Encoding {
   const Connection* connection_ = nullptr;
   char awaited_ = 0;  // letter of the value that must follow the last command; 0: none
   Asks asks_ = Asks::kNothing;
-  bool told_ = false;                  // a refusal of ACTUATORS has been logged
+  bool logged_ = false;                // a refusal of ACTUATORS has been logged
   std::optional<std::uint64_t> seed_;  // for the next reset
 };
 

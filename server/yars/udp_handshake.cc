@@ -54,32 +54,32 @@ bool YarsUdpHandshake::IsLike(const YarsUdpHandshake& other) const {
 }
 
 void YarsUdpHandshake::AppendBasic(std::string& datagram) {
-  if (told_ >= tree_.size() || in_extended_) told_ = 0;
+  if (next_entry_ >= tree_.size() || in_extended_) next_entry_ = 0;
   in_extended_ = false;
   constexpr std::size_t kRoom = 12;  // for the last tags and a number
-  for (; told_ < tree_.size() && datagram.size() + kRoom <= kUsable; ++told_) {
-    if (tree_[told_].tag != kTagAuxiliary) PutInt(tree_[told_].tag, datagram);
+  for (; next_entry_ < tree_.size() && datagram.size() + kRoom <= kUsable; ++next_entry_) {
+    if (tree_[next_entry_].tag != kTagAuxiliary) PutInt(tree_[next_entry_].tag, datagram);
   }
-  if (told_ < tree_.size()) PutInt(kTagMore, datagram);
+  if (next_entry_ < tree_.size()) PutInt(kTagMore, datagram);
 }
 
 void YarsUdpHandshake::BeginExtended() {
   in_extended_ = true;
-  told_ = 0;
+  next_entry_ = 0;
   names_next_ = false;
 }
 
 void YarsUdpHandshake::AppendExtended(std::string& datagram) {
   if (std::exchange(names_next_, false)) {
-    const std::string& name = tree_[told_ - 1].entry.name;
+    const std::string& name = tree_[next_entry_ - 1].entry.name;
     PutInt(static_cast<std::int32_t>(name.size()), datagram);
     datagram += name;
     return;
   }
   constexpr std::size_t kRoom = 24;  // for an entry and the end
-  while (told_ < tree_.size()) {
+  while (next_entry_ < tree_.size()) {
     if (datagram.size() + kRoom > kUsable) return PutInt(kTagMore, datagram);
-    const Tag& tag = tree_[told_++];
+    const Tag& tag = tree_[next_entry_++];
     PutInt(tag.tag, datagram);
     if (!tag.is_entry) continue;
     PutFloat(static_cast<float>(tag.entry.external_min), datagram);

@@ -45,8 +45,8 @@ class YarsUdpHandshake {
   std::vector<Tag> tree_;
   std::vector<std::size_t> motor_order_, value_order_;
   std::size_t sensor_count_ = 0;
-  std::size_t told_ = 0;     // index into tree_
-  bool names_next_ = false;  // the name of tree_[told_ − 1] comes next
+  std::size_t next_entry_ = 0;  // index into tree_
+  bool names_next_ = false;     // the name of tree_[next_entry_ − 1] comes next
   bool in_extended_ = false;
 };
 

@@ -56,7 +56,7 @@ struct YarsPorts::Client {
   std::string peer_text;
   steady_clock::time_point heard;
   YarsUdpTalk talk;
-  bool told_trouble = false;
+  bool trouble_logged = false;
 };
 
 /// State that a removed robot leaves to the next one on its port. Waiting datagrams stay in the sockets.
@@ -288,7 +288,7 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
   void Perform(YarsUdpTalk::Action action) {
     while (true) {
       KeepFromOthers(action);
-      if (!action.trouble.empty() && !std::exchange(client_->told_trouble, true))
+      if (!action.trouble.empty() && !std::exchange(client_->trouble_logged, true))
         Say(spdlog::level::warn, action.trouble);
       for (const std::string& datagram : action.datagrams)
         Send(datagram, client_->peer, SocketFor(client_->peer));
@@ -319,12 +319,12 @@ class YarsUdpPort::Impl final : public std::enable_shared_from_this<Impl>, priva
     world_.Ask(std::move(order), *this,
                [ports = ports_, number = port_, peer = client_->peer](const Message& reply) {
                  if (const auto port = ports->Find(number); port != nullptr)
-                   port->Post([peer, reply](Impl& self) { self.GoOn(peer, reply); });
+                   port->Post([peer, reply](Impl& self) { self.Resume(peer, reply); });
                });
   }
 
   /// The world has answered. The robot and this port may be new since the order.
-  void GoOn(const udp::endpoint& peer, const Message& reply) {
+  void Resume(const udp::endpoint& peer, const Message& reply) {
     if (!client_ || client_->peer != peer || !client_->talk.waits()) return;
     client_->heard = steady_clock::now();
     const bool is_gone = is_vacant() && reply.error == 0;

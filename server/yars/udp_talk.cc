@@ -98,7 +98,7 @@ YarsUdpTalk::Action YarsUdpTalk::Take(std::string_view datagram) {
   return {};
 }
 
-YarsUdpTalk::Action YarsUdpTalk::GoOn(Action action) {
+YarsUdpTalk::Action YarsUdpTalk::Resume(Action action) {
   if (waits() || later_.empty()) return action;
   const std::string next = std::exchange(later_, {});
   return Joined(std::move(action), Begin(next));
@@ -280,14 +280,14 @@ YarsUdpTalk::Action YarsUdpTalk::Answer(const Message& reply) {
   const Waiting waited = std::exchange(waiting_, Waiting::kNot);
   if (waited == Waiting::kChannel) {
     const bool moved = std::exchange(moved_, false);
-    if (reply.error != 0) return GoOn(Refuse(reply.text));
+    if (reply.error != 0) return Resume(Refuse(reply.text));
     YarsUdpHandshake handshake(YarsChannel::Of(reply));
     const bool is_same = handshake.IsLike(handshake_);
     handshake_ = std::move(handshake);
     knows_channel_ = true;
-    if (!moved) return GoOn(Begin(std::string(current_)));
+    if (!moved) return Resume(Begin(std::string(current_)));
     if (!is_same)
-      return GoOn(Refuse("the robot has been edited and has other motors or values: shake hands"));
+      return Resume(Refuse("the robot has been edited and has other motors or values: shake hands"));
     waiting_ = Waiting::kValues;
     return {.request = ReplyTo(command::kGetValues)};
   }
@@ -296,7 +296,7 @@ YarsUdpTalk::Action YarsUdpTalk::Answer(const Message& reply) {
     waiting_ = Waiting::kValues;
     return {.request = ReplyTo(command::kGetValues)};
   }
-  if (reply.error != 0) return GoOn(Refuse(reply.text));
+  if (reply.error != 0) return Resume(Refuse(reply.text));
   constexpr std::int32_t kAbort = 1;
   const std::int32_t state = reply.text == "aborted" ? kAbort : 0;
   const std::vector<std::size_t>& order = handshake_.value_order();
@@ -316,7 +316,7 @@ YarsUdpTalk::Action YarsUdpTalk::Answer(const Message& reply) {
     left_.assign(datagrams.begin() + kUnacknowledged, datagrams.end());
     datagrams.resize(kUnacknowledged);
   }
-  return GoOn(Send(std::move(datagrams)));
+  return Resume(Send(std::move(datagrams)));
 }
 
 // --- the world
@@ -343,13 +343,13 @@ YarsUdpTalk::Action YarsUdpTalk::Done(const Message& reply) {
   waiting_ = Waiting::kNot;
   knows_channel_ = false;  // the robot may have changed
   left_.clear();
-  if (reply.error != 0 && !failed_) return GoOn(Refuse(reply.text));
+  if (reply.error != 0 && !failed_) return Resume(Refuse(reply.text));
   const bool has_failed = reply.error != 0;
   std::string datagram = Ints({has_failed ? *failed_ : ack_});
   if (!failed_) PutInt(kRobot, datagram);
   Action action = Send({Finish(std::move(datagram))});
   if (has_failed) action.trouble = reply.text;
-  return GoOn(std::move(action));
+  return Resume(std::move(action));
 }
 
 YarsUdpTalk::Action YarsUdpTalk::NewSimulation(YarsReader& fields) {

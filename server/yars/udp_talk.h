@@ -80,7 +80,7 @@ class YarsUdpTalk {
   std::string Finish(std::string datagram) const;
   static std::string Ints(std::initializer_list<std::int32_t> numbers);
   /// Starts the datagram kept for later, after `action`.
-  Action GoOn(Action action);
+  Action Resume(Action action);
   static Action Joined(Action first, Action then);
 
   YarsUdpHandshake handshake_;

@@ -147,7 +147,7 @@ classdef Joints < coopdyn.internal.Parts
       yes = false;
       if isempty(j.link.kept)
         motion = j.get_motion(varargin{:});
-        yes = j.session.newest(2) > j.link.told_at && all(motion.arrived);
+        yes = j.session.newest(2) > j.link.commanded_at && all(motion.arrived);
       end
     end
 

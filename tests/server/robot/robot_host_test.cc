@@ -338,7 +338,7 @@ TEST_F(RobotHostTest, ThousandsComeAndGoInSlices) {
   LoadSwarm(1000);
   host->Begin(scene());
   int slices = 1;
-  while (!host->GoOn()) {
+  while (!host->Resume()) {
     ++slices;
     EXPECT_LE(names_.List().size(), 2 * 4 + slices * RobotHost::kComeAtOnce * 4);
   }
@@ -347,9 +347,9 @@ TEST_F(RobotHostTest, ThousandsComeAndGoInSlices) {
 
   Load(SmallScenario(1));
   host->Begin(scene());
-  EXPECT_FALSE(host->GoOn());
+  EXPECT_FALSE(host->Resume());
   EXPECT_GE(names_.List().size(), 4000 - 4 * RobotHost::kGoAtOnce);
-  while (!host->GoOn()) continue;
+  while (!host->Resume()) continue;
   EXPECT_EQ(names_.List().size(), 4U);
 }
 
@@ -358,7 +358,7 @@ TEST_F(RobotHostTest, AKeptRobotServesWhileOthersCome) {
   TestClient client = Connect("/robot2/motors");
   LoadSwarm(1000);
   host->Begin(scene());
-  EXPECT_FALSE(host->GoOn());
+  EXPECT_FALSE(host->Resume());
   client.Send("claim\n");
   EXPECT_THAT(client.Line(), HasSubstr("0 \"\" 7"));
   EXPECT_TRUE(host->CloseClient("robot2", world_.board.Owners()[1].id, "released by ana"));
@@ -371,12 +371,12 @@ TEST_F(RobotHostTest, AnotherSceneTakesOverWhatHasCome) {
   TestClient one = Connect("/robot1/motors"), two = Connect("/robot2/motors");
   LoadSwarm(1000);
   host->Begin(scene());
-  EXPECT_FALSE(host->GoOn());
+  EXPECT_FALSE(host->Resume());
   Load(SmallScenario(1));
   host->Begin(scene());
   Load(SmallScenario(3));
   host->Begin(scene());
-  while (!host->GoOn()) continue;
+  while (!host->Resume()) continue;
   ASSERT_EQ(host->robots().size(), 3U);
   EXPECT_EQ(names_.List().size(), 12U);
   one.Send("claim\n");
@@ -391,12 +391,12 @@ TEST_F(RobotHostTest, AStopBetweenSlicesEndsWhatHasComeAndWhatIsToLeave) {
   const auto host = Start(Options());
   LoadSwarm(1000);
   host->Begin(scene());
-  EXPECT_FALSE(host->GoOn());
+  EXPECT_FALSE(host->Resume());
   Load(SmallScenario(0));
   host->Begin(scene());
   host->Stop();
   EXPECT_TRUE(names_.List().empty());
-  EXPECT_TRUE(host->GoOn());
+  EXPECT_TRUE(host->Resume());
   EXPECT_TRUE(host->robots().empty());
 }
 

@@ -25,7 +25,7 @@ classdef Link < handle
     kept = []          % {command, data, joints or the like}, for the next step
     sent = []          % the same of a command whose reply has not come yet
     sent_at = 0        % the newest step when it was sent
-    told_at = -1       % the newest step when a command was answered at once: it runs with a later one
+    commanded_at = -1       % the newest step when a command was answered at once: it runs with a later one
     unstepped = 0      % commands since the last step
     unstepped_since = 0  % the step of the first of them
     lost = ''          % why it is not ours any more
@@ -262,7 +262,7 @@ classdef Link < handle
       end
       link.sent = {number, data, joints};
       link.await_command(session, 0.08);
-      link.told_at = session.newest(2);
+      link.commanded_at = session.newest(2);
     end
 
     function send_step(link, session)
@@ -354,7 +354,7 @@ classdef Link < handle
       link.kept = [];
       link.sent = [];
       link.carried = [];
-      link.told_at = -1;
+      link.commanded_at = -1;
       link.scans = struct();
     end
 
