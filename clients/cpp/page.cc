@@ -18,7 +18,7 @@ namespace {
 namespace http = boost::beast::http;
 using boost::system::error_code;
 
-/// A connection as Beast reads it. Each wait is at most `timeout_s`.
+/// A connection as a stream for Beast. Each wait takes at most `timeout_s`.
 class PageStream {
  public:
   PageStream(Socket socket, double timeout_s) : socket_(std::move(socket)), timeout_s_(timeout_s) {}
@@ -52,7 +52,7 @@ class PageStream {
   double timeout_s_;
 };
 
-/// Goes away with the object, unless it was renamed.
+/// A temporary file; the destructor removes it unless it was renamed.
 struct PartFile {
   explicit PartFile(const std::string& name) : part(name + "." + std::to_string(getpid()) + ".part") {}
   ~PartFile() {
@@ -69,7 +69,7 @@ struct PartFile {
 
 std::string UrlHere(const Address& daemon, const std::string& url) {
   if (daemon.port() == 0)
-    return url.starts_with("http") ? url : "";  // a unix socket: the page is this machine's
+    return url.starts_with("http") ? url : "";  // a unix socket: the page is on this machine
   const std::size_t begin = url.find("://");
   if (begin == std::string::npos) return "";
   const std::size_t path = std::min(url.find('/', begin + 3), url.size());

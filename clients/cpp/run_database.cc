@@ -14,7 +14,7 @@ constexpr std::int64_t kRunId = 0x434F4F50;  // SQLite's application_id of a rec
 constexpr std::int64_t kRunFormat = 2;
 constexpr int kBusy_ms = 2000;
 
-/// It holds what a recording has not put into its file yet.
+/// True if a write-ahead log holds data that are not in the recording's file yet.
 bool HasLog(const std::string& file) {
   std::error_code failed;
   const auto size = std::filesystem::file_size(file + "-wal", failed);
@@ -64,7 +64,7 @@ RunDatabase::RunDatabase(const std::string& file) : file_(file) {
                        file.substr(0, file.size() - 4) +
                        ".run: sim.fetch_run(\"NAME\") copies it from the daemon");
   int status = Open(false);
-  if (status == SQLITE_CANTOPEN && !HasLog(file)) status = Open(true);  // where nothing can be written
+  if (status == SQLITE_CANTOPEN && !HasLog(file)) status = Open(true);  // read-only folder
   const std::string foreign = file + " is no recording of coopdyn (NAME.run)";
   const std::string why = sqlite3_errmsg(database_.get());
   const std::string cure =
@@ -87,7 +87,7 @@ RunDatabase::RunDatabase(const std::string& file) : file_(file) {
   }
 }
 
-/// What SQLite says of opening and reading it.
+/// Returns SQLite's status of opening and reading the file.
 int RunDatabase::Open(bool immutable) {
   const std::string uri = "file:" + PercentEncoded(std::filesystem::absolute(file_).string(), "/") +
                           "?mode=ro" + (immutable ? "&immutable=1" : "");
