@@ -33,8 +33,8 @@ class ProgramTestCase(DaemonTestCase):
         self.assertLess(math.dist(at, (x, y)), within, line)
 
     def in_real_time(self, program, *arguments):
-        """What a program prints that drives robot1 over an open floor to the target, which it must come to on its way: where it is
-        a moment later depends on the machine."""
+        """The output of a program that drives robot1 over an open floor to the target. The robot must pass the target; its later
+        position depends on the machine."""
         daemon = self.start("classroom", "--mode", "realtime", "--speed", "2", "--set", "SCORE_1.kind=reach", "--set",
                             "SCORE_1.target=red", "--set", "SCORE_1.within=0.41")
         out = self.run_program(daemon, program, *arguments)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""coopdyn.launch(): a daemon of the program's own, which ends with it, however it ends."""
+"""coopdyn.launch(): a private daemon that exits with its program, however that ends."""
 import glob
 import os
 import pathlib
@@ -21,7 +21,7 @@ LIMIT_S = 60
 
 
 def daemons():
-    """Process numbers of daemons that were launched by this process's programs."""
+    """Process ids of daemons launched by this process's programs."""
     found = []
     for line in glob.glob("/proc/[0-9]*/cmdline"):
         try:
@@ -114,7 +114,7 @@ class LaunchTest(unittest.TestCase):
 
 
 class OtherProgramTest(unittest.TestCase):
-    """A program of its own launches a daemon and ends in many ways."""
+    """A separate program launches a daemon and ends in many ways."""
 
     def launched(self, rest):
         code = (f"import sys\nsys.path.insert(0, {str(harness.ROOT / 'clients' / 'python')!r})\nimport coopdyn, time\n"

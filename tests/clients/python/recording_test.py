@@ -19,7 +19,7 @@ MICROMETRE = 1e-6
 
 
 def drive(sim, steps, robots):
-    """What each robot was told and where it was, after each step; told speeds depend on the step only."""
+    """Commands and poses of the robots after each step; commanded speeds depend only on the step."""
     for _ in range(steps):
         k = sim.steps
         for i, r in enumerate(robots):
@@ -29,7 +29,7 @@ def drive(sim, steps, robots):
 
 
 class Recorded:
-    """A run of two robots in lockstep: recorded from step 0, copied to a file, with all that was seen of it."""
+    """A run of two robots in lockstep: recorded from step 0, downloaded to a file, with all readings of the client."""
 
     def __init__(self, folder):
         self.file = os.path.join(folder, "lesson1.run")

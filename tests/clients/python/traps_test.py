@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What goes wrong between a program and the daemon, played by a scripted daemon."""
+"""Failures between a program and the daemon, produced by the scripted daemon."""
 import contextlib
 import gc
 import io
