@@ -1,4 +1,4 @@
-"""Ports that send readings to programs of YARP: opened when asked for, connected when told to, with back-pressure."""
+"""Ports that send readings to YARP programs: opened and connected on request, with back-pressure."""
 import os
 import socket
 import struct
@@ -63,7 +63,7 @@ class YarpStreamsTest(YarpPorts, unittest.TestCase):
                 motors.must("set_velocity 0.2 0")
             self.assertFalse(connection.has_bytes())
             connection.write(ACK)
-            # The newest 64 have waited; the number tells that 36 are lost.
+            # The newest 64 were queued; the number shows that 36 are lost.
             self.assertEqual(connection.read_sample(ACK)[0], "D 37 0.37")
             self.assertEqual(connection.read_sample(ACK)[0], "D 38 0.38")
 
