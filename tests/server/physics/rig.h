@@ -42,7 +42,7 @@ inline RobotModel OnAPost() {
   return model;
 }
 
-/// A world with such a robot, in steps of `step_ms`.
+/// A world with one of them, in steps of `step_ms`.
 inline void BuildWith(RobotModel model, int step_ms, PhysicsScene& scene) {
   scene.step_length = step_ms * 1'000'000;
   scene.robot_model = std::make_shared<const RobotModel>(std::move(model));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A scene for tests of whole simulations: robots of every fidelity in a crowd, alone and parked, things of
-// every shape, and broadcasts with delay. One thread.
+// every shape, and broadcasts that take their time. One thread.
 #pragma once
 
 #include <cmath>
@@ -19,7 +19,7 @@
 
 namespace coopdyn {
 
-/// `kinds`: the fidelities of its robots, cyclically.
+/// `kinds`: the fidelities that its robots have in turn.
 inline std::shared_ptr<const Scene> SimulationScene(const std::vector<Fidelity>& kinds, int crowd = 20) {
   auto model = std::make_shared<RobotModel>(*SmallRobot());
   SensorOf<NeighboursModel>(*model) = {.range_m = 3, .message_range_m = 3, .delay_steps = 4};
@@ -36,7 +36,7 @@ inline std::shared_ptr<const Scene> SimulationScene(const std::vector<Fidelity>&
   };
   for (int i = 0; i < crowd; ++i) {
     const double x = 0.22 * (i % 5), y = 0.22 * (i / 5);
-    add(x, y, std::atan2(0.41 - y, 0.43 - x));  // facing the centre
+    add(x, y, std::atan2(0.41 - y, 0.43 - x));  // facing the middle
   }
   for (int i = 0; i < 3; ++i) add(4 + i, 2, i);
   const auto place = [&](const Shape& shape, double x_m, double y_m, double z_m, double mass_kg) {
@@ -54,7 +54,7 @@ inline std::shared_ptr<const Scene> SimulationScene(const std::vector<Fidelity>&
   return MakeScene(scenario);
 }
 
-/// A simulation of such a scene with inputs that depend only on the step.
+/// A simulation of such a scene and the inputs that it gets, which depend on its step only.
 class SteppedSimulation {
  public:
   explicit SteppedSimulation(std::shared_ptr<const Scene> scene, std::uint64_t seed = 1,
@@ -94,9 +94,9 @@ class SteppedSimulation {
   std::unique_ptr<Simulation> simulation_;
 };
 
-/// The hash of all visible data of a frame except the epoch.
+/// All of a frame that anybody can see, but for the epoch, as a number.
 std::uint64_t WholeHash(const Frame& frame);
-/// The hashes of the next `count` steps.
+/// Of the next `count` steps.
 std::vector<std::uint64_t> WholeHashes(SteppedSimulation& simulation, int count);
 
 }  // namespace coopdyn

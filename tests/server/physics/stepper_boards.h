@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The boards of a stepper, and steppers on them, for scenarios with the shipped robots. One thread.
+// The boards that a stepper works on, and steppers on them, of scenarios with the shipped robots. One thread.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ class StepperBoards : public testing::Test {
     EXPECT_NE(scenario, nullptr) << diagnostics.ToString();
     return scenario;
   }
-  /// A stepper, not yet started. Its arguments must outlive it.
+  /// Not yet started. What it is given must outlive it.
   std::unique_ptr<Stepper> MakeStepper(const Clock& clock, const RunOptions& options,
                                        const StepHelpers& helpers = {}) {
     return std::make_unique<Stepper>(Stepper::Boards{frames_, board_, edits_, control_, bell_}, clock,

@@ -16,7 +16,7 @@
 
 namespace coopdyn {
 
-/// Keeps its events as texts.
+/// Writes down what it is told, as texts.
 class Journal final : public RunJournal {
  public:
   void Begin(const SavedStatePtr& state) override {
@@ -48,7 +48,7 @@ class Journal final : public RunJournal {
   std::vector<std::uint64_t> asked;
 };
 
-/// Turns the robots' wheels by the number of its calls, which is its state.
+/// Turns the wheels of its robots by how often it was asked, which is its state.
 class Counting final : public ControllerDriver {
  public:
   void Check(const Scenario&, Diagnostics&) override {}
@@ -99,7 +99,7 @@ class Counting final : public ControllerDriver {
   bool fails_at_start = false, refuses_all = false;
   std::uint64_t fails_after = 1'000'000;
   std::vector<Nanoseconds> lengths;
-  std::vector<std::byte> refused;  // a state that does not fit
+  std::vector<std::byte> refused;  // that state does not fit
 
  private:
   int count_ = 0;
@@ -114,7 +114,7 @@ inline constexpr const char* kRobots =
 
 class StepperRestoreTest : public StepperBoards {
  protected:
-  /// Clients drive robot1 and robot3; a controller drives robot2 if `driven`.
+  /// robot1 and robot3 are driven by clients, robot2 by a controller if `driven`.
   void Begin(bool driven = false, const std::string& more = "") {
     auto scenario = std::make_shared<Scenario>(*Read(kRobots + more));
     if (driven) scenario->robots[1].controller = {"count", "count.so", {}, {"test.scenario", 9}};
@@ -123,7 +123,7 @@ class StepperRestoreTest : public StepperBoards {
     Diagnostics diagnostics;
     ASSERT_TRUE(stepper_->Start(scenario, diagnostics)) << diagnostics.ToString();
   }
-  /// Applies an edit. No step runs meanwhile, because nobody has sent a command.
+  /// Applies an edit. Nothing steps meanwhile, as nobody has commanded anything.
   EditResult Do(EditAction action) {
     EditResult result;
     stepper_->TakeOver({std::move(action), [&result](const EditResult& done) { result = done; }});
@@ -132,7 +132,7 @@ class StepperRestoreTest : public StepperBoards {
   SavedStatePtr Save() { return Do(edit::Save{}).saved; }
   const Frame& now() { return *frames_.Latest(); }
 
-  /// A step with commands for robot1 and robot3 that depend on its number; returns the hash after it.
+  /// A step in which robot1 and robot3 are commanded as their step number says; returns the hash after it.
   std::uint64_t Step() {
     const double wave = static_cast<double>(now().step % 7);
     board_.Command(board_.FindSlot("robot1"), ana_, Wheels(wave, 2), {}, [](const StepResult&) {});
@@ -144,7 +144,7 @@ class StepperRestoreTest : public StepperBoards {
     if (!IsDriven("robot2")) Keep("robot2");
     return StateHash(now());
   }
-  /// A step without new commands.
+  /// A step in which nobody commands anything new.
   std::uint64_t Keep() {
     for (const char* robot : {"robot1", "robot3", "robot2"}) {
       if (!IsDriven(robot)) Keep(robot);
