@@ -49,7 +49,7 @@ class Output:
 
 
 def shown(data):
-    """Bytes as text, with unprintable characters as \\x…."""
+    """Bytes as text: what cannot be printed stands as \\x…."""
     text = data.decode("utf-8", "backslashreplace").replace("\r\n", "\n")
     return "".join(c if c in "\n\t" or c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
@@ -59,7 +59,7 @@ def in_words(count):
 
 
 class BoxRun:
-    """A daemon and its client, until both have ended. `reason` why the client was stopped: None, time, clock, memory, flood."""
+    """A daemon and its client, until both have ended. `reason`: why the client was stopped: None, time, clock, memory, flood."""
 
     def __init__(self, job, started):
         self._job, self._started = job, started

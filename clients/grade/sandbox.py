@@ -45,7 +45,7 @@ def environment(server, submission, clients):
 
 
 def limits(values):
-    """Limits of each process. RLIMIT_DATA, because RLIMIT_AS also counts memory that is only reserved."""
+    """Of each process. RLIMIT_DATA, as RLIMIT_AS also counts what is only reserved."""
     cpu_s = int(values["time"]) + 1
     disk = values["disk"]
     return ["prlimit", f"--cpu={cpu_s}:{cpu_s + 1}", f"--data={values['memory']}", f"--fsize={disk}", f"--nofile={kFiles}", "--core=0"]
