@@ -245,7 +245,7 @@ Socket Address::DialTcp(Deadline deadline) const {
   addrinfo* found = nullptr;
   if (getaddrinfo(host_.c_str(), std::to_string(port_).c_str(), &hints, &found) != 0)
     throw Error(Error::kNoConnection,
-                "nobody knows a machine called '" + host_ + "'; check the name, or write its address");
+                "no machine is called '" + host_ + "'; check the name, or write its address");
   const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owner(found, freeaddrinfo);
   int error = ECONNREFUSED;
   for (const addrinfo* a = found; a != nullptr; a = a->ai_next) {

@@ -124,9 +124,9 @@ void Download(const Address& daemon, const std::string& url, const std::string& 
   throw_if_silent();
   if (failed == http::error::partial_message)
     throw Error(Error::kNoConnection,
-                "the connection broke before the " + what + " was whole: " +
+                "the connection broke before the " + what + " was complete: " +
                     std::to_string(length - body.content_length_remaining().value_or(length)) + " of " +
-                    std::to_string(length) + " bytes have come");
+                    std::to_string(length) + " bytes arrived");
   std::error_code not_renamed;
   if (!failed) body.get().body().file().close(failed);
   if (!failed) std::filesystem::rename(to.part, file, not_renamed);

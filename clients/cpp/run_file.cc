@@ -64,7 +64,7 @@ struct Run::Impl {
     database.ForEach("SELECT max(step) FROM step WHERE poses IS NOT NULL", [&](const RunRow& row) {
       if (row.is_null(0))
         throw Error(7,
-                    file + " holds no step yet; `coopdyn info` says what is in it if its daemon has ended");
+                    file + " holds no step yet; if its daemon has ended, `coopdyn info` shows its contents");
       last = row.integer(0);
     });
     database.ForEach("SELECT key, value FROM meta",

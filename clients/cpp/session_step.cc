@@ -313,7 +313,7 @@ std::string Session::Whom(bool held_up, bool in_step) const {
   if (!playback.is_null() && playback["step"].number() == playback["end_step"].number() &&
       !playback["playing"].boolean() && !playback["growing"].boolean())
     return "the recording has ended; sim.run() plays it again";
-  if (state == "paused") return "the simulation is paused; sim.run() or the page goes on";
+  if (state == "paused") return "the simulation is paused; continue with sim.run() or on the page";
   if (state == "ended") return "the run has ended; sim.reset() starts again";
   const std::vector<Json>& awaiting = status["awaiting"].items();
   double longest_s = 0;

@@ -67,7 +67,7 @@ Team Simulation::team(const std::vector<std::string>& names) {
     text += (text.empty() ? "" : " ") + name;
   }
   if (text.empty())
-    throw Error(3, "no names: write e.g. sim.team(\"swarm1\"), or sim.team() for all that nobody drives");
+    throw Error(3, "no names: write e.g. sim.team(\"swarm1\"), or sim.team() for all that are free");
   return Team(session_, session_->DriveTeam(text));
 }
 

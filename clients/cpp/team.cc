@@ -87,7 +87,7 @@ void CheckRows(const TeamCommand& command, const TeamLink& team) {
     if (std::none_of(command.rows[i].begin(), command.rows[i].end(), [](double v) { return std::isinf(v); }))
       continue;
     throw Error(4, "row " + std::to_string(i) + " of " + command.name +
-                       " must be finite, or nan: this one goes on as it does");
+                       " must be finite, or nan: this joint keeps its command");
   }
 }
 
@@ -204,7 +204,8 @@ TeamReading Team::ToReading(Message reply, int tries_left) {
   };
   if (!fits()) link.Refresh();
   if (!fits()) {  // the team has changed again meanwhile
-    if (tries_left == 0) throw Error(7, "the replies of the daemon do not tell who is in " + link.label());
+    if (tries_left == 0)
+      throw Error(7, "the replies of the daemon do not say which robots are in " + link.label());
     return ToReading(link.Read(), tries_left - 1);
   }
   if (reply.data.size() != rows * stride + 2) throw Error(7, "a reply of the daemon has too few values");

@@ -69,7 +69,7 @@ void TeamLink::Name(Message said) {
   connection.Close();
   const std::string what = one_word() ? label() : "the team of " + std::to_string(before.size()) + " robots";
   lost.emplace(kNotPossible, what + " has lost all its robots, to other programs or another scenario: " +
-                                 TakeAgain() + " takes whom it means now");
+                                 TakeAgain() + " takes those that it names now");
   session.ThrowIfLoaded(*lost);
   throw Error(*lost);
 }
@@ -106,7 +106,8 @@ void TeamLink::Open() {
   try {
     if (names.empty()) connection.Ask({command::kRelease});  // drop the robots of an older team
     Take();
-    if (names.empty()) throw Error(kNoSuchName, "there is no robot that nobody drives");
+    if (names.empty())
+      throw Error(kNoSuchName, "no robot is free: other programs or loaded controllers drive them all");
     Select(selected, neighbours);
     session.Note(connection.Ask({command::kGetTime}));
   } catch (...) {

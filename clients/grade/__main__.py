@@ -32,7 +32,7 @@ def read_options(words):
     add = options.add_argument
     add("assignment", nargs="?", help="its file")
     add("submission", nargs="*", help="a folder, a .zip, a .tar or .tar.gz")
-    add("--submissions", action="append", default=[], metavar="FOLDER", help="grade each entry of this folder, as Moodle and Gradescope give it; may stand several times")
+    add("--submissions", action="append", default=[], metavar="FOLDER", help="grade each entry of this folder, as exported by Moodle and Gradescope; may be repeated")
     add("--out", default="results", help="folder of the results (default: results)")
     add("--key", metavar="FILE", help="of the hidden seeds (default: beside the assignment, with the ending .key)")
     add("--jobs", type=int, default=os.cpu_count(), help="runs at the same time (default: as many as cores)")
@@ -52,7 +52,7 @@ def read_options(words):
     given = options.parse_args(words)
     chosen = [name for name in ("try_out", "new_key", "example", "appeal", "forget") if getattr(given, name)]
     if len(chosen) > 1:
-        options.error("--try, --new-key, --example, --appeal and --forget are commands of their own: write one of them")
+        options.error("--try, --new-key, --example, --appeal and --forget exclude each other: write one of them")
     if given.jobs < 1:
         options.error("--jobs takes a whole number from 1")
     if not chosen or chosen == ["try_out"]:

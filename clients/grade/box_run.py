@@ -215,13 +215,13 @@ def judge(one, result, code, log, job):
     if one.reason == "memory":
         return True, f"The program took more than {in_words(values['memory'])} of memory."
     if one.reason == "time" or (one.code == 128 + signal.SIGXCPU and not over):
-        return True, f"The program took more than {values['time']:g} s of processor time: the run had not come to its end after {result['time_s']:g} s."
+        return True, f"The program took more than {values['time']:g} s of processor time: the run had not ended after {result['time_s']:g} s."
     if one.reason == "clock":
         return True, f"The program did not end: the run stood at {result['time_s']:g} s after {values['clock']:g} s by the clock."
     if one.output.is_binary:
         return True, f"The program printed bytes that are no text ({in_words(one.output.count)})."
     if code == 4:
-        return True, "The run broke: " + (run.last_words(log) or "a body was frozen") + "."
+        return True, "The run failed: " + (run.last_words(log) or "a body was frozen") + "."
     if one.code not in (0, None) and not over:
         return True, failed(one.code if one.code > 0 else 128 - one.code, said, values)
     if not result["steps"]:
@@ -229,7 +229,7 @@ def judge(one, result, code, log, job):
     if over and result["ended"] == "score":
         return False, f"The goal was reached at {result['time_s']:g} s."
     if over:
-        return False, f"The run went to its end, {result['time_s']:g} s."
+        return False, f"The run reached its end, {result['time_s']:g} s."
     return False, f"The program ended at {result['time_s']:g} s."
 
 

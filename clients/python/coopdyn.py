@@ -1466,7 +1466,7 @@ def _team_commands(commands: Dict[str, Any], names: Sequence[str]) -> Tuple[str,
         for k, row in enumerate(given):
             if any(map(math.isinf, row)):
                 whose = f" ({names[k]})" if len(given) == n else ""
-                raise Error(4, f"row {k} of {word}{whose} must be finite, or nan: this one goes on as it does")
+                raise Error(4, f"row {k} of {word}{whose} must be finite, or nan: this joint keeps its command")
         for k in range(n):
             row = given[k % len(given)]
             rows[k] += row + [math.nan] * (width - len(row))
@@ -2660,7 +2660,7 @@ class _Session:
         """Runs n steps: sends the kept command (or `ready`) for every robot and team of this sim, then collects the replies."""
         self.require_open()
         if n > 1 and any(link.has_parts and link.kept is not None for link in self.links):
-            wait = _Wait(self, timeout, "the step did not come")
+            wait = _Wait(self, timeout, "the step did not run")
             self.step(1, timeout)  # such a command lasts one step
             wait.check()
             n, timeout = n - 1, None if timeout is None else wait.deadline - wait.now
@@ -2735,7 +2735,7 @@ class _Session:
     def collect(self, waiting: Dict[_Connection, Optional[_Driven]], timeout: Optional[float]) -> int:
         """Collects the replies of all connections in `waiting`, and removes these; returns the earliest step of the replies.
         Raises the first error."""
-        wait = _Wait(self, timeout, "the step did not come", in_step=any(link is not None for link in waiting.values()))
+        wait = _Wait(self, timeout, "the step did not run", in_step=any(link is not None for link in waiting.values()))
         stepped: List[_Driven] = []
         earliest = sys.maxsize
         catch_up_at = math.inf
@@ -2882,7 +2882,7 @@ class _Session:
         if playback and playback["step"] == playback["end_step"] and not (playback["playing"] or playback["growing"]):
             return "the recording has ended; sim.run() plays it again"
         if status.get("state") == "paused":
-            return "the simulation is paused; sim.run() or the page goes on"
+            return "the simulation is paused; continue with sim.run() or on the page"
         if status.get("state") == "ended":
             return "the run has ended; sim.reset() starts again"
         awaiting = status.get("awaiting") or []
@@ -4135,7 +4135,7 @@ class Simulation:
         """Removes things, robots, targets or lights."""
         words = [names] if isinstance(names, str) else names
         if not isinstance(words, (list, tuple)) or not words:
-            raise Error(3, f'what is to be removed is named, not {names!r}: write sim.remove("BOX_1")')
+            raise Error(3, f'remove takes names, not {names!r}: write sim.remove("BOX_1")')
         self._edit(_REMOVE, text=" ".join(_word(name, "a name") for name in words))
 
     @_usage('sim.move("BOX_1", (2, 1)) or sim.move("BOX_1", (2, 1, 0.25), 1.57)')
@@ -4461,7 +4461,7 @@ def _download(
         except (OSError, http.client.HTTPException, ValueError) as e:
             raise Error(-1, f"no {what} from {url}: {e}") from None
         if length is not None and got != int(length):
-            raise Error(-1, f"the connection broke before the {what} was whole: {got} of {length} bytes have come")
+            raise Error(-1, f"the connection broke before the {what} was complete: {got} of {length} bytes arrived")
 
     source = pieces()
     first = next(source, b"")
@@ -4577,7 +4577,7 @@ def connect(
         session.control(_GET_TIME)
     except ValueError:
         session.close()
-        raise Error(7, f"what listens at {session.address} gave a status that is not JSON") from None
+        raise Error(7, f"what listens at {session.address} sent a status that is not JSON") from None
     except BaseException:
         session.close()
         raise
@@ -4732,7 +4732,7 @@ class Run:
         with self._reading():
             self._last = self._db.execute("SELECT max(step) FROM step WHERE poses IS NOT NULL").fetchone()[0]
             if self._last is None:
-                raise Error(7, f"{self.file} holds no step yet; if its daemon has ended, `coopdyn info` says what is in it")
+                raise Error(7, f"{self.file} holds no step yet; if its daemon has ended, `coopdyn info` shows its contents")
             meta = dict(self._db.execute("SELECT key, value FROM meta"))
             for key in ("seed", "scenario_seed"):
                 meta[key] = int(meta[key])
@@ -5139,10 +5139,10 @@ def _open_run(file: str) -> "sqlite3.Connection":
     if not os.path.isfile(file):
         raise Error(10, f"there is no file {file!r}; a recording is called NAME.run")
     if file.lower().endswith(".mat"):
-        raise Error(7, f"{file} is the run as MATLAB reads it (a .mat); here read the recording itself, {file[:-4]}.run: "
-                       'sim.fetch_run("NAME") copies it from the daemon')
+        raise Error(7, f"{file} is a MAT file; read the recording itself, {file[:-4]}.run: "
+                       'sim.fetch_run("NAME") downloads it')
     foreign = f"{file} is no recording of coopdyn (NAME.run)"
-    cure = f"run `coopdyn info {file}`, which mends what a crash has left, where the file can be written"
+    cure = f"run `coopdyn info {file}`, which repairs the file after a crash if it can be written"
     waits = os.path.isfile(file + "-wal") and os.path.getsize(file + "-wal") > 0  # an unclosed recording
     url = "file:" + urllib.parse.quote(os.path.abspath(file)) + "?mode=ro"
     for how in ("", "&immutable=1"):  # the latter for read-only folders

@@ -28,7 +28,7 @@ classdef Simulation < coopdyn.internal.RunCalls
         status = jsondecode(reply.text);
         protocol = status.protocol;
       catch
-        coopdyn.internal.fail(7, ['what listens at ' address.text ' gave a status that cannot be read']);
+        coopdyn.internal.fail(7, ['what listens at ' address.text ' sent a status that cannot be read']);
       end
       if ~isequal(protocol, 1)
         coopdyn.internal.fail(5, sprintf(['the daemon at %s (version %s) speaks protocol %d, this +coopdyn speaks 1: ' ...

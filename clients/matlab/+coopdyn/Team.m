@@ -209,7 +209,7 @@ function V = rows(link, n, V, what)
   end
   bad = find(any(isinf(V), 2), 1);
   if ~isempty(bad)
-    coopdyn.internal.fail(4, sprintf('row %d of %s must be finite, or nan: this one goes on as it does', bad, what));
+    coopdyn.internal.fail(4, sprintf('row %d of %s must be finite, or nan: this joint keeps its command', bad, what));
   end
   V = double(V);
   if size(V, 1) < n

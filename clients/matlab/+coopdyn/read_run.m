@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function run = read_run(file)
-%READ_RUN Reads a recorded run: run = coopdyn.read_run('lesson1.mat'), as sim.fetch_run copies it from the daemon.
+%READ_RUN Reads a recorded run: run = coopdyn.read_run('lesson1.mat'), as downloaded by sim.fetch_run.
 %   run.time (k x 1), run.names, run.pose('robot1') (k x 3: x y heading), run.pose_3d(name), run.reading('robot1',
 %   'distances'), run.joints('robot1'), run.commands('robot1'), run.events, run.hash, run.steps, run.scenario, run.info; see coopdyn.Run.
 %   A recording lesson1.run itself is read by the program coopdyn on this machine: on the path, or named by the environment

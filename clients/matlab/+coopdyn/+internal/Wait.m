@@ -70,7 +70,7 @@ function text = whom(session, held_up, in_step)
     end
   end
   if strcmp(status.state, 'paused')
-    text = 'the simulation is paused; sim.run() or the page goes on';
+    text = 'the simulation is paused; continue with sim.run() or on the page';
     return
   elseif strcmp(status.state, 'ended')
     text = 'the run has ended; sim.reset() starts again';

@@ -43,7 +43,7 @@ function earliest = collect(s, connections, links, limit, come)
       return
     end
     if isempty(wait)
-      wait = coopdyn.internal.Wait(s, limit, 'the step did not come', false, ~isempty(links{1}));
+      wait = coopdyn.internal.Wait(s, limit, 'the step did not run', false, ~isempty(links{1}));
     end
     wait.rest();
     patient = wait.patient;
