@@ -163,7 +163,7 @@ class HostileTest(unittest.TestCase):
                 connection = daemon.raw(("/robot1/pose", "/robot1/motors", None)[k % 3])
                 connection.write((b"get_pose\n", b"CDS1", b"OPEN /robot1/pose\nget_pose\n")[k % 3])
                 connection.close()
-            for module in ("/robot1/pose", "/robot1/motors"):  # whoever came before has been let in by now
+            for module in ("/robot1/pose", "/robot1/motors"):  # earlier connections have been accepted by now
                 last = daemon.text(module, direct=True)
                 last.must("ping")
                 last.close()

@@ -123,7 +123,7 @@ class YarpAccessTest(YarpPorts, unittest.TestCase):
 
 
 class Scenes(YarpPorts, unittest.TestCase):
-    """Run by main below, inside a network of its own."""
+    """Run by main below, inside a new network namespace."""
 
     def names(self, host, port, line):
         connection = Connection((host, port))

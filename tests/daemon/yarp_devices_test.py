@@ -33,7 +33,7 @@ class Program:
         self.connection = daemon.keep(Connection(registration(daemon, port)))
         self.connection.write(HEADER.pack(b"YA", 7777 + 3 + 128, b"RP") + struct.pack("<i", len(name) + 1) + name.encode() + b"\0")
         if peer is not None:
-            peer.answer_probe()  # it is asked for its version first
+            peer.answer_probe()  # the daemon first queries its version
         assert self.connection.read_exactly(8)[:2] == b"YA"
 
     @staticmethod

@@ -231,7 +231,7 @@ def hash_of(program, given, other):
     with Daemon(program, given, other, *to_the_end) as daemon:
         result = daemon.end_hash()
         daemon.check_recording()
-        if other:  # it goes on from its middle where features are shown
+        if other:  # continues from the middle on the full processor
             with Daemon(program, "", False, "--from", f"{daemon.recording}@#{STEPS // 2}", *to_the_end) as later:
                 return result if later.end_hash() == result else f"{result}, from the middle another"
         return result

@@ -222,7 +222,7 @@ TEST(WrongNames, AreError10WithTheHintOfTheDaemon) {
     EXPECT_EQ(error.name(), "no_such_name");
     EXPECT_TRUE(Says(error, hint)) << error.text();
   }
-  robot.set_velocity(0.1, 0);  // the sim goes on
+  robot.set_velocity(0.1, 0);  // the sim stays usable
   sim.step(1, 60);
 }
 

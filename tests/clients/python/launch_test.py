@@ -100,7 +100,7 @@ class LaunchTest(unittest.TestCase):
             coopdyn.launch(TEXT, program="/nowhere/coopdyn")
 
     def test_a_loop_of_a_hundred_leaves_nothing_behind(self):
-        folder = tempfile.TemporaryDirectory()  # of its own, as other tests run meanwhile
+        folder = tempfile.TemporaryDirectory()  # private, because other tests run meanwhile
         self.addCleanup(folder.cleanup)
         changed = unittest.mock.patch.dict(os.environ, TMPDIR=folder.name)
         changed.start()
@@ -152,7 +152,7 @@ class OtherProgramTest(unittest.TestCase):
 
 class WithProcessTest(unittest.TestCase):
     def test_a_process_that_is_not_there_is_wrong_use(self):
-        gone = 2 ** 22 + 1  # more than the kernel gives
+        gone = 2 ** 22 + 1  # beyond the kernel's largest pid
         done = subprocess.run([os.environ["COOPDYN_BINARY"], "serve", "--port", "0", "--with-process", str(gone)],
                               capture_output=True, text=True, timeout=LIMIT_S)
         self.assertEqual(done.returncode, 2)

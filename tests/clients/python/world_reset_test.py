@@ -174,7 +174,7 @@ class ALoad(DaemonTestCase):
             robots[1].sense()
             sim.step(timeout=60)
             robots[1].subscribe("pose")
-            robots[1].sense()  # those that came with the step
+            robots[1].sense()  # readings in the step's reply
             other.load_scenario("classroom")
             with self.assertRaises(coopdyn.WorldReset) as caught:
                 notices(sim, robots[1])

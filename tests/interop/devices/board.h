@@ -43,7 +43,7 @@ class Board {
 
   std::optional<bool> Done();
   std::optional<bool> Done(int joint);
-  /// Waits until no joint moves any more.
+  /// Waits until all joints have stopped.
   bool Arrive();
 
   std::optional<std::string> Mode(int joint);
