@@ -31,7 +31,7 @@ def found(path):
     for out in (os.path.dirname(folder), folder):
         if os.path.isfile(os.path.join(out, "grading.json")) and os.path.isdir(os.path.join(out, name)):
             return out, result
-    raise Wrong(f"--appeal {path}: it does not lie in the folder of a grading any more, with its grading.json: put it back there")
+    raise Wrong(f"--appeal {path}: it is no longer in the folder of a grading with its grading.json: move it back")
 
 
 def facts_of(program, recording):
