@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How the cost of something grows with its size, in processor time of this thread: not in time that others
-// take.
+// Tests how a cost grows with size, in CPU time of this thread, which other processes do not affect.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -25,8 +24,7 @@ double Cpu_s(const Function& run) {
   return now_s() - begin_s;
 }
 
-/// Fails if `run(size)` takes time with the square of its size: eight times the size would take 64 times as
-/// long.
+/// Fails if `run(size)` takes quadratic time: then eight times the size would take 64 times as long.
 template <typename Run>
 void ExpectLinear(const Run& run, std::size_t size) {
   double small_s = Cpu_s([&] { run(size); });
@@ -35,13 +33,13 @@ void ExpectLinear(const Run& run, std::size_t size) {
   EXPECT_LT(Cpu_s([&] { run(8 * size); }), 24 * (small_s + kNoise_s));
 }
 
-/// A text of any number of parts, for ExpectLinear().
+/// A text with any number of parts, for ExpectLinear().
 struct GrowingText {
   const char* name;
   std::string head, part, tail;
-  std::size_t size = 0;  // parts of the short one
+  std::size_t size = 0;  // parts of the short text
 
-  /// `@` in a part is its number, from 1.
+  /// `@` in a part stands for the part's number, from 1.
   std::string Of(std::size_t parts) const {
     std::string text = head;
     for (std::size_t i = 1; i <= parts; ++i) {

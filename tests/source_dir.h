@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where the source tree is that was built. A function: as a definition of each test's compile command it
-// would keep ccache from using the objects of another clone.
+// The path of the built source tree. A function, because a definition in each test's compile command would
+// keep ccache from using another clone's objects.
 #pragma once
 
 #include <string>

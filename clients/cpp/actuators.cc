@@ -75,7 +75,7 @@ void Channel::set(const std::vector<double>& values, const Which& motors) {
   std::vector<double> told = sent_;
   told.resize(motors_.size());
   for (std::size_t i = 0; i < ids.size(); ++i) told[static_cast<std::size_t>(ids[i]) - 1] = spread[i];
-  link_->Actuate(command::kSetMotors, told, {1});  // for one step; then they stay
+  link_->Actuate(command::kSetMotors, told, {1});  // for one step; the values then hold
   sent_ = std::move(told);
 }
 

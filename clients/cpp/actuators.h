@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Muscles and thrusters of a robot, and its channel. Commands go with the next sim.step() in lockstep, and at
-// once in real time; each stays until the next.
+// Muscles and thrusters of a robot, and its channel. In lockstep, commands are sent with the next sim.step();
+// in real time, immediately. Each command holds until the next.
 //
 //   auto m = r.muscles();
-//   m.set_activations({0.2});               // of all: the part of their force that they give, 0 to 1
+//   m.set_activations({0.2});               // all muscles: fraction of their force, 0 to 1
 //   m.set_activations({0.8}, "biceps");     // one muscle, by its name or its number from 1
 //   auto t = r.thrusters();
-//   t.set_thrusts({2, 0.1});                // N, or N m of those that turn their link
+//   t.set_thrusts({2, 0.1});                // N; N m for thrusters that turn their link
 //   sim.step();
 //   const double force = m.get("biceps").force[0];
 #pragma once
@@ -20,27 +20,27 @@
 
 namespace coopdyn::client {
 
-/// What each muscle is told (0 to 1), how it pulls [N], how long it is [m], how fast it grows longer [m/s],
-/// and the factors of length and velocity of its force.
+/// Activation (0 to 1), force [N], length [m] and lengthening velocity [m/s] of each muscle, and the
+/// force-length and force-velocity factors.
 struct MuscleReading {
   std::vector<double> activation, force, length, velocity, length_factor, velocity_factor;
 };
-/// Of each muscle: its greatest force [N], at the length [m], and the velocity [m/s] at which it no longer
-/// pulls.
+/// For each muscle: maximal force [N], the length at which it occurs [m], and the velocity at which the force
+/// vanishes [m/s].
 struct MuscleLimits {
   std::vector<double> max_force, optimal_length, max_velocity;
 };
-/// How each thruster pushes or turns its link [N, N m], and how fast that moves along or about its direction
-/// [m/s, rad/s].
+/// Force or torque of each thruster on its link [N, N m], and the link's velocity along or about the thrust
+/// direction [m/s, rad/s].
 struct ThrusterReading {
   std::vector<double> thrust, velocity;
 };
-/// The greatest force or torque of each thruster, either way [N, N m].
+/// Maximal force or torque of each thruster, in both directions [N, N m].
 struct ThrusterLimits {
   std::vector<double> max_thrust;
 };
-/// A motor or value of a channel: its range in the robot [SI units], internal_min to internal_max, is
-/// external_min to external_max here; inf = not mapped. `auxiliary`: for the experimenter alone.
+/// A motor or value of a channel. Maps internal_min..internal_max in the robot [SI units] to
+/// external_min..external_max here; inf = not mapped. `auxiliary`: only for the experimenter.
 struct Mapped {
   std::string name;
   double internal_min = 0, internal_max = 0, external_min = 0, external_max = 0;
@@ -50,7 +50,8 @@ struct Mapped {
 /// Made by Robot::muscles().
 class Muscles : public Parts {
  public:
-  /// How much of their force muscles give, 0 to 1: a value for each that is named (none: for all), or one.
+  /// Sets fractions of the muscles' force, 0 to 1: one value per named muscle (none named: all), or one for
+  /// all of them.
   void set_activations(const std::vector<double>& activations, const Which& muscles = {});
   MuscleReading get(const Which& muscles = {});
   MuscleLimits get_limits();
@@ -63,7 +64,8 @@ class Muscles : public Parts {
 /// Made by Robot::thrusters().
 class Thrusters : public Parts {
  public:
-  /// Forces [N] and torques [N m]: a value for each that is named (none: for all), or one for all of them.
+  /// Sets forces [N] and torques [N m]: one value per named thruster (none named: all), or one for all of
+  /// them.
   void set_thrusts(const std::vector<double>& thrusts, const Which& thrusters = {});
   ThrusterReading get(const Which& thrusters = {});
   ThrusterLimits get_limits();
@@ -78,13 +80,13 @@ class Channel {
  public:
   const std::vector<Mapped>& motors() const { return motors_; }
   const std::vector<Mapped>& values() const { return values_; }
-  /// Of one exchange: sim.step(c.steps()).
+  /// Steps of one exchange: sim.step(c.steps()).
   int steps() const { return steps_; }
-  /// Sets motors, mapped. Those that are not named stay as they were set.
+  /// Sets motors in external units. Motors that are not named keep their values.
   void set(const std::vector<double>& values, const Which& motors = {});
-  /// The values, mapped; of all that are called alike.
+  /// Values in external units; a name returns all values of that name.
   std::vector<double> get(const Which& values = {});
-  /// Whether the try is to end: a contact that the model says to end it is pressed.
+  /// True if the trial must end: a contact that the model declares as terminating is pressed.
   bool aborted();
 
  private:

@@ -29,7 +29,7 @@ namespace {
 
 constexpr double kYear_s = 3.2e7;
 constexpr std::size_t kMaxLine = 65536;  // of the name server
-constexpr double kSeatStart_s = 20;      // of a seat's daemon: when a class begins all of them start at once
+constexpr double kSeatStart_s = 20;      // of a seat's daemon: all start at once when a class begins
 constexpr double kSeatAgain_s = 0.2;
 constexpr std::string_view kUnix = "unix:";
 
@@ -49,7 +49,7 @@ int PortOf(const std::string& text) {
   return port < 65536 ? port : 0;
 }
 
-/// Connects; 0, or what went wrong.
+/// Connects. Returns 0 or an errno value.
 int Connect(int fd, const addrinfo& to, Deadline deadline) {
   fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) | O_NONBLOCK);
   if (connect(fd, to.ai_addr, to.ai_addrlen) == 0) return 0;
@@ -62,8 +62,8 @@ int Connect(int fd, const addrinfo& to, Deadline deadline) {
   return error;
 }
 
-/// Connected and non-blocking; none: errno says why. `name` is a path, or in the abstract namespace after a
-/// zero.
+/// Returns a connected, non-blocking socket; on failure an empty one, with errno set. `name`: a path, or a
+/// zero byte and a name in the abstract namespace.
 Socket ConnectUnix(const std::string& name) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -219,7 +219,7 @@ Socket Address::DialUnix() const {
               "nothing can be reached at " + host_ + ": " + why + "; a daemon's port is HOST:PORT");
 }
 
-/// On the unix socket an exchange costs half of what it does by TCP.
+/// An exchange over the unix socket costs half as much as over TCP.
 Socket Address::DialLocal() const {
 #ifdef __linux__
   const char* const forced = std::getenv("COOPDYN_TCP");
@@ -228,8 +228,8 @@ Socket Address::DialLocal() const {
   if (!here || by_tcp || !seat_.empty()) return Socket();
   Socket socket = ConnectUnix(std::string(1, '\0') + "coopdyn-" + std::to_string(port_));
   if (socket.fd() < 0) return Socket();
-  // Anybody of this machine can take the name when no daemon has it: what listens must be of this user, or
-  // root's.
+  // Any user of this machine can bind the name while no daemon has it: the listener must belong to this user
+  // or root.
   ucred who{};
   socklen_t size = sizeof(who);
   if (getsockopt(socket.fd(), SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 &&
@@ -245,7 +245,7 @@ Socket Address::DialTcp(Deadline deadline) const {
   addrinfo* found = nullptr;
   if (getaddrinfo(host_.c_str(), std::to_string(port_).c_str(), &hints, &found) != 0)
     throw Error(Error::kNoConnection,
-                "nobody knows a machine called '" + host_ + "'; check the name, or write its address");
+                "no machine is called '" + host_ + "'; check the name, or write its address");
   const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owner(found, freeaddrinfo);
   int error = ECONNREFUSED;
   for (const addrinfo* a = found; a != nullptr; a = a->ai_next) {
@@ -317,7 +317,7 @@ Deadline Address::Begin(const Socket& socket, const std::string& line, Deadline 
   WriteAll(socket.fd(), (seat_.empty() ? "" : "SEAT " + seat_ + " " + pin_ + " cpp\n") + line + "\n");
   if (seat_.empty()) return deadline;
   const std::string said = ReadLine(socket, deadline);
-  if (said.starts_with("***"))  // a name server's answer to a word that it does not know
+  if (said.starts_with("***"))  // a name server's answer to an unknown word
     throw Error(kNotPossible, text() + " is no class: leave seat and pin out" +
                                   (std::getenv("COOPDYN_SEAT") != nullptr ? ", and COOPDYN_SEAT, too" : ""));
   if (said != "ok") throw Refusal(said);

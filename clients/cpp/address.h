@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the daemon is and who we are: what every connection needs. Constant after construction.
+// The daemon's address and the client's identity, shared by all connections. Constant after construction.
 #pragma once
 
 #include <chrono>
@@ -14,12 +14,12 @@ namespace coopdyn::client {
 
 using Clock = std::chrono::steady_clock;
 using Deadline = Clock::time_point;
-/// `seconds` from `now`; never if they are more than a year.
+/// `now` plus `seconds`, capped at one year.
 Deadline After(double seconds, Deadline now = Clock::now());
 /// Seconds from `now` to `deadline`.
 double Until(Deadline deadline, Deadline now = Clock::now());
 
-/// A descriptor that is closed with the object; -1: none.
+/// An owned file descriptor; -1: none.
 class Socket {
  public:
   explicit Socket(int fd = -1) : fd_(fd) {}
@@ -35,7 +35,7 @@ class Socket {
   int fd_;
 };
 
-/// A name of the daemon and its own address; port 0: reached through the daemon's port only.
+/// A module's name and address. Port 0: reachable only through the daemon's port.
 struct Module {
   std::string name, host;
   int port = 0;
@@ -45,47 +45,48 @@ class Address {
  public:
   /// `server`: "HOST", "HOST:PORT", "[::1]:PORT", "unix:/PATH"; empty: COOPDYN_SERVER, else this machine.
   /// `name` empty: user@host:pid. `seat` and `pin`: of a class; neither: COOPDYN_SEAT; an empty seat: none.
-  /// Throws Error 3 or 4 for what cannot be meant.
+  /// Throws Error 3 or 4 for invalid arguments.
   Address(const std::string& server, const std::string& name, const std::string& token, double timeout_s,
           const std::optional<std::string>& seat = {}, const std::string& pin = {});
 
   const std::string& host() const { return host_; }
-  int port() const { return port_; }  // 0: a unix socket, whose address is the host
+  int port() const { return port_; }  // 0: host() is the address of a unix socket
   const std::string& seat() const { return seat_; }
   double timeout_s() const { return timeout_s_; }
   std::string text() const;
-  /// What `hello` says. Only what may drive says the plain name: the same name on an actuator module takes it
-  /// over, which a reader must not do. A second team of one program is another name: `number`.
+  /// The text of `hello`. Only connections that may drive use the plain name: a client of the same name takes
+  /// over an actuator module, which a reader must not do. `number` distinguishes the teams of one program.
   std::string HelloText(bool drives, int number = 1) const;
-  /// The value of the header Authorization of requests to the page; empty: none.
+  /// Value of the Authorization header for requests to the page; empty: no header.
   std::string Authorization() const;
-  /// What is said of a daemon that closed a connection without a word.
+  /// The hint in the error if the daemon closed a connection without a notice.
   std::string WhyLost() const;
 
-  /// A connected, non-blocking socket to the daemon: by its unix socket if it is on this machine and has one
-  /// (and COOPDYN_TCP is not set), else by its port. A class has a port only: on a socket of that name
-  /// another daemon would answer. Throws Error -1 or 11 with cause and cure.
+  /// Returns a connected, non-blocking socket: the daemon's unix socket if it runs on this machine and has
+  /// one (and COOPDYN_TCP is not set), else TCP. A class is reached only by TCP: a unix socket of that name
+  /// would belong to another daemon. Throws Error -1 or 11 with cause and cure.
   Socket Dial(Deadline deadline) const;
-  /// Dial() as the server's address says: by the port, or the unix socket at a path.
+  /// Dials the address as given: a TCP port, or a unix socket's path.
   Socket DialPort(Deadline deadline) const;
-  /// Every name of the daemon.
+  /// All names registered at the daemon.
   std::vector<Module> Modules() const;
-  /// A socket that talks to `module`, before its first byte. Throws Error 10 if the daemon has no such name.
+  /// Returns a socket to `module` on which no message has been sent yet. Throws Error 10 if the daemon has no
+  /// such name.
   Socket OpenModule(const std::string& module, Deadline deadline) const;
 
  private:
   void TakeServer(const std::string& server);
   void TakeSeat(const std::optional<std::string>& seat, const std::string& pin);
-  /// None if there is no such socket.
+  /// Returns an empty Socket if the daemon has no unix socket here.
   Socket DialLocal() const;
   Socket DialTcp(Deadline deadline) const;
   Socket DialUnix() const;
-  /// The error in the line that was said instead of what was asked for.
+  /// The error that an unexpected answer line stands for.
   Error Refusal(const std::string& said) const;
   Error NotADaemon(const std::string& said) const;
   std::string ReadLine(const Socket& socket, Deadline deadline) const;
-  /// Sends the first line of a connection; in a class one before it says whose seat this is. Returns the
-  /// deadline of the answer: the daemon of a seat may have to start first.
+  /// Sends a connection's first line, in a class after a line with seat and PIN. Returns the deadline of the
+  /// answer, which is later in a class: the seat's daemon may have to start first.
   Deadline Begin(const Socket& socket, const std::string& line, Deadline deadline) const;
 
   std::string host_, name_, token_, seat_, pin_;
@@ -93,9 +94,9 @@ class Address {
   double timeout_s_ = 3;
 };
 
-/// Waits until one of the descriptors has something, or the time is over: false then.
+/// Waits until a descriptor is readable. False on timeout.
 bool WaitReadable(const std::vector<int>& fds, double timeout_s);
-/// Writes all of `bytes` to a non-blocking socket. False if the connection broke.
+/// Writes all `bytes` to a non-blocking socket. False if the connection broke.
 bool WriteAll(int fd, const std::string& bytes);
 
 }  // namespace coopdyn::client

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Drives robots to the red target past obstacles: client_attractor [robot1 robot2 ...]
 //
-// The heading is a dynamical system (Schoener, Dose, Engels; Bicho): the target's bearing attracts it, every
-// distance sensor that sees something near repels it,
+// The heading is a dynamical system (Schoener, Dose, Engels; Bicho): the target's bearing attracts it, and
+// every distance sensor that sees something near repels it,
 //
 //   dphi/dt = -l_tar sin(phi - psi_tar) + sum_i l_i (phi - psi_i) exp(-(phi - psi_i)^2 / (2 s_i^2)),
 //   l_i = b1 exp(-d_i / b2),   s_i = atan(tan(opening_i / 2) + R / (R + d_i)),
 //
-// and the speed relaxes to what the target or what the obstacles allow, weighted by the potential of the
-// repulsion at the present heading. Angles are relative to the robot, so phi = 0. The same algorithm and
-// numbers in all three languages.
+// and the speed relaxes to the value that the target or the obstacles allow, weighted by the repulsion's
+// potential at the present heading. Angles are relative to the robot, so phi = 0. All three languages use the
+// same algorithm and numbers.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -27,14 +27,14 @@ constexpr double kRobotRadius_m = 0.18;
 constexpr double kTargetStrength = 1.6;     // rad/s
 constexpr double kObstacleStrength = 10.0;  // b1, 1/s
 constexpr double kObstacleDecay_m = 0.3;    // b2
-constexpr double kBias = 0.02;     // rad/s, instead of noise: leaves a heading exactly between left and right
-constexpr double kMaxSpeed = 0.5;  // m/s
-constexpr double kMaxTurn = 1.8;   // rad/s
-constexpr double kTimeToTarget_s = 1.5;                     // the speed falls with the distance to the target
-constexpr double kTimeToContact_s = 1.2;                    // and with the distance to what is ahead
+constexpr double kBias = 0.02;  // rad/s, instead of noise: turns off a heading exactly between left and right
+constexpr double kMaxSpeed = 0.5;         // m/s
+constexpr double kMaxTurn = 1.8;          // rad/s
+constexpr double kTimeToTarget_s = 1.5;   // limits the speed by the target's distance
+constexpr double kTimeToContact_s = 1.2;  // limits the speed by the distance of obstacles ahead
 constexpr double kAhead_rad = 50 * std::numbers::pi / 180;  // sensors within this bearing are ahead
 constexpr double kRelaxation = 8.0;                         // 1/s, of the speed
-constexpr double kReached_m = 0.4;                          // from the middle of the axle to the target
+constexpr double kReached_m = 0.4;                          // from the axle's midpoint to the target
 constexpr double kReachedByMany_m = 0.9;                    // if several robots share it
 constexpr double kTimeLimit_s = 180.0;                      // simulated
 

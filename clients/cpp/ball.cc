@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Follows a red ball by a camera: client_ball [robot1 [SECONDS]]
 //
-// Scenario `ball`. Of the picture's pixels those are the ball's that are much more red than green and blue.
-// Their middle gives the bearing, their number n the distance: a ball of radius R at distance d covers
-// pi (f R / d)^2 pixels, so d = f R sqrt(pi / n). The robot turns towards the ball and keeps its distance;
-// when it sees none it turns where it saw it last. The same algorithm and numbers in all three languages.
+// Scenario `ball`. The ball's pixels are those with much more red than green and blue. Their centre gives the
+// bearing, their number n the distance: a ball of radius R at distance d covers pi (f R / d)^2 pixels, so
+// d = f R sqrt(pi / n). The robot turns towards the ball and keeps its distance; without a ball in view it
+// turns to the side where it saw the ball last. All three languages use the same algorithm and numbers.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -20,21 +20,21 @@ namespace client = coopdyn::client;
 
 constexpr double kBallRadius_m = 0.12;  // R
 constexpr double kKeep_m = 0.8;         // from the camera to the ball
-constexpr double kApproach = 1.0;       // 1/s, speed for each metre too far
+constexpr double kApproach = 1.0;       // 1/s, speed per metre of distance error
 constexpr double kMaxSpeed = 0.4;       // m/s
-constexpr double kSteer = 2.0;          // 1/s, turn rate for each radian off
+constexpr double kSteer = 2.0;          // 1/s, turn rate per radian of bearing
 constexpr double kMaxTurn = 1.5;        // rad/s
-constexpr double kSearch = 0.8;         // rad/s, when it sees no ball
-constexpr double kRed = 60;             // a red pixel has at least this much red
-constexpr double kMore = 2;             // and this many times as much as green and as blue
-constexpr double kColumns = 80;  // it looks at every fourth pixel of a picture that is 320 wide, and so on
-constexpr double kFew = 6;       // fewer red pixels are no ball
+constexpr double kSearch = 0.8;         // rad/s, without a ball in view
+constexpr double kRed = 60;             // minimal red of a red pixel
+constexpr double kMore = 2;             // minimal ratio of red to green, and of red to blue
+constexpr double kColumns = 80;         // sampled columns: every fourth pixel of a picture 320 wide
+constexpr double kFew = 6;              // fewer red pixels are no ball
 
 struct Ball {
   double distance, bearing;
 };
 
-/// Where the ball is; nothing if there is none.
+/// Bearing and distance of the ball; nullopt if not in view.
 std::optional<Ball> Look(const client::Image& image, const client::Camera& camera) {
   const int every = std::max(1, image.width / static_cast<int>(kColumns));
   double count = 0, columns = 0;

@@ -15,7 +15,7 @@ namespace coopdyn::client {
 namespace {
 
 constexpr int kStarts = 30, kRounds = 100;
-/// An error [m, rad] at which the search stops, and one that it takes for an answer.
+/// Errors [m, rad] at which the search stops, and which it accepts.
 constexpr double kExact = 1e-10, kReached = 1e-7;
 constexpr double kLeastDamping = 1e-12;
 constexpr double kLongestStep = 0.7;  // [rad, m]
@@ -104,7 +104,7 @@ Eigen::VectorXd Chain::Descend(const Target& target, Eigen::VectorXd& q) const {
     if (error.norm() < kExact) break;
     Eigen::MatrixXd J = state.jacobian.topRows(error.size());
     const Eigen::VectorXd slope = J.transpose() * error;
-    for (Eigen::Index i = 0; i < q.size(); ++i) {  // one that would leave its limits stays
+    for (Eigen::Index i = 0; i < q.size(); ++i) {  // freeze joints that would leave their limits
       if ((q[i] >= upper_[i] && slope[i] > 0) || (q[i] <= lower_[i] && slope[i] < 0)) J.col(i).setZero();
     }
     Eigen::MatrixXd A = J * J.transpose();

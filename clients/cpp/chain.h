@@ -10,8 +10,8 @@
 
 namespace coopdyn::client {
 
-/// A joint with the chain's other joints at 0, in the frame of the base: a point of its axis [m] and the
-/// axis' direction. Limits in rad, or m of a slider.
+/// A joint in the base frame, with all joints at 0: a point on its axis [m] and the axis' direction. Limits
+/// in rad; in m for a slider.
 struct ChainJoint {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
@@ -21,7 +21,7 @@ struct ChainJoint {
 };
 
 /// A serial chain from a base to a tool, as product of exponentials: X(q) = exp([S1] q1) ... exp([Sn] qn)
-/// X(0) (Lynch and Park, Modern Robotics, 4.1). Joints::chain() is that of a robot's arm.
+/// X(0) (Lynch and Park, Modern Robotics, 4.1). Joints::get_chain() returns that of a robot's arm.
 class Chain {
  public:
   /// `tool`: the tool's pose with all joints at 0. Throws Error 4 if an axis has no direction.
@@ -29,11 +29,11 @@ class Chain {
 
   const std::vector<ChainJoint>& joints() const { return joints_; }
 
-  /// The pose of the tool in the frame of the base, with the joints at q [rad, m].
+  /// The tool's pose in the base frame, with the joints at q [rad, m].
   Eigen::Isometry3d forward(const std::vector<double>& q) const;
-  /// A posture within the limits that brings the tool to this pose, or (below) to this position only [m]; the
-  /// one found first from q0 on (empty: the middle of the limits). Throws Error 4 if there is none. Damped
-  /// least squares on the chain's Jacobian, with further starts at random postures, the same ones each time.
+  /// Returns a posture within the limits that brings the tool to a pose, or (below) only to a position [m]:
+  /// the first found, starting at q0 (empty: the middle of the limits). Throws Error 4 if none is found.
+  /// Damped least squares on the chain's Jacobian, restarted at random postures, the same on each call.
   std::vector<double> inverse(const Eigen::Isometry3d& pose, const std::vector<double>& q0 = {}) const;
   std::vector<double> inverse(const Eigen::Vector3d& position, const std::vector<double>& q0 = {}) const;
 
@@ -50,7 +50,7 @@ class Chain {
   void RequirePosture(const std::vector<double>& q, const std::string& what) const;
   State At(const Eigen::VectorXd& q) const;
   Eigen::VectorXd Error6(const Target& target, const Eigen::Isometry3d& tool) const;
-  /// Goes from q down to where the error is least, which is returned.
+  /// Moves q to a local minimum of the error, and returns that error.
   Eigen::VectorXd Descend(const Target& target, Eigen::VectorXd& q) const;
   std::vector<double> Find(const Target& target, const std::vector<double>& q0) const;
 

@@ -15,7 +15,7 @@
 namespace coopdyn::client {
 namespace {
 
-constexpr std::size_t kLeastRoom = 16384;  // for what comes
+constexpr std::size_t kLeastRoom = 16384;  // initial size of the receive buffer
 
 }  // namespace
 
@@ -98,12 +98,12 @@ void Connection::Send(std::int32_t command, std::vector<std::int32_t> params, st
   busy_ = true;
   if (WriteAll(fd(), out_)) return;
   while (TryRead()) {
-  }  // throws what the daemon said before it closed, if anything
+  }  // throws the daemon's closing notice, if it sent one
   Close();
   throw Closed("", address_.WhyLost());
 }
 
-/// The first message of those that have come whole.
+/// Removes and returns the first complete message.
 std::optional<Message> Connection::Decode() {
   Decoded decoded = DecodeBinary({in_.data(), have_}, kMaxReplyBytes);
   if (decoded.status == DecodeStatus::kNeedMore) return std::nullopt;
@@ -166,7 +166,7 @@ Message Connection::Ask(Request request, Polling* polling) {
 }
 
 void Connection::FinishSending() {
-  TryRead();  // what is unread would make closing a reset, which loses what was sent
+  TryRead();  // closing with unread bytes would reset the connection and lose sent ones
   if (is_open()) shutdown(fd(), SHUT_WR);
 }
 

@@ -2,7 +2,7 @@
 // Robots keep a formation round obstacles on the way to the red target: client_formation [robot1 robot2 ...]
 //
 // The first robot leads. Five keep an inverted V, three a triangle; near obstacles they break the formation
-// and close it again behind. docs/teams.md has the equations (Monteiro, Bicho), formation_dynamics.h the
+// and restore it behind them. docs/teams.md has the equations (Monteiro, Bicho), formation_dynamics.h the
 // algorithm and its numbers, which are the same in all languages.
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ namespace formation = coopdyn::formation;
 
 constexpr double kVAlong = 1.0, kVAcross = 1.0;                 // m, of the inverted V
 constexpr double kTriangleAlong = 1.04, kTriangleAcross = 0.6;  // m, of three robots
-constexpr double kClosed = 0.1;         // m: everybody is so near to its place at the end
+constexpr double kClosed = 0.1;         // m, largest distance of a robot from its place at the end
 constexpr double kTimeLimit_s = 240.0;  // simulated
 
 formation::Ranges RangesOf(const std::vector<double>& distances, const client::Geometry& geometry) {
@@ -28,7 +28,7 @@ formation::Ranges RangesOf(const std::vector<double>& distances, const client::G
           geometry.opening.data()};
 }
 
-/// The leader as seen from a follower; `told`: what it was told to do.
+/// The leader as seen from a follower; `told`: the leader's command.
 formation::Mate Seen(const client::Pose& leader, const client::Pose& own, const formation::Velocity& told) {
   const double x = leader.x - own.x, y = leader.y - own.y;
   return {std::hypot(x, y), std::atan2(y, x) - own.heading, leader.heading - own.heading, told.forward,
@@ -56,7 +56,7 @@ int Run(std::vector<std::string> names) {
     members.push_back({std::move(robot), std::move(geometry), place, {}});
   }
   const double dt = sim.dt(), start = sim.time();
-  formation::Velocity told;  // the leader
+  formation::Velocity told;  // the leader's command
   while (sim.time() - start < kTimeLimit_s) {
     std::vector<client::Reading> seen;
     for (Member& member : members) seen.push_back(member.robot.sense("red"));

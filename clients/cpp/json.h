@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What get_status and describe answer: JSON, read by Boost.JSON, whose headers a program does not need. A
-// value type; any thread.
+// JSON replies of get_status and describe. Parsed by Boost.JSON, whose headers programs do not need. A value
+// type; any thread.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ class value;
 
 namespace coopdyn::client {
 
-/// A JSON value. What is not there reads as null, and null as 0, "" and an empty list, so that
+/// A JSON value. Missing elements read as null, and null reads as 0, "" and an empty list, so that
 /// `status["robots"][0]["name"].text()` needs no checks.
 class Json {
  public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// launch(): a daemon of the program's own.
+// launch(): starts and ends a private daemon.
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
@@ -31,7 +31,7 @@ constexpr std::chrono::seconds kEndTime{10};
 constexpr std::chrono::milliseconds kLook{5};
 constexpr const char* kReady = "ready names=";
 
-/// A file without a name that holds `text`.
+/// An anonymous file that holds `text`.
 class MemoryFile {
  public:
   explicit MemoryFile(const std::string& text = "") : file_(::memfd_create("coopdyn", MFD_CLOEXEC)) {
@@ -56,7 +56,7 @@ class MemoryFile {
   int file_;
 };
 
-/// A daemon that runs until this ends.
+/// A daemon process; the destructor ends it.
 class LaunchedDaemon {
  public:
   LaunchedDaemon(std::vector<std::string> words, const std::string& input) {
@@ -72,7 +72,7 @@ class LaunchedDaemon {
     posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions, stderr_.file(), STDERR_FILENO);
     posix_spawnattr_init(&attributes);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);  // Ctrl-C is the program's
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);  // Ctrl-C must not reach the daemon
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
@@ -97,7 +97,7 @@ class LaunchedDaemon {
   LaunchedDaemon(const LaunchedDaemon&) = delete;
   LaunchedDaemon& operator=(const LaunchedDaemon&) = delete;
 
-  /// Where it can be reached, once it is ready.
+  /// Waits until the daemon is ready; returns its address.
   std::string Server(double timeout_s) {
     const auto limit =
         Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(timeout_s));

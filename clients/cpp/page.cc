@@ -18,7 +18,7 @@ namespace {
 namespace http = boost::beast::http;
 using boost::system::error_code;
 
-/// A connection as Beast reads it. Each wait is at most `timeout_s`.
+/// A connection as a stream for Beast. Each wait takes at most `timeout_s`.
 class PageStream {
  public:
   PageStream(Socket socket, double timeout_s) : socket_(std::move(socket)), timeout_s_(timeout_s) {}
@@ -52,7 +52,7 @@ class PageStream {
   double timeout_s_;
 };
 
-/// Goes away with the object, unless it was renamed.
+/// A temporary file; the destructor removes it unless it was renamed.
 struct PartFile {
   explicit PartFile(const std::string& name) : part(name + "." + std::to_string(getpid()) + ".part") {}
   ~PartFile() {
@@ -69,7 +69,7 @@ struct PartFile {
 
 std::string UrlHere(const Address& daemon, const std::string& url) {
   if (daemon.port() == 0)
-    return url.starts_with("http") ? url : "";  // a unix socket: the page is this machine's
+    return url.starts_with("http") ? url : "";  // a unix socket: the page is on this machine
   const std::size_t begin = url.find("://");
   if (begin == std::string::npos) return "";
   const std::size_t path = std::min(url.find('/', begin + 3), url.size());
@@ -124,9 +124,9 @@ void Download(const Address& daemon, const std::string& url, const std::string& 
   throw_if_silent();
   if (failed == http::error::partial_message)
     throw Error(Error::kNoConnection,
-                "the connection broke before the " + what + " was whole: " +
+                "the connection broke before the " + what + " was complete: " +
                     std::to_string(length - body.content_length_remaining().value_or(length)) + " of " +
-                    std::to_string(length) + " bytes have come");
+                    std::to_string(length) + " bytes arrived");
   std::error_code not_renamed;
   if (!failed) body.get().body().file().close(failed);
   if (!failed) std::filesystem::rename(to.part, file, not_renamed);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the daemon's page has: pictures and recordings, over HTTP. One thread.
+// Downloads pictures and recordings from the daemon's page, over HTTP. One thread.
 #pragma once
 
 #include <string>
@@ -8,13 +8,13 @@
 
 namespace coopdyn::client {
 
-/// The same URL with the host that reaches the daemon from here.
+/// `url` with the host by which this machine reaches the daemon.
 std::string UrlHere(const Address& daemon, const std::string& url);
 
-/// Copies what the page at `url` ("http://host:port/", of a seat "http://host:port/s/ana/") has at `path` to
-/// `file`, whole or not at all, piece by piece. `what` stands in errors: "no picture: …". Throws Error 10 if
-/// the page does not have it, 5 if it does not give it or `file` cannot be written, -1 or 11 if the
-/// connection broke or nothing comes for `timeout_s`.
+/// Downloads `path` from the page at `url` ("http://host:port/", of a seat "http://host:port/s/ana/") to
+/// `file` in chunks; `file` is written completely or not at all. Errors begin with "no `what`: …". Throws
+/// Error 10 if the page has no such path, 5 if the page refuses it or `file` cannot be written, -1 if the
+/// connection broke, 11 if no bytes arrive for `timeout_s`.
 void Download(const Address& daemon, const std::string& url, const std::string& path, const std::string& file,
               const std::string& what, double timeout_s);
 

@@ -14,7 +14,7 @@ std::vector<std::int32_t> Chosen(const Which& which, const std::vector<std::stri
   std::vector<std::int32_t> ids = which.ids;
   for (const std::string& name : which.names) {
     const std::size_t before = ids.size();
-    for (std::int32_t id = 1; id <= count; ++id) {  // values of a channel may be called alike
+    for (std::int32_t id = 1; id <= count; ++id) {  // values of a channel may share a name
       if (names[static_cast<std::size_t>(id) - 1] == name) ids.push_back(id);
     }
     if (ids.size() == before)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What joints, muscles and thrusters of a robot have in common: they are driven one by one, by name or id.
+// Common base of a robot's joints, muscles and thrusters, which are addressed by name or id.
 #pragma once
 
 #include <cstdint>
@@ -29,26 +29,27 @@ struct Which {
   std::vector<std::int32_t> ids;
 };
 
-/// Ids of those of `whose` parts, called `names`, that are meant. `one` of them is a "joint". Throws Error.
+/// Ids of the parts that `which` selects among `names`, the parts of `whose`. `one`: their singular, e.g.
+/// "joint". Throws Error.
 std::vector<std::int32_t> Chosen(const Which& which, const std::vector<std::string>& names,
                                  const std::string& one, const std::string& whose);
-/// One value for each of `count`: as many, or one for all.
+/// Returns `count` values; a single value is repeated.
 std::vector<double> Spread(const std::vector<double>& values, std::size_t count, const std::string& one);
 
 class Parts {
  public:
   const std::string& name() const;
-  /// Of them all, in their order: the first has the id 1.
+  /// The names of all parts in order; the first has id 1.
   const std::vector<std::string>& names() const { return names_; }
 
  protected:
-  /// `one` of them is a "joint"; the reply to the command `limits` has their names.
+  /// `one`: their singular, e.g. "joint". The reply to the command `limits` has their names.
   Parts(std::shared_ptr<Session> session, std::shared_ptr<RobotLink> link, const char* one,
         std::int32_t limits);
 
   std::vector<std::int32_t> Ids(const Which& which) const;
   void Actuate(std::int32_t command, const std::vector<double>& values, const Which& which, const char* what);
-  /// What is read of each, by column.
+  /// Reads `count` values of each part; returns them by column.
   std::vector<std::vector<double>> Columns(std::int32_t command, std::size_t count, const Which& which);
 
   std::shared_ptr<Session> session_;

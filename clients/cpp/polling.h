@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// When a client polls before it waits: that saves the wake-up while a core is free. Where others want the
-// core, polls use up the client's share of it, and the kernel takes the core away for milliseconds.
+// Decides when a client polls before it blocks. Polling saves the wake-up latency while a core is idle. If
+// other threads compete for the core, polling uses up the client's share, and the kernel preempts it for
+// milliseconds.
 #pragma once
 
 #include <algorithm>
@@ -11,17 +12,17 @@
 
 namespace coopdyn::client {
 
-/// Polls for a while at the start of each wait. Once it lost the core meanwhile, it pauses: twice as long
-/// each time, if it loses it soon after a pause.
+/// Polls for a while at the start of each wait. Once preempted while polling, stops polling for a pause,
+/// which doubles if preempted again soon after it.
 class Polling {
  public:
   void set_spin(double spin_s) { spin_ = After(spin_s, Deadline{}) - Deadline{}; }
-  /// A wait begins.
+  /// Begins a wait.
   void Start(Deadline now) {
     until_ = now >= resumes_at_ ? now + spin_ : now;
     looked_at_ = now;
   }
-  /// After each look at the sockets: true if the caller is to look again at once.
+  /// Call after each check of the sockets. True if the caller must check again immediately.
   bool Goes(Deadline now) {
     if (looked_at_ < until_ && now - looked_at_ > kLost) {
       pause_ = now - resumes_at_ < kTrial ? std::min(2 * pause_, kMostPause) : kLeastPause;
@@ -30,8 +31,8 @@ class Polling {
     }
     looked_at_ = now;
     if (now >= until_) return false;
-    // Where others want the core, it is lost at once in a yield. One costs as much as a look, so once the
-    // core has been kept for a while, only the second half of the spin has them.
+    // If other threads want the core, a yield loses it at once, which shows here. A yield costs as much as a
+    // check, so once the core has been kept for a while, only the second half of the spin yields.
     if (now - resumes_at_ < kTrial || until_ - now < spin_ / 2) std::this_thread::yield();
     return true;
   }

@@ -14,15 +14,15 @@ namespace coopdyn::client {
 namespace {
 
 constexpr std::size_t kMaxMessage = 8;
-constexpr double kLabelsLive_s = 0.5;  // ids and colours of targets are asked for again after this
+constexpr double kLabelsLive_s = 0.5;  // lifetime of cached ids and colours of targets
 
-/// The data of a reply but for the final two. Throws Error 7 if they are fewer than `count`.
+/// The data of a reply without the final two. Throws Error 7 if they are fewer than `count`.
 std::vector<double> Values(const Message& reply, std::size_t count) {
   Require(reply, 0, count);
   return {reply.data.begin(), reply.data.end() - 2};
 }
 
-/// What a robot sees: ids, names or colours, distances and bearings.
+/// Decodes sightings: ids, names or colours, distances and bearings.
 template <class T>
 std::vector<T> Seen(const Message& reply) {
   const std::vector<std::string> words = Words(reply.text);
@@ -33,7 +33,7 @@ std::vector<T> Seen(const Message& reply) {
   return seen;
 }
 
-/// The first of `rest`: `least` numbers and `more`, as a reply says. Throws Error 7 if they are not there.
+/// Removes and returns the first `least` + `more` numbers of `rest`. Throws Error 7 if there are fewer.
 std::span<const double> TakeFirst(std::span<const double>& rest, std::size_t least, std::int32_t more) {
   const std::size_t count = least + static_cast<std::size_t>(std::max(0, more));
   if (count > rest.size()) throw Error(7, "a reply of the daemon has too few values");
@@ -229,8 +229,8 @@ Reading Robot::sense(const std::string& x) {
     }
   }
   const std::size_t seen_count = seen.size() / 2;
-  // Ids and colours change with a reset, load or edit only: asked for again when the step did not go on, when
-  // their number changed, or after a while.
+  // Ids and colours change only with a reset, load or edit: query them again if the step did not advance, if
+  // their number changed, or after kLabelsLive_s.
   const Deadline now = Clock::now();
   const double step = reply.data.back();
   if (seen_count > 0 &&

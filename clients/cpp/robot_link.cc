@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kCommandWait_s = 0.1;  // for the reply to an actuator command in real time
 
-/// Types of robots that have a module of this kind; "": none that comes with the daemon.
+/// For each module, a shipped type of robot that has it; "": none.
 const std::map<std::string, std::string>& WhoHas() {
   static const std::map<std::string, std::string> types = {
       {"neighbours", "minibot"}, {"compass", "minibot"}, {"support", "transporter"},   {"imu", "balancer"},
@@ -137,7 +137,7 @@ void RobotLink::OpenMotors() {
         Claim();
       } catch (const Error& e) {
         if (e.code() != kNotPossible && !another)
-          throw;  // not possible: a recording is played; reading goes on
+          throw;  // not possible: a recording is played; reading still works
       }
     }
     if (!attached.empty()) AttachTo(*motors, attached);
@@ -159,14 +159,14 @@ void RobotLink::Claim() {
                 robot + " cannot be driven: " + e.what() + "; to watch only: connect with watch = true");
   }
   unclaimed = another = false;
-  session.Note(motors->Ask({command::kGetTime}));  // a branch may have brought another mode
+  session.Note(motors->Ask({command::kGetTime}));  // a branch may have changed the mode
 }
 
 void RobotLink::Settle() {
   if (lost) throw Error(*lost);
   if (!motors->is_open() || (motors->busy() && !sent)) OpenMotors();
   if (!sent || AwaitCommand(kCommandWait_s)) return;
-  // No reply: in lockstep it comes after the step only. Take the command back, and keep it.
+  // No reply: in lockstep it arrives only after the step. Withdraw the command, and keep it.
   if (session.AskMode() == kLockstep) {
     if (!kept) kept = sent;
     OpenMotors();
@@ -253,7 +253,7 @@ void RobotLink::Actuate(std::int32_t command, std::vector<double> data, std::vec
                                                     : " has no motors"));
   if (lost) throw Error(*lost);
   if (session.mode() != kLockstep || unclaimed) Settle();
-  if (unclaimed) Claim();  // a branch may go on live from there
+  if (unclaimed) Claim();  // a branch may have ended the playback
   commanded = true;
   if (session.mode() == kLockstep) {
     if (kept) session.CountUnstepped(*this);
@@ -286,14 +286,14 @@ Message RobotLink::Read(const std::string& module, Request request) {
     }
   }
   std::unique_ptr<Connection>& reader = readers[module];
-  // What a robot sends is its driver's to say: that connection has the driver's name.
+  // Only a robot's driver may send its messages: that connection needs the driver's name.
   const bool sends = module == "neighbours" && !session.watches();
   if (!reader) reader = std::make_unique<Connection>(session.address(), Path(module), sends);
   try {
     Message reply = session.Ask(*reader, request);
     Require(reply, 0, 0);
     if (StepOf(reply) >= session.reached()) return session.Fresh(std::move(reply), session.reached());
-    // Sensors with a rate or a delay show an earlier moment: what is it now?
+    // Sensors with a rate or a delay return an earlier step: query the present one.
     session.Fresh(session.Ask(*reader, {command::kGetTime}), session.reached());
     return reply;
   } catch (const Error& e) {

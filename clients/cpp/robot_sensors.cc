@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Readings of the sensors that robots from files have.
+// Readings of the sensors of robot models.
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -20,7 +20,7 @@ static_assert(sizeof(Rgb) == 3);
 
 enum Format : std::int32_t { kRgb, kJpeg, kDepth, kSegmentation };
 
-/// The data of a reply but for the final two. Throws Error 7 if they are fewer than `count`.
+/// The data of a reply without the final two. Throws Error 7 if they are fewer than `count`.
 std::span<const double> DataOf(const Message& reply, std::size_t count) {
   Require(reply, 0, count);
   return std::span(reply.data).first(reply.data.size() - 2);
@@ -31,7 +31,7 @@ std::vector<double> RowOf(const Message& reply) {
   return {data.begin(), data.end()};
 }
 
-/// Copies the bytes of a picture, four to each param after the first three.
+/// Copies the bytes of a picture, four per param after the first three.
 template <class T>
 std::vector<T> BytesOf(const Message& reply) {
   Require(reply, 3, 0);

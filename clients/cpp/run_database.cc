@@ -14,7 +14,7 @@ constexpr std::int64_t kRunId = 0x434F4F50;  // SQLite's application_id of a rec
 constexpr std::int64_t kRunFormat = 2;
 constexpr int kBusy_ms = 2000;
 
-/// It holds what a recording has not put into its file yet.
+/// True if a write-ahead log holds data that are not in the recording's file yet.
 bool HasLog(const std::string& file) {
   std::error_code failed;
   const auto size = std::filesystem::file_size(file + "-wal", failed);
@@ -60,15 +60,14 @@ RunDatabase::RunDatabase(const std::string& file) : file_(file) {
   if (!std::filesystem::is_regular_file(file, ignored))
     throw Error(10, "there is no file '" + file + "'; a recording is called NAME.run");
   if (file.ends_with(".mat"))
-    throw Error(7, file + " is the run as MATLAB reads it (a .mat); here read the recording itself, " +
-                       file.substr(0, file.size() - 4) +
-                       ".run: sim.fetch_run(\"NAME\") copies it from the daemon");
+    throw Error(7, file + " is a MAT file; read the recording itself, " + file.substr(0, file.size() - 4) +
+                       ".run: sim.fetch_run(\"NAME\") downloads it");
   int status = Open(false);
-  if (status == SQLITE_CANTOPEN && !HasLog(file)) status = Open(true);  // where nothing can be written
+  if (status == SQLITE_CANTOPEN && !HasLog(file)) status = Open(true);  // read-only folder
   const std::string foreign = file + " is no recording of coopdyn (NAME.run)";
   const std::string why = sqlite3_errmsg(database_.get());
   const std::string cure =
-      "run `coopdyn info " + file + "`, which mends what a crash has left, where the file can be written";
+      "run `coopdyn info " + file + "`, which repairs the file after a crash if it can be written";
   if (status == SQLITE_NOTADB || status == SQLITE_CORRUPT)
     throw Error(7, foreign + ", or it is damaged (" + why + "); " + cure);
   if (status != SQLITE_OK) throw Error(5, "cannot read " + file + " (" + why + "): " + cure);
@@ -87,7 +86,7 @@ RunDatabase::RunDatabase(const std::string& file) : file_(file) {
   }
 }
 
-/// What SQLite says of opening and reading it.
+/// Returns SQLite's status of opening and reading the file.
 int RunDatabase::Open(bool immutable) {
   const std::string uri = "file:" + PercentEncoded(std::filesystem::absolute(file_).string(), "/") +
                           "?mode=ro" + (immutable ? "&immutable=1" : "");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Under run_file.h: opens a recording and runs queries on it (throws Error; one thread); numbers, poses and
-// names out of the bytes of a recording (docs/formats.md; pure).
+// Implementation of run_file.h: opens a recording and runs queries on it (throws Error; one thread), and
+// decodes numbers, poses and names from its bytes (docs/formats.md; pure).
 #pragma once
 
 #include <sqlite3.h>
@@ -15,19 +15,19 @@ namespace coopdyn::client {
 
 class RunDatabase;
 
-/// The row that a query is at.
+/// The current row of a query.
 class RunRow {
  public:
   RunRow(sqlite3_stmt* statement, const RunDatabase& database) : statement_(statement), database_(database) {}
-  /// Throws Error 7 if it is no whole number.
+  /// Throws Error 7 if the column is not an integer.
   std::int64_t integer(int column) const;
-  /// A whole number from 0 to 2^31. Throws Error 7 if it is none.
+  /// An integer from 0 to 2^31. Throws Error 7 otherwise.
   std::int64_t count(int column) const;
-  /// Throws Error 7 if it is no finite number.
+  /// Throws Error 7 if the column is not a finite number.
   double number(int column) const;
   std::string text(int column) const;
   bool is_null(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
-  /// Until the next row. Throws Error 7 if it is neither bytes nor NULL.
+  /// Valid until the next row. Throws Error 7 if the column is neither a blob nor NULL.
   std::span<const unsigned char> bytes(int column) const;
 
  private:
@@ -37,14 +37,14 @@ class RunRow {
 
 class RunDatabase {
  public:
-  /// Checks what the file is.
+  /// Opens `file` and checks its format.
   explicit RunDatabase(const std::string& file);
 
   const std::string& file() const { return file_; }
-  /// Calls `use` with each row. `text`, if not null, is what ?1 stands for.
+  /// Calls `use` with each row. `text`, if not null, is bound to ?1.
   void ForEach(const std::string& sql, const std::function<void(const RunRow&)>& use,
                const std::string* text = nullptr) const;
-  /// The error of a file that does not add up.
+  /// Throws the error of an inconsistent file.
   [[noreturn]] void Damaged(const std::string& why) const;
 
  private:
@@ -57,7 +57,7 @@ class RunDatabase {
 
 using Bytes = std::span<const unsigned char>;
 
-/// The lowest byte is the first. @pre at most 8 bytes
+/// Decodes little-endian bytes. @pre at most 8 bytes
 std::uint64_t Little(Bytes bytes);
 /// The lowest `width` bits as two's complement.
 std::int64_t Signed(std::uint64_t bits, int width);
@@ -68,12 +68,12 @@ double Double(Bytes bytes);
 
 using Pose7 = std::array<double, 7>;  // x y z [m], quaternion w x y z
 
-/// The pose of a body out of its 18 bytes (server/state/pose_codec.h), positions in units of 2^exponent µm.
+/// Decodes a body's pose from its 18 bytes (server/state/pose_codec.h), positions in units of 2^exponent µm.
 Pose7 BodyPose(Bytes raw, int exponent);
-/// The pose of a robot's frame R, from that of its body B, X_WB, and of R in B.
+/// The pose of a robot's frame R in the world, from the pose of its body B and the pose of R in B.
 Pose7 RobotPose(const Pose7& X_WB, const Pose7& X_BR);
 
-/// The loaded controller of a robot, in the description of a scene; empty: none.
+/// The name of a robot's loaded controller, from the description of a scene; empty: none.
 std::string ControllerIn(Bytes scene, std::int64_t id, const std::string& name, const std::string& type);
 
 }  // namespace coopdyn::client

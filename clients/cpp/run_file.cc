@@ -26,8 +26,7 @@ double Seconds(std::int64_t ns) {
   return static_cast<double>(ns) / 1e9;
 }
 
-/// The number of the last row of a table, as `ends` of table meta has it: "step 1200 34, event 3 78"; 0:
-/// unknown.
+/// The number of a table's last row, from `ends` of table meta: "step 1200 34, event 3 78"; 0: unknown.
 std::int64_t EndOf(const std::string& table, const std::string& ends) {
   const std::size_t at = (", " + ends).find(", " + table + " ");
   return at == std::string::npos ? 0 : std::strtoll(ends.c_str() + at + table.size(), nullptr, 10);
@@ -43,10 +42,10 @@ std::vector<std::string> ScoreNames(const std::map<std::string, std::string>& in
   return names;
 }
 
-/// Where a thing stands in the rows of one scene of a recording.
+/// The indices of a thing's values in the rows of one scene of a recording.
 struct Place {
   std::size_t body = 0;
-  std::int64_t robot = -1;  // its number; -1: it is none
+  std::int64_t robot = -1;  // number of the robot; -1: not a robot
   Pose7 X_BR{0, 0, 0, 1, 0, 0, 0};
   std::size_t first_sensor = 0, sensors = 0, first_channel = 0, channels = 0;
 };
@@ -65,7 +64,7 @@ struct Run::Impl {
     database.ForEach("SELECT max(step) FROM step WHERE poses IS NOT NULL", [&](const RunRow& row) {
       if (row.is_null(0))
         throw Error(7,
-                    file + " holds no step yet; `coopdyn info` says what is in it if its daemon has ended");
+                    file + " holds no step yet; if its daemon has ended, `coopdyn info` shows its contents");
       last = row.integer(0);
     });
     database.ForEach("SELECT key, value FROM meta",
@@ -75,7 +74,7 @@ struct Run::Impl {
     CheckScenes();
   }
 
-  /// A damaged page may hide rows.
+  /// Throws Error 7 if rows are missing, as a damaged page may hide them.
   void CheckScenes() const {
     database.ForEach(
         "SELECT s.id, (SELECT count(DISTINCT robot) FROM body WHERE scene = s.id), (SELECT count(*) FROM "
@@ -93,7 +92,8 @@ struct Run::Impl {
         });
   }
 
-  /// A damaged page may hide rows, or poses: what was not lost must be there. Counts once.
+  /// Throws Error 7 if steps or poses are missing that were not lost while recording, as a damaged page may
+  /// hide them. Checks once.
   void CheckSteps() const {
     if (counted) return;
     const auto given = info.find("pose_every_ns");
@@ -133,7 +133,7 @@ struct Run::Impl {
                      });
   }
 
-  /// A query of the recorded moments.
+  /// Queries columns of the recorded moments.
   void ForEachMoment(const std::string& columns, const std::function<void(const RunRow&)>& use) const {
     CheckSteps();
     database.ForEach("SELECT " + columns + " FROM step WHERE step <= " + std::to_string(last) +
@@ -141,7 +141,7 @@ struct Run::Impl {
                      use);
   }
 
-  /// Where `name` stands, in each scene that has it. Throws Error 10 if there is no such thing.
+  /// The indices of `name` in each scene that has it. Throws Error 10 if none has.
   Places PlacesOf(const std::string& name) const {
     Places places;
     database.ForEach(
@@ -181,7 +181,7 @@ struct Run::Impl {
     return places;
   }
 
-  /// The `count` bytes of a column from `first` on. Throws Error 7 if they are not there.
+  /// The `count` bytes of a column from `first` on. Throws Error 7 if the column is shorter.
   Bytes Part(const RunRow& row, int column, std::size_t first, std::size_t count,
              const std::string& what) const {
     const Bytes all = row.bytes(column);
@@ -195,7 +195,7 @@ struct Run::Impl {
            ("," + recorded->second + ",").find("," + what + ",") != std::string::npos;
   }
 
-  /// The loaded controller of a robot, if what controllers sent was not recorded; else empty.
+  /// The loaded controller of a robot, if controllers' commands were not recorded; else empty.
   std::string UnrecordedController(const std::string& name) const {
     std::string controller;
     if (Has("controllers")) return controller;
@@ -216,7 +216,7 @@ struct Run::Impl {
 
   RunDatabase database;
   mutable bool counted = false;  // CheckSteps()
-  std::int64_t last = 0;         // step: what comes later was not there when it was opened
+  std::int64_t last = 0;         // newest step when the file was opened
   std::map<std::string, std::string> info;
   std::vector<std::string> names;
 };
@@ -309,7 +309,7 @@ RunRows Run::reading(const std::string& name, const std::string& what) const {
   const Places places = impl_->RobotPlacesOf(name);
   if (!impl_->Has(what))
     throw Error(5, what + " were not recorded in " + file() + "; record with --record-what all");
-  std::map<std::int64_t, std::vector<std::size_t>> columns;  // that the robot's numbers are, by scene
+  std::map<std::int64_t, std::vector<std::size_t>> columns;  // of the robot's numbers, by scene
   std::size_t width = 0;
   if (what == "distances") {
     for (const auto& [scene, place] : places) {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Reads recorded runs, NAME.run; the same names and meaning as in Python and MATLAB. Needs SQLite: link
-// coopdyn_run_file.
+// Reads recorded runs, NAME.run, with the same names and semantics as in Python and MATLAB. Needs SQLite:
+// link coopdyn_run_file.
 //
 //   const auto run = coopdyn::client::read_run("lesson1.run");
-//   const auto pose = run.pose("robot1");             // x, y [m], heading [rad], a row for each moment
+//   const auto pose = run.pose("robot1");             // x, y [m], heading [rad], one row per moment
 //   for (std::size_t i = 0; i < pose.size(); ++i) std::printf("%g,%g\n", pose[i][0], pose[i][1]);
 //
-// Nothing but what is asked for is read, when it is asked for. Everything throws Error: 10 no such file or
-// name, 7 a foreign or damaged file, 5 what was not recorded. A run that is being recorded is read as far as
-// it was when it was opened. One thread.
+// Each call reads only the data it returns. Any function may throw Error: 10 no such file or name, 7 a
+// foreign or damaged file, 5 not recorded. A run that is still being recorded is read up to its end at the
+// time of opening. One thread.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@
 
 namespace coopdyn::client {
 
-/// Numbers in rows of the same length, one for each moment of a run: rows[i][j].
+/// Rows of numbers of equal length, one per moment of a run: rows[i][j].
 class RunRows {
  public:
   RunRows(std::vector<double> values, std::size_t columns, std::size_t rows)
@@ -43,15 +43,15 @@ class RunRows {
   std::size_t columns_, rows_;
 };
 
-/// What happened: after which step, when [s], "info", "warning", "error" or "note", and what.
+/// An event after a step, at a simulated time [s]. `level`: "info", "warning", "error" or "note".
 struct Event {
   std::int64_t step = 0;
   double time = 0;
   std::string level, text;
 };
 
-/// A recorded run. k is the number of recorded moments: the first is the state that recording began with.
-/// What was not there, or not recorded at a moment, is nan.
+/// A recorded run. k is the number of recorded moments; the first is the state at the recording's start.
+/// Values that did not exist or were not recorded at a moment are nan.
 class Run {
  public:
   ~Run();
@@ -59,7 +59,7 @@ class Run {
   Run& operator=(Run&&) noexcept;
 
   const std::string& file() const;
-  /// What is known of the run as a whole: version, started, command, seed, mode, step_ns … (docs/formats.md).
+  /// Properties of the whole run: version, started, command, seed, mode, step_ns … (docs/formats.md).
   const std::map<std::string, std::string>& info() const;
   /// The text of the scenario.
   std::string scenario() const;
@@ -72,29 +72,29 @@ class Run {
   std::vector<std::int64_t> steps() const;
   /// The hash of the exact state at each moment, 16 hexadecimal digits: equal runs have equal hashes.
   std::vector<std::string> hash() const;
-  /// x, y [m] and heading [rad] of a robot; also of an object that moves.
+  /// x, y [m] and heading [rad] of a robot or a moving object.
   RunRows pose(const std::string& name) const;
   /// x, y, z [m] and quaternion w, x, y, z in the world.
   RunRows pose_3d(const std::string& name) const;
-  /// What a robot read: "distances" [m], right to left, inf = nothing there; "targets": distance [m] and
+  /// A robot's readings: "distances" [m], right to left, inf = nothing there; "targets": distance [m] and
   /// bearing [rad] of each, nan = not seen; "channels": positions [rad], not wrapped, then velocities [rad/s]
-  /// of the m channels that joints(name) names (of a sliding joint [m], [m/s]), 2m columns.
+  /// (sliding joints: [m], [m/s]) of the m channels in the order of joints(name), 2m columns.
   RunRows reading(const std::string& name, const std::string& what) const;
   /// The names of the joints that a robot's m channels drive: the columns of its channels and commands.
   std::vector<std::string> joints(const std::string& name) const;
-  /// The set-points of a robot, a row for each time that some came in force: the step in which they did, time
-  /// [s], the set-points of its m channels, and their control modes: 1 position [rad], 3 velocity [rad/s], 4
-  /// effort [N m] (0 idle, 2 direct), so 2 + 2m columns. The first row is what was in force when recording
-  /// began. Error 5 if a loaded controller drove it and those were not recorded; if a client took it from the
-  /// controller, its commands are there.
+  /// The set-points of a robot, one row per change: the step of the change, time [s], the set-points of its m
+  /// channels, and their control modes: 1 position [rad], 3 velocity [rad/s], 4 effort [N m] (0 idle, 2
+  /// direct), so 2 + 2m columns. The first row is in force at the recording's start. Error 5 if a loaded
+  /// controller drove the robot and its commands were not recorded; commands of a client that took the robot
+  /// over are recorded.
   RunRows commands(const std::string& name) const;
-  /// What happened, in order, notes included.
+  /// All events in order, including notes.
   std::vector<Event> events() const;
-  /// Time [s] and value of a score, k x 2; nan if it cannot be told.
+  /// Time [s] and value of a score, k x 2; nan: undefined.
   RunRows score(const std::string& name) const;
-  /// What the run was worth at its last moment, by the names of the scenario's [SCORE_n].
+  /// The scores at the last moment, by the names of the scenario's [SCORE_n].
   std::map<std::string, double> scores() const;
-  /// Time [s] and value of each number that was logged under a name, n x 2.
+  /// Time [s] and value of each number logged under a name, n x 2.
   RunRows logged(const std::string& name) const;
 
  private:
@@ -104,7 +104,7 @@ class Run {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Opens a recorded run, NAME.run; also one that is being recorded, or that a crash has left.
+/// Opens a recorded run, NAME.run, which may still be recorded or stem from a crashed daemon.
 Run read_run(const std::string& file);
 
 }  // namespace coopdyn::client

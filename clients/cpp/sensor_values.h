@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Readings of sensors out of the data of replies.
+// Converts the data of replies to sensor readings.
 #pragma once
 
 #include <span>
@@ -12,14 +12,14 @@ namespace coopdyn::client {
 
 struct RobotLink;
 
-/// @pre there are ten numbers; likewise six, three and five below
+/// @pre 10 numbers; below 6, 3 and 5
 Imu ToImu(std::span<const double> d);
 Wrench ToWrench(std::span<const double> d);
 Battery ToBattery(std::span<const double> d);
 Odometry ToOdometry(std::span<const double> d);
-/// Seven numbers each, without ids and names.
+/// Seven numbers per contact; the result has no ids and names.
 std::vector<Contact> ToContacts(std::span<const double> d);
-/// The ranges of a lidar; its angles are asked for once.
+/// Adds the lidar's angles, which are queried once, to its ranges.
 Scan ToScan(RobotLink& link, const std::string& module, std::span<const double> ranges);
 
 }  // namespace coopdyn::client

@@ -13,7 +13,7 @@
 namespace coopdyn::client {
 namespace {
 
-constexpr int kUnstepped = 200;               // commands to one robot without a step: then a notice
+constexpr int kUnstepped = 200;               // commands to one robot without a step before a notice
 constexpr std::int32_t kStatusRobots = 1000;  // robots in one status
 
 bool CarriesMode(std::int32_t id) {
@@ -115,7 +115,7 @@ std::vector<std::string> Session::GroupsOf(const std::string& robot) {
 
 std::vector<Json> Session::Robots() {
   std::vector<Json> robots;
-  while (true) {  // one status lists only a part of them
+  while (true) {  // one status lists only some of them
     const auto first = static_cast<std::int32_t>(robots.size() + 1);
     const Json status = Json::Parse(Control({command::kGetStatus, {first, kStatusRobots}}).text);
     const std::vector<Json>& more = status["robots"].items();
@@ -201,8 +201,8 @@ void Session::LoseOthers(const RobotLink& lost) {
 std::shared_ptr<TeamLink> Session::DriveTeam(const std::string& text) {
   RequireDriving();
   std::set<int> numbers;
-  // A team that is opened again takes its robots, and learns who is in it by now: what one of ours lets go of
-  // for a moment is not free.
+  // Reopen broken teams first, so that they claim their robots again: robots that one of our teams has lost
+  // only for a moment are not free for the new team.
   for (const auto& team : teams_) {
     const bool same = team->text == text;
     if (team->lost ||
@@ -212,7 +212,7 @@ std::shared_ptr<TeamLink> Session::DriveTeam(const std::string& text) {
       team->Settle();
       if (same) return team;
     } catch (const Error&) {
-      if (same && !team->lost) throw;  // the next use of another says what is wrong
+      if (same && !team->lost) throw;  // the next use of another team reports the error
     }
   }
   std::erase_if(teams_, [](const auto& team) { return team->lost.has_value(); });
@@ -279,7 +279,7 @@ void Session::Lose(const Closed& closed, const std::string& label, const std::st
   if (closed.notice().empty())
     throw Error(Error::kNoConnection, "the connection to " + label + " broke; " + address_.WhyLost());
   if (closed.by_load()) throw NewWorld(kLoad);
-  // Opening it again would take the robot back from whoever got it.
+  // Reopening the connection would take the robot back from its new owner.
   lost.emplace(kOwned, label + " is not driven by this sim any more: " + closed.notice() + "; " + take_again +
                            " takes it again");
   throw Error(*lost);
@@ -352,7 +352,7 @@ void Session::ForgetCommands() {
 
 void Session::Jumped() {
   StartedAnew();
-  Control({command::kGetTime});  // tells the mode
+  Control({command::kGetTime});  // updates the mode
   const std::vector<std::string> names = RobotNames();
   const std::set<std::string> here(names.begin(), names.end());
   const auto is_here = [&](const std::string& name) { return here.contains(name); };
@@ -367,7 +367,7 @@ void Session::Jumped() {
 std::vector<std::string> Session::Loaded() {
   StartedAnew();
   scenario_ = Status()["scenario"].text();
-  for (const auto& team : teams_) {  // opened again with the robots there are now
+  for (const auto& team : teams_) {  // reopens with the present robots
     team->connection.Close();
     team->names.clear();
     if (team->lost && team->lost->code() == kNotPossible) team->lost.reset();  // it had no robots left
@@ -388,7 +388,7 @@ std::vector<std::string> Session::Loaded() {
 
 void Session::Close() {
   if (closed_) return;
-  daemon_.reset();  // first: the last `stop` of a robot would be a step more
+  daemon_.reset();  // first: a robot's last `stop` would run another step
   for (const auto& team : std::exchange(teams_, {})) team->GiveUp(true);
   closed_ = true;
   for (const auto& link : links_) {
@@ -401,11 +401,11 @@ void Session::Close() {
       link->motors->Send(last.id, {}, last.data);
       link->motors->FinishSending();
     } catch (const Error&) {
-      // It is gone already.
+      // Already closed.
     }
   }
-  // Lets the daemon read the last `stop`, so that what this program does next, a reset say, comes after it.
-  // In lockstep the step it asks for may be far off.
+  // Give the daemon time to read the last `stop`, so that this program's next request, e.g. a reset, comes
+  // after it. Do not wait for its reply: in lockstep, the step may be far off.
   const Deadline deadline = After(kFarewell_s);
   for (const auto& link : links_) {
     if (!watch_ && link->is_ours()) link->motors->AwaitEnd(deadline);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A step: what is sent, waiting for the replies, and what happens when one of them does not come.
+// Steps: sends the commands, collects the replies, and recovers from missing ones.
 #include <algorithm>
 #include <exception>
 #include <iomanip>
@@ -16,12 +16,12 @@
 namespace coopdyn::client {
 namespace {
 
-constexpr double kCatchUpAfter_s = 0.1;  // some robots have stepped and others have not: see CatchUp()
+constexpr double kCatchUpAfter_s = 0.1;  // of silence before CatchUp()
 constexpr double kHeldUp_s =
-    0.5;  // lockstep awaits its robots before every step; a shorter wait holds nobody up
+    0.5;  // lockstep waits for its robots before every step; shorter waits are not reported
 constexpr std::size_t kNamedRobots = 4;
-/// More replies than kFew are not read one by one as they come in: a step waits for the one that is kAtOnce
-/// further on, for kGlance_s at most, so that it sees errors and closed connections, too.
+/// More than kFew replies are not read one by one as they arrive: a step waits for the reply kAtOnce places
+/// ahead, at most kGlance_s, so that it notices errors and closed connections, too.
 constexpr std::size_t kFew = 8, kAtOnce = 256;
 constexpr double kGlance_s = 0.01;
 
@@ -29,7 +29,8 @@ constexpr auto IsDone = [](const auto& waiting) { return waiting.done; };
 
 }  // namespace
 
-/// The connections that step, settled. Robots beside get their commands, if the reply to the last has come.
+/// Returns the connections that step, ready for a request. Sends the commands of robots `beside` that await
+/// no reply.
 std::vector<Session::Waiting> Session::WhoSteps(const TeamRequest& command) {
   std::vector<Waiting> waiting, of_teams;
   for (const auto& link : links_) link->unstepped = 0;
@@ -39,7 +40,7 @@ std::vector<Session::Waiting> Session::WhoSteps(const TeamRequest& command) {
         team->Settle();
         of_teams.push_back({&team->connection, nullptr, team.get()});
       } catch (const Error&) {
-        // The others go on without one that is lost, or whose robots are another's after a load.
+        // Other teams continue without a team that is lost, or whose robots another client got after a load.
         if (team.get() == command.team || (!team->lost && !team->names.empty())) throw;
       }
     }
@@ -50,7 +51,7 @@ std::vector<Session::Waiting> Session::WhoSteps(const TeamRequest& command) {
     const bool others = !waiting.empty() || !of_teams.empty();
     for (const auto& link : links_) {
       if (!link->beside || (others && !link->IsFree()) || !link->TakesPart()) continue;
-      link->beside = others;  // else nobody else of ours makes the step
+      link->beside = others;  // without others, this robot makes the step
       if (!others) waiting.push_back({link->motors.get(), link.get()});
       if (!others || !link->kept) continue;
       try {
@@ -70,7 +71,7 @@ void Session::Step(int n, double timeout_s, const TeamRequest& team_request) {
   if (n > 1 && std::any_of(links_.begin(), links_.end(),
                            [](const auto& link) { return link->has_parts() && link->kept; })) {
     const Deadline deadline = After(timeout_s);
-    Step(1, timeout_s);  // such a command stands for one step
+    Step(1, timeout_s);  // such a command lasts one step
     return Step(n - 1, std::max(0.0, Until(deadline)));
   }
   std::vector<Waiting> waiting = WhoSteps(team_request);
@@ -96,12 +97,12 @@ void Session::Step(int n, double timeout_s, const TeamRequest& team_request) {
   Resume(replies.earliest, since);
 }
 
-/// Takes in a reply; an error reply is thrown.
+/// Stores a reply; throws an error reply.
 void Session::TakeIn(Waiting& w, Message reply, Replies& replies) {
   w.done = true;
   if (w.link != nullptr) w.link->sent.reset();
   if (reply.error != 0) {
-    if (w.team != nullptr) w.team->stale = true;  // a robot may have been taken from it
+    if (w.team != nullptr) w.team->stale = true;  // it may have lost a robot
     const std::string who = w.team != nullptr ? w.team->label() : w.link != nullptr ? w.link->robot : "";
     Checked(reply, who.empty() ? who : who + ": ");
   }
@@ -116,8 +117,8 @@ void Session::TakeIn(Waiting& w, Message reply, Replies& replies) {
   replies.last = std::move(reply);
 }
 
-/// Takes in the replies that have come, up to the first that has not, or of `all`. `missing`
-/// becomes the descriptors that still wait. Returns whether any has come.
+/// Stores the replies that have arrived: `all` of them, or those before the first pending one. Sets `missing`
+/// to the descriptors of pending replies. Returns whether any reply has arrived.
 bool Session::TakeAllIn(std::vector<Waiting>& waiting, bool all, std::vector<int>& missing,
                         Replies& replies) {
   bool any = false;
@@ -136,21 +137,21 @@ bool Session::TakeAllIn(std::vector<Waiting>& waiting, bool all, std::vector<int
   return any;
 }
 
-/// Takes in the reply of every connection in `waiting`. The first error is thrown.
+/// Collects the replies of all connections in `waiting`. Throws the first error.
 Session::Replies Session::Collect(std::vector<Waiting>& waiting, double timeout_s) {
   const Deadline start = Clock::now();
   Replies replies{{}, std::numeric_limits<std::int64_t>::max()};
   const Deadline deadline = After(timeout_s, start);
   Deadline notice_at = After(kNoticeAfter_s, start), catch_up_at = Deadline::max();
   const bool any_beside = std::any_of(links_.begin(), links_.end(), [](auto& link) { return link->beside; });
-  if (any_beside) catch_up_at = After(kCatchUpAfter_s, start);  // one of them may take part now
+  if (any_beside) catch_up_at = After(kCatchUpAfter_s, start);  // one may be a participant by now
   const bool drives = waiting.front().link != nullptr || waiting.front().team != nullptr;
   std::vector<int> missing;
-  /// True if the one that is kAtOnce further on has come.
+  /// True if the reply kAtOnce places ahead has arrived.
   const auto glance = [&](const auto& fd_at, std::size_t count) {
     return WaitReadable({fd_at(std::min(count, kAtOnce) - 1)}, std::min(kGlance_s, timeout_s));
   };
-  // The request of the last set off the step: its reply comes first.
+  // The last request triggered the step: its reply arrives first.
   bool all = waiting.size() <= kFew ||
              !glance([&](std::size_t i) { return waiting[i].connection->fd(); }, waiting.size() - 1);
   polling()->Start(Clock::now());
@@ -184,17 +185,17 @@ Session::Replies Session::Collect(std::vector<Waiting>& waiting, double timeout_
   }
 }
 
-/// After an error or a timeout a command that had not run may still run while its successor is on the way:
-/// its robot is then one step behind the others, and each would wait for the other for ever. The world says
-/// whether it waits for robots of ours that have stepped already: these go on by one step with what they
-/// have. If it waits for one whose reply has not come, too, then that reply is on its way. A robot that takes
-/// no part (among the first that the status lists) is set beside, as its command may have come after the
-/// others' step: it runs in the next.
+/// Resolves a deadlock: after an error or timeout, an old command may still run while its successor is on the
+/// way. Its robot is then one step behind the others, and both would wait for each other forever. If the
+/// status says that the world waits for robots of ours that have stepped already, steps these once more with
+/// their present commands. If it also waits for a robot whose reply is pending, that reply will arrive: does
+/// nothing. Sets robots that are no participants (among the first that the status lists) `beside`, because
+/// their commands may have arrived after the others' step and then run in the next.
 void Session::CatchUp(std::vector<Waiting>& waiting) {
   std::set<std::string> awaited;
   const Json status = FreshStatus();
   for (const Json& a : status["awaiting"].items()) awaited.insert(a["robot"].text());
-  /// Of a robot with several actuators the world awaits ROBOT/MODULE; its channel drives them all.
+  /// For a robot with several actuators the status names ROBOT/MODULE; its channel drives them all.
   const auto is_awaited = [&](const Waiting& w) {
     return std::any_of(awaited.begin(), awaited.end(), [&](const std::string& name) {
       const std::string robot = name.substr(0, name.find('/'));
@@ -230,7 +231,7 @@ void Session::CatchUp(std::vector<Waiting>& waiting) {
   for (const Waiting& w : waiting) {
     if (w.done) stepped += w.team != nullptr ? w.team->names.size() : 1;
   }
-  const auto listed = static_cast<double>(std::max(stepped, awaited.size()));  // the first of those awaited
+  const auto listed = static_cast<double>(std::max(stepped, awaited.size()));  // the status lists some
   if (status["awaiting_count"].number() > listed) return;
   for (Waiting& w : waiting) {
     if (!w.done || !is_awaited(w)) continue;
@@ -243,7 +244,7 @@ void Session::CatchUp(std::vector<Waiting>& waiting) {
   }
 }
 
-/// The status, asked on a connection of its own: others may be waiting.
+/// Queries the status on a separate connection, because the others may have replies pending.
 Json Session::FreshStatus() const {
   Connection connection(address_, "/simulation", false);
   connection.Open();
@@ -251,9 +252,8 @@ Json Session::FreshStatus() const {
       connection.Ask({.command = command::kGetStatus, .timeout_s = address_.timeout_s()}).text);
 }
 
-/// Connections that still wait for a reply are closed and opened again: reading on would take the next reply
-/// for the one that is missing. Throws what happened, if it is more than the cause. @pre `cause` is being
-/// caught
+/// Closes and reopens connections whose reply is pending: otherwise the late reply would be mistaken for the
+/// next one. Throws a more specific error than `cause` if it finds one. @pre `cause` is being caught
 void Session::GiveUp(std::vector<Waiting>& waiting, const Error& cause) {
   const std::exception_ptr thrown = std::current_exception();
   const auto* closed = dynamic_cast<const Closed*>(&cause);
@@ -277,7 +277,7 @@ void Session::GiveUp(std::vector<Waiting>& waiting, const Error& cause) {
       if (w.team != nullptr && !w.team->lost) w.team->Open();
       if (w.link != nullptr && !w.link->lost) w.link->OpenMotors();
     } catch (const Error&) {
-      // Tried again at the next use, which says what is wrong.
+      // The next use tries again, and reports the error.
     }
   }
   try {
@@ -294,7 +294,7 @@ void Session::GiveUp(std::vector<Waiting>& waiting, const Error& cause) {
     try {
       team->Settle();
     } catch (const Error&) {
-      if (team->lost) lost = std::current_exception();  // otherwise its next use says what is wrong
+      if (team->lost) lost = std::current_exception();  // otherwise its next use reports the error
     }
   }
   if (lost) std::rethrow_exception(lost);
@@ -307,13 +307,13 @@ std::string Session::Whom(bool held_up, bool in_step) const {
   } catch (const Error& e) {
     return std::string("no answer from the daemon (") + e.what() + ")";
   }
-  if (in_step && !watch_ && IsNew(status)) throw WorldReset("reset");  // GiveUp() makes it a text
+  if (in_step && !watch_ && IsNew(status)) throw WorldReset("reset");  // GiveUp() completes the text
   const std::string& state = status["state"].text();
   const Json& playback = status["playback"];
   if (!playback.is_null() && playback["step"].number() == playback["end_step"].number() &&
       !playback["playing"].boolean() && !playback["growing"].boolean())
     return "the recording has ended; sim.run() plays it again";
-  if (state == "paused") return "the simulation is paused; sim.run() or the page goes on";
+  if (state == "paused") return "the simulation is paused; continue with sim.run() or on the page";
   if (state == "ended") return "the run has ended; sim.reset() starts again";
   const std::vector<Json>& awaiting = status["awaiting"].items();
   double longest_s = 0;
@@ -334,7 +334,7 @@ std::string Session::Whom(bool held_up, bool in_step) const {
     out << " and " << all - static_cast<std::int64_t>(named) << " more";
   for (const Json& a : awaiting) {
     if (a["cure"].is_null()) continue;
-    out << ": " << a["cure"].text();  // how to go on without one of them
+    out << ": " << a["cure"].text();  // how to continue without this robot
     break;
   }
   return out.str();

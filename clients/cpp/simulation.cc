@@ -67,7 +67,7 @@ Team Simulation::team(const std::vector<std::string>& names) {
     text += (text.empty() ? "" : " ") + name;
   }
   if (text.empty())
-    throw Error(3, "no names: write e.g. sim.team(\"swarm1\"), or sim.team() for all that nobody drives");
+    throw Error(3, "no names: write e.g. sim.team(\"swarm1\"), or sim.team() for all that are free");
   return Team(session_, session_->DriveTeam(text));
 }
 
@@ -141,7 +141,7 @@ void Simulation::load_scenario(const std::string& x) {
   if (x.find('\n') == std::string::npos && std::filesystem::is_regular_file(x, ignored)) {
     std::ifstream file(x, std::ios::binary);
     text.assign(std::istreambuf_iterator<char>(file), {});
-    text += "\n# file: " + std::filesystem::path(x).filename().string() + "\n";  // tells the daemon its name
+    text += "\n# file: " + std::filesystem::path(x).filename().string() + "\n";  // tells the daemon the name
   }
   session_->Control({command::kLoadScenario, {}, {}, std::move(text), kLoadTimeout_s});
   session_->Loaded();
@@ -240,7 +240,7 @@ Reply Simulation::call(const std::string& name, const std::string& command, std:
   Request request{0, std::move(params), std::move(data), text, timeout};
   const char* const end = command.data() + command.size();
   const auto [stopped, error] = std::from_chars(command.data(), end, request.command);
-  if (error != std::errc() || stopped != end) {  // a number stands for itself
+  if (error != std::errc() || stopped != end) {  // not a number: look up the command's id
     std::vector<std::string> names;
     const Json description = session_->Describe(module);
     for (const Json& entry : description["commands"].items()) {

@@ -13,17 +13,17 @@
 namespace coopdyn::client {
 namespace {
 
-constexpr double kExportTimeout_s = 600;  // for a long recording as a MAT file, for repeating a part of a run
+constexpr double kExportTimeout_s = 600;  // of converting a long recording, or repeating a part of a run
 constexpr const char* kRecorder = "/recorder";
 constexpr const char* kPlayback = "/playback";
 
-/// That of a file, so it may have blanks.
+/// The name of a file, which may contain blanks.
 const std::string& RunName(const std::string& text) {
   if (Words(text).empty()) throw Error(3, "the name of a recording is a text, not '" + text + "'");
   return text;
 }
 
-/// How fast a recording is played.
+/// Checks the speed of a playback.
 double PlaySpeed(double speed) {
   Finite(speed, "the speed");
   if (speed < -4 || speed > 64 || speed == 0)

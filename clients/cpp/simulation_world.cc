@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a simulation asks of /world.
+// Requests of a simulation to /world.
 #include <algorithm>
 #include <fstream>
 #include <iostream>
@@ -19,7 +19,7 @@ namespace {
 constexpr const char* kWorld = "/world";
 constexpr double kLoadTimeout_s = 60;
 
-/// Makes an edit; returns the names that it concerned, and shows warnings.
+/// Makes an edit and prints its warnings; returns the names of the edited objects.
 std::string Edit(Session& session, std::int32_t command, std::string text, std::vector<double> data = {}) {
   const Message reply = session.Tell(
       kWorld,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Draws a square in the air with a robot's arm: client_square [ROBOT]. In lockstep and in real time.
+// Draws a square in the air with a robot's arm: client_square [ROBOT]. Runs in lockstep and in real time.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -15,12 +15,12 @@ namespace {
 constexpr double kSide_m = 0.2;
 constexpr double kSide_s = 2;  // for each side
 
-/// From 0 to 1 with least jerk.
+/// From 0 to 1 with minimum jerk.
 double Smooth(double s) {
   return s * s * s * (10 - 15 * s + 6 * s * s);
 }
 
-/// From the outline of the square in the plane x = 0, around 0.
+/// A point on the outline of the square in the plane x = 0, centred at 0.
 double Distance(const Eigen::Vector3d& p) {
   const Eigen::Vector2d over = p.tail<2>().cwiseAbs().array() - kSide_m / 2;
   const double outside = over.cwiseMax(0).norm();
@@ -38,7 +38,8 @@ void Draw(const std::string& name) {
   client::Simulation sim = client::connect();
   client::Robot robot = sim.robot(name);
   client::Joints arm = robot.joints();
-  // Bent forward, so that the tool can move every way: 0.8 rad about each axis that points to the left.
+  // Bend the arm forward, so that the tool can move in all directions: 0.8 rad about each axis that points
+  // left.
   std::vector<double> q;
   for (const client::ChainJoint& joint : arm.get_chain().joints())
     q.push_back(0.8 * std::round(joint.axis.y()));
@@ -46,7 +47,7 @@ void Draw(const std::string& name) {
   Eigen::Isometry3d pose = arm.forward();
   const Eigen::Vector3d middle = pose.translation();
 
-  // The way of the joints: one posture for each step, each found near the one before.
+  // The path of the joints: one posture per step, each found near the previous one.
   const double dt = sim.dt(), half = kSide_m / 2;
   const auto steps = static_cast<int>(std::lround(kSide_s / dt));
   const Eigen::Vector3d corners[] = {{0, -half, -half}, {0, half, -half},  {0, half, half},

@@ -34,7 +34,7 @@ Rows TeamReading::*RowsOf(const std::string& name) {
   return found == std::end(kReadings) ? nullptr : kRows[found - kReadings];
 }
 
-/// Throws Error 3 or 4 unless there are two finite numbers for each robot, or two for all.
+/// Throws Error 3 or 4 unless there are two finite numbers per robot, or two for all.
 void CheckSpeeds(std::span<const double> values, const std::vector<std::string>& names, const char* what,
                  const char* columns) {
   const std::size_t n = names.size();
@@ -74,7 +74,7 @@ std::size_t WidthOf(const TeamCommand& command) {
   return width;
 }
 
-/// Throws Error 3 or 4 unless it has a row for each robot, or one for all, without inf.
+/// Throws Error 3 or 4 unless there is one row per robot, or one for all, without inf.
 void CheckRows(const TeamCommand& command, const TeamLink& team) {
   const std::size_t n = team.names.size(), count = command.rows.size();
   if (!team.gone.empty() && count != 1 && count != n) SayWhoIsGone(team, command.name.c_str());
@@ -87,7 +87,7 @@ void CheckRows(const TeamCommand& command, const TeamLink& team) {
     if (std::none_of(command.rows[i].begin(), command.rows[i].end(), [](double v) { return std::isinf(v); }))
       continue;
     throw Error(4, "row " + std::to_string(i) + " of " + command.name +
-                       " must be finite, or nan: this one goes on as it does");
+                       " must be finite, or nan: this joint keeps its command");
   }
 }
 
@@ -165,12 +165,12 @@ TeamReading Team::Step(const std::function<std::span<const double>()>& rows, con
                        bool reads, double timeout) {
   link_->Settle();
   if (!link_->playing.empty()) {
-    rows();  // what is wrong with them is said first
+    rows();  // throws first if the rows are invalid
     try {
       link_->Own();
     } catch (const Error& e) {
       if (link_->playing.empty() || !reads) throw;
-      session_->Step(1, timeout);  // the next moment that is shown
+      session_->Step(1, timeout);  // to the playback's next step
       return read();
     }
   }
@@ -203,8 +203,9 @@ TeamReading Team::ToReading(Message reply, int tries_left) {
            stride == std::accumulate(link.columns.begin(), link.columns.end(), std::size_t{0});
   };
   if (!fits()) link.Refresh();
-  if (!fits()) {  // it has changed once more meanwhile
-    if (tries_left == 0) throw Error(7, "the replies of the daemon do not tell who is in " + link.label());
+  if (!fits()) {  // the team has changed again meanwhile
+    if (tries_left == 0)
+      throw Error(7, "the replies of the daemon do not say which robots are in " + link.label());
     return ToReading(link.Read(), tries_left - 1);
   }
   if (reply.data.size() != rows * stride + 2) throw Error(7, "a reply of the daemon has too few values");

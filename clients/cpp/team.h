@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Robots that are driven together, through one connection: five of them or five thousand. One thread, that of
-// their simulation.
+// Drives any number of robots together through one connection. One thread, that of their simulation.
 //
 //   auto team = sim.team("swarm1");
 //   auto s = team.read();
-//   std::vector<double> v(2 * team.n());             // forward [m/s], turn [rad/s] of each robot
+//   std::vector<double> v(2 * team.n());             // forward [m/s], turn [rad/s] for each robot
 //   for (int k = 0; k < 1000; ++k) {
 //     for (std::size_t i = 0; i < team.n(); ++i) v[2 * i] = s.distances[i][0] < 0.05 ? 0.0 : 0.1;
 //     s = team.step(v);                              // the readings after the step
@@ -32,17 +31,17 @@ struct TeamLink;
 
 inline constexpr double kNoTimeout_s = std::numeric_limits<double>::infinity();
 
-/// Numbers in rows of the same length, one for each robot of a team: rows[i][j].
+/// Rows of numbers of equal length, one per robot of a team: rows[i][j].
 class Rows {
  public:
   Rows() = default;
-  /// `first` points to the first number; a row begins every `stride` numbers.
+  /// `first` points to the first number; rows are `stride` numbers apart.
   Rows(const double* first, std::size_t rows, std::size_t columns, std::size_t stride)
       : first_(first), rows_(rows), columns_(columns), stride_(stride) {}
 
   std::size_t size() const { return rows_; }
   std::size_t columns() const { return columns_; }
-  /// Throws Error 4 if there is no such row, as of a reading that was not chosen.
+  /// Throws Error 4 if there is no such row, e.g. because the reading was not selected.
   std::span<const double> operator[](std::size_t i) const {
     if (i >= rows_) NoSuchRow(i);
     return {first_ + i * stride_, columns_};
@@ -55,22 +54,22 @@ class Rows {
   std::size_t rows_ = 0, columns_ = 0, stride_ = 0;
 };
 
-/// All readings of a team in one step, those chosen with Team::select, in rows in the order of Team::names;
-/// the others have no rows. Copies share the numbers.
+/// The readings of a team in one step that Team::select chose, in rows in the order of Team::names; other
+/// readings have no rows. Copies share the numbers.
 struct TeamReading {
   double time = 0;
   std::int64_t step = 0;
-  std::string text;                     // says if speeds were limited, and who was taken from the team
+  std::string text;                     // reports limited speeds and robots taken from the team
   Rows pose;                            // x, y [m], heading [rad]
   Rows distances;                       // [m], right to left
   Rows targets;                         // distance [m], bearing [rad] of each target
-  Rows neighbours;                      // id, distance [m], bearing [rad] of each; 0, inf, nan: none
+  Rows neighbours;                      // id, distance [m], bearing [rad] of each; 0, inf, nan: no more
   Rows wheels;                          // angles [rad] left, right, speeds [rad/s] left, right
   Rows compass;                         // heading [rad]; nan without one
   Rows support;                         // x, y [m], angle [rad] of the load; nan without one
   Rows joints;                          // position, velocity, effort of each; nan: no more
-  std::map<std::string, Rows> modules;  // what sensors' modules read, by name; nan where a robot has less
-  std::shared_ptr<const std::vector<double>> values;  // what the rows point into
+  std::map<std::string, Rows> modules;  // sensor modules by name; nan where a robot has fewer values
+  std::shared_ptr<const std::vector<double>> values;  // storage of the rows
 };
 
 /// One kind of command for the robots of a team. `name`: "velocities" (forward [m/s], turn [rad/s]), "wheels"
@@ -79,39 +78,39 @@ struct TeamReading {
 struct TeamCommand {
   std::string name;
   /// A row for each robot, or one for all. Rows of robots with fewer joints may be shorter; nan: this joint
-  /// goes on as it does.
+  /// keeps its command.
   std::vector<std::vector<double>> rows;
 };
 
-/// While a recording is played a team reads, and what drives it throws Error 5.
+/// While a recording is played, a team can only be read; functions that drive it throw Error 5.
 class Team {
  public:
-  /// How many robots, their names and their ids, in the order of the rows.
+  /// Number, names and ids of the robots, in the order of the rows.
   std::size_t n() const;
   const std::vector<std::string>& names() const;
   const std::vector<std::int32_t>& ids() const;
 
-  /// One step of the world: gives each robot its forward speed [m/s] and turn rate [rad/s], waits until the
-  /// step has run, in every mode, and returns the readings after it. V holds two numbers for each robot, row
-  /// after row, or two for all; empty: they keep their speeds. In lockstep the other robots of this sim step
-  /// too, with what they were told. Error 11 after `timeout` seconds.
+  /// Runs one step of the world: sets each robot's forward speed [m/s] and turn rate [rad/s], waits until the
+  /// step has run, in every mode, and returns the readings after it. V holds two numbers per robot, row by
+  /// row, or two for all; empty: the robots keep their speeds. In lockstep the other robots of this sim step,
+  /// too, with their kept commands. Error 11 after `timeout` seconds.
   TeamReading step(std::span<const double> V = {}, double timeout = kNoTimeout_s);
-  /// Likewise, with joints, or several kinds of commands:
+  /// The same with joints, or several kinds of commands:
   ///   team.step({{"velocities", V}, {"positions/arm", {{0.5, 0.2, 0}}}});
   TeamReading step(std::initializer_list<TeamCommand> commands, double timeout = kNoTimeout_s);
   /// The same with the speeds of the left and right wheel [rad/s].
   TeamReading step_wheels(std::span<const double> W, double timeout = kNoTimeout_s);
   /// The readings of the newest step, without a step.
   TeamReading read();
-  /// Chooses what step() and read() return, among "pose", "distances", "targets", "neighbours" (the
-  /// nearest, as many as told), "wheels", "compass", "support" and "joints", and the names of sensors'
-  /// modules, as "lidar"; "pose" and "distances" to begin with. What is not chosen costs nothing.
+  /// Selects the readings that step() and read() return: "pose", "distances", "targets", "neighbours" (the
+  /// `neighbours` nearest), "wheels", "compass", "support", "joints", and names of sensor modules such as
+  /// "lidar". Default: "pose" and "distances". Other readings cost nothing.
   void select(const std::vector<std::string>& readings, int neighbours = 8);
   /// Stops all robots of the team.
   void stop();
-  /// Gives the robots up to others; they go on as they were told last.
+  /// Releases the robots; they keep executing their last commands.
   void release();
-  /// Stops the robots and gives them up.
+  /// Stops and releases the robots.
   void close();
 
  private:
@@ -119,7 +118,7 @@ class Team {
   Team(std::shared_ptr<Session> session, std::shared_ptr<TeamLink> link);
   TeamReading Step(std::span<const double> values, const char* what, const char* columns, const char* text,
                    double timeout);
-  /// The step itself; `rows` makes its data, again if robots were taken away meanwhile.
+  /// Runs the step. `rows` makes its data, and is called again if robots were taken away meanwhile.
   TeamReading Step(const std::function<std::span<const double>()>& rows, const std::string& text, bool reads,
                    double timeout);
   TeamReading ToReading(Message reply, int tries_left = 3);

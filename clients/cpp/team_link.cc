@@ -24,14 +24,14 @@ std::string SwarmOf(const std::string& robot) {
   return digits ? robot.substr(0, bar) : "";
 }
 
-/// The names of robots and swarms that are meant by what was asked for.
+/// The names of robots and swarms that `asked` refers to.
 std::set<std::string> Meant(const std::vector<std::string>& asked, const std::vector<std::string>& there) {
   std::set<std::string> words(asked.begin(), asked.end()), known(there.begin(), there.end()), swarms;
   for (const std::string& robot : there) swarms.insert(SwarmOf(robot));
   swarms.erase("");
   known.insert(swarms.begin(), swarms.end());
   const bool all = std::includes(known.begin(), known.end(), words.begin(), words.end());
-  if (swarms.size() == 1 && !all) words.merge(swarms);  // the section, swarm1, of the only swarm
+  if (swarms.size() == 1 && !all) words.merge(swarms);  // `swarm1`, the section, stands for the only swarm
   return words;
 }
 
@@ -69,12 +69,12 @@ void TeamLink::Name(Message said) {
   connection.Close();
   const std::string what = one_word() ? label() : "the team of " + std::to_string(before.size()) + " robots";
   lost.emplace(kNotPossible, what + " has lost all its robots, to other programs or another scenario: " +
-                                 TakeAgain() + " takes whom it means now");
+                                 TakeAgain() + " takes those that it names now");
   session.ThrowIfLoaded(*lost);
   throw Error(*lost);
 }
 
-/// Claims the robots that it had, not those that its name means now, without those that another team has.
+/// Claims the team's previous robots, not those that its name refers to now, and none that another team has.
 Message TeamLink::Claim() {
   const auto claim = [&](std::string words) {
     return connection.Ask({.command = command::kClaim, .text = std::move(words)});
@@ -89,7 +89,7 @@ Message TeamLink::Claim() {
       if (e.code() != kOwned || std::erase(wanted, FirstWord(e.text())) == 0) throw;
     }
   }
-  return names.empty() ? claim(text) : connection.Ask({command::kGetTeam});  // else none is left
+  return names.empty() ? claim(text) : connection.Ask({command::kGetTeam});  // no robot is left
 }
 
 void TeamLink::NotOurs(const Error& owned) const {
@@ -104,9 +104,10 @@ void TeamLink::NotOurs(const Error& owned) const {
 void TeamLink::Open() {
   connection.Open();
   try {
-    if (names.empty()) connection.Ask({command::kRelease});  // an older team may have been of others
+    if (names.empty()) connection.Ask({command::kRelease});  // drop the robots of an older team
     Take();
-    if (names.empty()) throw Error(kNoSuchName, "there is no robot that nobody drives");
+    if (names.empty())
+      throw Error(kNoSuchName, "no robot is free: other programs or loaded controllers drive them all");
     Select(selected, neighbours);
     session.Note(connection.Ask({command::kGetTime}));
   } catch (...) {
@@ -166,7 +167,7 @@ void TeamLink::GiveUp(bool stop) {
       connection.FinishSending();
       connection.AwaitEnd(After(kFarewell_s));
     } catch (const Error&) {
-      // It is gone already.
+      // Already closed.
     }
   }
   connection.Close();
@@ -184,7 +185,7 @@ void TeamLink::Take() {
     }
     why = std::string(kPlaying) + ": sim.branch() goes on live from here";
   } catch (const Error& e) {
-    if (e.code() == kOwned && !playing.empty()) NotOurs(e);  // a branch has gone on live meanwhile
+    if (e.code() == kOwned && !playing.empty()) NotOurs(e);  // a branch has ended the playback
     if (e.code() != kNotPossible || !e.text().starts_with(kPlaying)) throw;
     why = e.text();
   }
@@ -250,11 +251,11 @@ Message TeamLink::Read() {
     read = Ask(command::kReadAll, ids);
   } catch (const Error& e) {
     if (e.code() != kNoSuchName) throw;
-    Find();  // at this moment there are others
+    Find();  // the recording has other robots at this moment
     read = Ask(command::kReadAll, ids);
   }
   Select(selected, neighbours);
-  // Of robots that are not ours the daemon does not tell there how many distances they have.
+  // For robots that the team does not own, the reply to select_readings lacks the number of distances.
   const auto distances = std::find(readings.begin(), readings.end(), "distances");
   if (distances != readings.end() && !read.params.empty()) {
     std::size_t& count = columns[static_cast<std::size_t>(distances - readings.begin())];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Teams of two carry their bars to the targets, past obstacles: client_transport [team1 team2 ...]
+// Teams of two robots carry bars to the targets, past obstacles: client_transport [team1 team2 ...]
 //
-// The first team goes to the scenario's first target, the second to the second. Leader and helper are
+// The first team goes to the scenario's first target, the second to the second. Leader and helper follow
 // attractor dynamics (Bicho, Louro, Soares, Erlhagen); docs/teams.md has the equations, transport_dynamics.h
 // the algorithm and its numbers, which are the same in all languages.
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 namespace client = coopdyn::client;
 namespace transport = coopdyn::transport;
 
-constexpr double kSettle_s = 2;       // that the helpers have after the leaders have arrived
+constexpr double kSettle_s = 2;       // for the helpers after the leaders have arrived
 constexpr double kTimeLimit_s = 180;  // simulated
 constexpr std::string_view kLeader = "_leader";
 
@@ -32,7 +32,7 @@ transport::Load LoadOf(const client::Reading& reading) {
   return {reading.support->x, reading.support->y, reading.support->angle};
 }
 
-/// Leader and helper of one team, and the number of their target.
+/// Leader and helper of a team, and the number of their target.
 class Team {
  public:
   Team(client::Simulation& sim, std::string name, std::size_t number)
@@ -44,7 +44,7 @@ class Team {
         back_geometry_(back_.get_geometry()) {}
 
   const std::string& name() const { return name_; }
-  /// When its leader was at the target.
+  /// Time when the leader arrived at the target.
   std::optional<double> arrived() const { return arrived_; }
 
   void Drive(double dt) {

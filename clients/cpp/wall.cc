@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Follows the wall on the right by a lidar: client_wall [robot1 [SECONDS]]
+// Follows the wall on the right using a lidar: client_wall [robot1 [SECONDS]]
 //
-// Scenario `wall`. Two rays see the wall: b to the right, and a, further ahead by the angle theta. They tell
-// how the robot's heading is turned away from the wall, its distance (or that of the nearest thing on the
-// right), and what that will be l further on,
+// Scenario `wall`. Two rays see the wall: b to the right, and a, turned ahead by the angle theta. They yield
+// the robot's heading relative to the wall, its distance from the wall (or from the nearest thing on the
+// right), and this distance after l more metres,
 //
 //   alpha = atan2(a cos(theta) - b, a sin(theta)),   d = b cos(alpha),   d_ahead = d + l sin(alpha).
 //
-// The turn rate brings d_ahead to the distance wished for; what is near ahead makes the robot slow down and
-// turn left. The same algorithm and numbers in all three languages.
+// The turn rate controls d_ahead to the desired distance; near things ahead make the robot slow down and turn
+// left. All three languages use the same algorithm and numbers.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -22,23 +22,23 @@ namespace {
 namespace client = coopdyn::client;
 
 constexpr double kWallDistance_m = 0.5;  // from the lidar
-constexpr double kSide_rad = 1.5707963;  // where b looks, to the right
+constexpr double kSide_rad = 1.5707963;  // bearing of b, to the right
 constexpr double kAheadBy_rad = 0.7;     // theta
 constexpr double kLookAhead_m = 0.5;     // l
 constexpr double kGain = 4.0;            // rad/s/m
 constexpr double kSpeed = 0.2;           // m/s
 constexpr double kMaxTurn = 1.0;         // rad/s
 constexpr double kMaxSine = 0.25;        // of alpha
-constexpr double kRight_rad = 1.05;      // to either side of b: where the wall is looked for
-constexpr double kFree_m = 0.7;          // what is nearer ahead makes it turn
+constexpr double kRight_rad = 1.05;      // to either side of b: the search for the wall
+constexpr double kFree_m = 0.7;          // the robot turns if something ahead is nearer
 constexpr double kCone_rad = 0.35;       // to either side of ahead
-constexpr double kSeen_m = 2.0;          // what is further counts as this far
+constexpr double kSeen_m = 2.0;          // longer ranges are clamped to this
 
 struct Command {
   double speed, turn, distance;
 };
 
-/// The size of an angle without whole turns.
+/// The magnitude of an angle, without whole turns.
 double Off(double angle) {
   return std::abs(std::remainder(angle, 2 * std::numbers::pi));
 }
@@ -52,7 +52,7 @@ double Ray(const client::Scan& scan, double bearing) {
   return std::min(kSeen_m, scan.at(scan.elevation.size() / 2, nearest));
 }
 
-/// The least range of the rays within `cone` of a bearing, in the middle row.
+/// The shortest range of the rays within `cone` of a bearing, in the middle row.
 double Nearest(const client::Scan& scan, double bearing, double cone) {
   double range = kSeen_m;
   for (std::size_t k = 0; k < scan.azimuth.size(); ++k) {

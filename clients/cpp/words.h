@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Lists of names as texts, texts in URLs, and checks of numbers.
+// Splits and joins lists of names, encodes URLs, and checks numbers.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 
 namespace coopdyn::client {
 
-/// What stands between spaces.
+/// Splits `text` at whitespace.
 inline std::vector<std::string> Words(const std::string& text) {
   std::istringstream in(text);
   std::vector<std::string> words;
@@ -23,7 +23,7 @@ inline std::vector<std::string> Words(const std::string& text) {
   return words;
 }
 
-/// One word that the daemon takes as a name.
+/// Returns the only word of `text`; throws Error 3 otherwise.
 inline std::string Word(const std::string& text, const char* what) {
   const std::vector<std::string> words = Words(text);
   if (words.size() != 1) throw Error(3, std::string(what) + " is one word, not '" + text + "'");
@@ -40,7 +40,7 @@ inline std::string Join(const std::vector<std::string>& words, const char* betwe
   return out;
 }
 
-/// For an error: if there are many, the first of them and their number.
+/// Lists words for an error; of many, the first and their total number.
 inline std::string ListOf(std::vector<std::string> words) {
   constexpr std::size_t kListed = 20;
   const std::size_t count = words.size();
@@ -49,7 +49,7 @@ inline std::string ListOf(std::vector<std::string> words) {
   return Join(words, ", ") + (count > kListed ? ", … (" + std::to_string(count) + ")" : "");
 }
 
-/// `text` as a part of a URL: all but letters, digits, -, _, . and what is in `kept` as %XX.
+/// `text` as a part of a URL: all but letters, digits, -, _, . and the characters in `kept` become %XX.
 inline std::string PercentEncoded(const std::string& text, std::string_view kept = "") {
   constexpr const char* kHex = "0123456789ABCDEF";
   std::string out;
@@ -64,7 +64,7 @@ inline std::string PercentEncoded(const std::string& text, std::string_view kept
   return out;
 }
 
-/// What `name` is but for its capitals, as part of an error.
+/// Suggests, as part of an error, the known word that differs from `name` only in case; else empty.
 inline std::string Nearest(const std::string& name, const std::vector<std::string>& known) {
   const auto same = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
   for (const std::string& word : known) {
@@ -74,18 +74,18 @@ inline std::string Nearest(const std::string& name, const std::vector<std::strin
   return "";
 }
 
-/// `value`; throws Error 4 that names it if it is infinite or no number.
+/// Returns `value`; throws Error 4 that names `what` if it is not finite.
 inline double Finite(double value, const char* what) {
   if (!std::isfinite(value)) throw Error(4, std::string(what) + " must be finite");
   return value;
 }
 
-/// `value` without its fraction, as the daemon writes whole numbers; 0 if it is none.
+/// `value` truncated to an integer, as the daemon writes integers; 0 if out of range or nan.
 inline std::int64_t Whole(double value) {
   return std::abs(value) < 9e18 ? static_cast<std::int64_t>(value) : 0;
 }
 
-/// `value` as a program would write it.
+/// `value` as a decimal text.
 inline std::string Written(double value) {
   std::ostringstream out;
   out.precision(9);

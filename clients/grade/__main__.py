@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""coopdyn grade: grades what students hand in, by a scenario's scores. The program starts this."""
+"""coopdyn grade: grades submissions of students by a scenario's scores. Started by the program coopdyn."""
 import concurrent.futures
 import contextlib
 import os
@@ -32,7 +32,7 @@ def read_options(words):
     add = options.add_argument
     add("assignment", nargs="?", help="its file")
     add("submission", nargs="*", help="a folder, a .zip, a .tar or .tar.gz")
-    add("--submissions", action="append", default=[], metavar="FOLDER", help="grade each entry of this folder, as Moodle and Gradescope give it; may stand several times")
+    add("--submissions", action="append", default=[], metavar="FOLDER", help="grade each entry of this folder, as exported by Moodle and Gradescope; may be repeated")
     add("--out", default="results", help="folder of the results (default: results)")
     add("--key", metavar="FILE", help="of the hidden seeds (default: beside the assignment, with the ending .key)")
     add("--jobs", type=int, default=os.cpu_count(), help="runs at the same time (default: as many as cores)")
@@ -52,7 +52,7 @@ def read_options(words):
     given = options.parse_args(words)
     chosen = [name for name in ("try_out", "new_key", "example", "appeal", "forget") if getattr(given, name)]
     if len(chosen) > 1:
-        options.error("--try, --new-key, --example, --appeal and --forget are commands of their own: write one of them")
+        options.error("--try, --new-key, --example, --appeal and --forget exclude each other: write one of them")
     if given.jobs < 1:
         options.error("--jobs takes a whole number from 1")
     if not chosen or chosen == ["try_out"]:
@@ -80,7 +80,7 @@ def write_example(folder):
 
 
 def key_for(assignment, given):
-    """The teacher's, if there are hidden seeds."""
+    """The teacher's key; None without hidden seeds."""
     beside = os.path.splitext(assignment.path)[0] + ".key"
     if given.key or os.path.isfile(beside):
         return assignments.read_key(given.key or beside)
@@ -91,7 +91,7 @@ def key_for(assignment, given):
 
 @contextlib.contextmanager
 def staged(given, root, every, needed):
-    """Copies of the submissions, in a sandbox's reach."""
+    """A Stage with copies of the submissions that the sandbox can read."""
     stage = grading.Stage(root, not given.no_sandbox)
     try:
         grading.warn_of_no_sandbox(stage)
@@ -126,7 +126,7 @@ def grade(given, program, folders):
 
 
 def write(session, grades, given):
-    """All files of the results. Returns the names of those that not each grading has."""
+    """Writes all files of the results. Returns the names of the optional ones."""
     def one(grade_):
         text = formats.as_text(formats.gradescope(session, grade_, given.show_hidden))
         grading.store(session, grade_, text)
@@ -150,7 +150,7 @@ def write(session, grades, given):
 
 
 def try_out(given, program, folders):
-    """What a student does: the visible seeds, and what went wrong."""
+    """Grades a student's own folder on the visible seeds, and prints what went wrong."""
     assignment = assignments.read(given.assignment, folders, grading.scores_of(program))
     every = submissions.find([given.try_out], [])
     with staged(given, folders[-1], every, assignment.values["files"]) as stage, tempfile.TemporaryDirectory(prefix="coopdyn-try-") as out:
@@ -175,7 +175,7 @@ def try_out(given, program, folders):
 
 
 def forget(path):
-    """Deletes what is stored of a submission: its folders, its runs, its lines."""
+    """Deletes all stored data of a submission: its folders, its runs, its lines."""
     out, name = os.path.split(os.path.abspath(path))
     if not os.path.isfile(os.path.join(out, "grading.json")) or not os.path.isfile(os.path.join(path, "results.json")) or os.path.islink(path):
         raise Wrong(f"--forget {path}: this is no submission of a grading: name OUT/NAME")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""coopdyn grade --appeal: repeats each run from its recording, bit by bit, and then the program itself."""
+"""coopdyn grade --appeal: repeats each run from its recording, bit by bit, and then runs the program again."""
 import importlib
 import json
 import math
@@ -14,7 +14,7 @@ from plan import Wrong
 
 
 def found(path):
-    """(OUT, what results.json says) of OUT/NAME, OUT/NAME/results.json or OUT/results.json."""
+    """(OUT, content of results.json) for OUT/NAME, OUT/NAME/results.json or OUT/results.json."""
     file = os.path.join(path, "results.json") if os.path.isdir(path) else path
     try:
         with open(file, encoding="utf-8") as stream:
@@ -31,11 +31,11 @@ def found(path):
     for out in (os.path.dirname(folder), folder):
         if os.path.isfile(os.path.join(out, "grading.json")) and os.path.isdir(os.path.join(out, name)):
             return out, result
-    raise Wrong(f"--appeal {path}: it does not lie in the folder of a grading any more, with its grading.json: put it back there")
+    raise Wrong(f"--appeal {path}: it is no longer in the folder of a grading with its grading.json: move it back")
 
 
 def facts_of(program, recording):
-    """What `coopdyn info` says of a recording; None if it cannot be read."""
+    """The output of `coopdyn info` for a recording; None if it cannot be read."""
     done = subprocess.run([program, "info", "--json", recording], capture_output=True, text=True, check=False)
     try:
         return json.loads(done.stdout)[0]
@@ -44,7 +44,7 @@ def facts_of(program, recording):
 
 
 class Appeal:
-    """Of one submission. `same` is false once anything differs."""
+    """The appeal of one submission. `same` is false once anything differs."""
 
     def __init__(self, path, program, folders):
         self.program, self.folders, self.same = program, folders, True
@@ -60,7 +60,7 @@ class Appeal:
         print(f"{label}: {text}", flush=True)
 
     def hear(self, options):
-        """Repeats all. Returns the exit code."""
+        """Repeats all runs. Returns the exit code."""
         version = grading.version_of(self.program)
         if version != self.data["version"]:
             print(f"This is {version}; it was graded with {self.data['version']}: hashes may differ by that.", flush=True)
@@ -87,7 +87,7 @@ class Appeal:
         return None
 
     def recording(self, one, assignment):
-        """From the recorded inputs."""
+        """Repeats a run from its recorded inputs."""
         if not one["recording"]:
             return self.say(one["label"], f"there is no recording: {one['sentence']}")
         path = os.path.join(self.out, one["recording"])
@@ -121,7 +121,7 @@ class Appeal:
             self.say("the grade", f"differs: the mean of the runs is {mean:.4g} points, the result says {self.result['score']:.4g}: the result was changed", True)
 
     def again(self, assignment, options):
-        """The program itself, where it can be: with the copy that the grading has kept."""
+        """Runs the program again, if possible, from the copy that the grading stored."""
         copy = os.path.join(self.out, self.data["name"], "submission.tar")
         if not os.path.isfile(copy):
             return print("The program is not repeated: submission.tar is gone.")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The text of an assignment, in the form of a scenario, and its seeds. Tells all mistakes at once."""
+"""Reads assignments, which have the syntax of scenarios, and makes their seeds. Reports all mistakes at once."""
 import difflib
 import hashlib
 import hmac
@@ -17,7 +17,7 @@ kExample = "coopdyn grade --example FOLDER writes one"
 
 
 def number(text):
-    """With a unit right behind it, in SI."""
+    """A number with an optional unit directly behind it, converted to SI."""
     match = re.fullmatch(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)([a-z]*)", text.strip().lower())
     if not match or match[2] not in kUnits:
         raise ValueError("takes a number, with a unit if it has one, for example 2.5 or 30s")
@@ -97,14 +97,14 @@ kKeys = {
 
 
 class Points:
-    """What a score is worth: 0 at `start`, all `most` points at `end`, between them by a straight line."""
+    """Points of a score: 0 at `start`, all `most` points at `end`, linear in between."""
 
     def __init__(self, values):
         self.score, self.start, self.end, self.most = values["score"], values["from"], values["to"], values["points"]
         self.needs, self.text = values["needs"], values["text"]
 
     def of(self, measures):
-        """Of {name: value or None}."""
+        """The points for measures {name: value or None}."""
         value = measures.get(self.score)
         if value is None or (self.needs and not (measures.get(self.needs) or 0) > 0):
             return 0.0
@@ -113,7 +113,7 @@ class Points:
 
 
 class Assignment:
-    """`values`: of [ASSIGNMENT]; `points`: a list of Points; `path`, its file; `scenario`, that of the world; `digest`, of both texts."""
+    """`values`: of [ASSIGNMENT]; `points`: a list of Points; `path`: its file; `scenario`: file of the world; `digest`: of both texts."""
 
     def __init__(self, path, values, points, scenario, digest):
         self.path, self.values, self.points, self.scenario, self.digest = path, values, points, scenario, digest
@@ -122,7 +122,7 @@ class Assignment:
         self.most = sum(one.most for one in points)
 
     def seeds(self, key):
-        """[(label, seed, hidden), …]; of the visible ones alone without a key."""
+        """[(label, seed, hidden), …]; without a key only the visible seeds."""
         visible = self.values["seeds"]
         found = [(f"seed {seed}", seed, False) for seed in visible]
         taken = set(visible)
@@ -137,7 +137,7 @@ class Assignment:
 
 
 def hidden_seed(key, digest, index):
-    """31 bits, which also `reset` of the page takes."""
+    """A seed of 31 bits, the range that the page's `reset` accepts."""
     made = hmac.new(key, f"coopdyn grade {digest} {index}".encode(), hashlib.sha256).digest()
     return int.from_bytes(made[:4], "big") >> 1
 
@@ -155,7 +155,7 @@ def instead(word, known):
 
 
 class Reader:
-    """Of one text; collects mistakes as `file:line: error: …`."""
+    """Reads one text; collects mistakes as `file:line: error: …`."""
 
     def __init__(self, file):
         self.file, self.mistakes = file, []
@@ -206,7 +206,7 @@ class Reader:
             self.wrong(line, f"{key} {value}: {key} {error}")
 
     def finish(self, name):
-        """The values of a section, with the defaults."""
+        """The values of a section, including defaults."""
         kind, line, given = self.sections[name]
         for key, (_, default) in kKeys[kind].items():
             if default is kNeeded and key not in given:
@@ -215,7 +215,7 @@ class Reader:
 
 
 def read(path, folders, look):
-    """The assignment of a file. `look(scenario)`: the names of the scores of a scenario. Raises Wrong, with all mistakes."""
+    """Reads the assignment in a file. `look(scenario)`: the names of a scenario's scores. Raises Wrong with all mistakes."""
     try:
         content = plan.read(path)
     except OSError as error:
@@ -249,7 +249,7 @@ def read(path, folders, look):
 
 
 def scenario_of(reader, path, folders):
-    """The file of the scenario: beside the assignment, or by its name."""
+    """The file of the scenario: beside the assignment, or found by its name."""
     given = reader.sections["assignment"][2]
     if "scenario" not in given:
         return None
@@ -266,7 +266,7 @@ def scenario_of(reader, path, folders):
 
 
 def new_key(path):
-    """Writes a new key, which only its owner may read."""
+    """Writes a new key that only its owner may read."""
     try:
         with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o600), "w", encoding="ascii") as stream:
             stream.write(os.urandom(32).hex() + "\n")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""One graded run: a simulator of its own in lockstep, and the submission's program in the sandbox. Says in a sentence how it ended."""
+"""One graded run: a private simulator in lockstep, and the submission's program in the sandbox. Its end is reported in a sentence."""
 import contextlib
 import errno
 import os
@@ -13,18 +13,18 @@ import time
 import run
 from sandbox import Watch
 
-kKept_bytes = 32 << 10  # of the output: as much of its beginning, and of its end
+kKept_bytes = 32 << 10  # of the output's beginning, and again of its end
 kFlood_bytes = 16 << 20
 kDaemon_bytes = 4 << 30
 kDaemonFile_bytes = 4 << 30
 kStart_s, kGrace_s, kStop_s = 120, 1.0, 20
 kTick_ms = 50
 kChunk = 64 << 10
-kByItself = ("score", "limit", "duration", "supervisor")  # how a run ends that nobody stops
+kByItself = ("score", "limit", "duration", "supervisor")  # ends of a run that nobody stops
 
 
 class Output:
-    """What a program prints: its beginning and its end."""
+    """The beginning and the end of a program's output."""
 
     def __init__(self):
         self.count, self._head, self._tail = 0, b"", b""
@@ -59,7 +59,7 @@ def in_words(count):
 
 
 class BoxRun:
-    """A daemon and its client, until both have ended. `reason` is why the client was stopped: None, time, clock, memory, flood."""
+    """A daemon and its client, until both have ended. `reason`: why the client was stopped: None, time, clock, memory, flood."""
 
     def __init__(self, job, started):
         self._job, self._started = job, started
@@ -92,7 +92,7 @@ class BoxRun:
         process.stdout.close()
 
     def _hear(self, timeout_s):
-        """What the daemon says next; False at its end."""
+        """Reads the daemon's next output; False at its end."""
         poll = select.poll()
         poll.register(self._daemon.stdout, select.POLLIN)
         if not poll.poll(timeout_s * 1000):
@@ -132,7 +132,7 @@ class BoxRun:
                     break
                 over = self._daemon.stdout.fileno() in ready and not self._hear(0)
                 self.reason = self.reason or watch.look() or ("clock" if time.monotonic() > limit else None)
-            if over:  # its client sees that, and may still say something
+            if over:  # the client notices, and may still print something
                 select.select([ended], [], [], kGrace_s)
             if self.reason is None:
                 self._read(output)
@@ -140,7 +140,7 @@ class BoxRun:
             os.close(ended)
 
     def _read(self, output):
-        """False at its end."""
+        """Reads the client's output; False at its end."""
         while self.reason is None:
             try:
                 chunk = os.read(output, kChunk)
@@ -154,7 +154,7 @@ class BoxRun:
         return True
 
     def _end_daemon(self):
-        """In order, so that its recording is whole. A run that ends by its score ends by itself."""
+        """Shuts the daemon down in order, so that its recording is complete. First waits for a run whose score may just end it."""
         limit = time.monotonic() + (kGrace_s / 2 if self.reason is None else 0)
         if self._client and self.reason:
             self._client.kill()
@@ -173,9 +173,9 @@ class BoxRun:
 
 
 def carry_out(job, started):
-    """The result of a job, a dictionary that goes into results.json. Raises run.Lost.
+    """Executes a job; returns its result, a dictionary for results.json. Raises run.Lost.
 
-    `sentence` says how it ended; a run that is `void` earns nothing; `trouble` is ours, not the submission's."""
+    `sentence` says how the run ended; a `void` run earns nothing; `trouble` is a failure of ours, not of the submission."""
     for path in (job["part"], job["recording"]):
         with contextlib.suppress(FileNotFoundError):
             os.remove(path)
@@ -215,13 +215,13 @@ def judge(one, result, code, log, job):
     if one.reason == "memory":
         return True, f"The program took more than {in_words(values['memory'])} of memory."
     if one.reason == "time" or (one.code == 128 + signal.SIGXCPU and not over):
-        return True, f"The program took more than {values['time']:g} s of processor time: the run had not come to its end after {result['time_s']:g} s."
+        return True, f"The program took more than {values['time']:g} s of processor time: the run had not ended after {result['time_s']:g} s."
     if one.reason == "clock":
         return True, f"The program did not end: the run stood at {result['time_s']:g} s after {values['clock']:g} s by the clock."
     if one.output.is_binary:
         return True, f"The program printed bytes that are no text ({in_words(one.output.count)})."
     if code == 4:
-        return True, "The run broke: " + (run.last_words(log) or "a body was frozen") + "."
+        return True, "The run failed: " + (run.last_words(log) or "a body was frozen") + "."
     if one.code not in (0, None) and not over:
         return True, failed(one.code if one.code > 0 else 128 - one.code, said, values)
     if not result["steps"]:
@@ -229,7 +229,7 @@ def judge(one, result, code, log, job):
     if over and result["ended"] == "score":
         return False, f"The goal was reached at {result['time_s']:g} s."
     if over:
-        return False, f"The run went to its end, {result['time_s']:g} s."
+        return False, f"The run reached its end, {result['time_s']:g} s."
     return False, f"The program ended at {result['time_s']:g} s."
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The film of a recording: pictures of `coopdyn export`, joined to one animated PNG, which every browser shows."""
+"""Films of recordings: joins pictures of `coopdyn export` to an animated PNG, which every browser shows."""
 import glob
 import os
 import struct
@@ -28,7 +28,7 @@ def chunk(kind, data):
 
 
 def animated(pictures, fps, last_s=2):
-    """PNGs of one size as an animated PNG (https://www.w3.org/TR/png-3), which goes on for ever; the last picture stays for a while."""
+    """Joins PNGs of one size to an animated PNG (https://www.w3.org/TR/png-3), which loops; the last picture stays for last_s."""
     out, number = [kSignature], 0
     for index, picture in enumerate(map(chunks_of, pictures)):
         head = next(data for kind, data in picture if kind == b"IHDR")

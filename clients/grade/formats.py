@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Grades as others' systems read them: Gradescope, Autolab, Moodle, and a table."""
+"""Grades in the formats of Gradescope, Autolab and Moodle, and as a table."""
 import csv
 import json
 import os
@@ -16,7 +16,7 @@ def rounded(value):
 
 
 def gradescope(grading, grade, show_hidden):
-    """results.json: `score` counts; a test for each [POINTS_n]; the runs in `extra_data`, where an appeal finds them."""
+    """results.json: `score` is the grade; one test per [POINTS_n]; the runs in `extra_data`, for appeals."""
     assignment = grade.assignment
     better = {id(points): (value, earned) for points, value, earned in grade.improvements()}
     tests = []
@@ -46,7 +46,7 @@ def as_text(result):
 
 
 def autolab(grade):
-    """The last line that an autograder of Autolab prints."""
+    """The last output line of an Autolab autograder."""
     scores = {}
     for points, earned in zip(grade.assignment.points, grade.earned):
         scores[points.score] = rounded(scores.get(points.score, 0) + earned)
@@ -63,8 +63,8 @@ def grades_csv(grading, grades):
 
 
 def moodle_csv(grading, grades, worksheet):
-    """The worksheet that Moodle takes under "Upload grading worksheet". With the one that Moodle has given, its rows with grades and comments;
-    else one with the columns that it needs."""
+    """The worksheet for Moodle's "Upload grading worksheet". With a worksheet from Moodle, adds grades and comments to its rows; else makes one
+    with the required columns."""
     def comment(grade):
         return "; ".join([*([grade.sentence] if grade.sentence else []), *(page.improvement(grade, *one) for one in grade.improvements())]) or "All points."
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Grades submissions: what runs, what a run is worth, and what is written of it."""
+"""Grades submissions: plans and executes runs, computes their points, and stores the results."""
 import compileall
 import hashlib
 import hmac
@@ -27,7 +27,7 @@ def version_of(program):
 
 
 def scores_of(program):
-    """A function: the names of the scores of a scenario, and `NAME met` of those with a goal."""
+    """Returns a function of a scenario: the names of its scores, and `NAME met` for those with a goal."""
     def names(scenario):
         words = [program, "serve", scenario, "--no-net", "--no-http", "--no-render", "--mode", "free", "--speed", "0", "--steps", "1",
                  "--summary", "/dev/stdout"]
@@ -41,19 +41,19 @@ def scores_of(program):
 
 
 class Stage:
-    """A folder for copies of submissions and of the clients; goes at the end."""
+    """A temporary folder with copies of the submissions and the clients."""
 
     def __init__(self, root, wants_sandbox):
         self.folder = tempfile.mkdtemp(prefix="coopdyn-grade-")
         self.clients = os.path.join(self.folder, "clients")
-        self.none = os.path.join(self.folder, "none")  # the recordings that a submission may list
+        self.none = os.path.join(self.folder, "none")  # the folder of recordings that a submission may list; does not exist
         try:
             for name in ("python", "matlab"):
                 shutil.copytree(os.path.join(root, "clients", name), os.path.join(self.clients, name),
                                 ignore=shutil.ignore_patterns("__pycache__", "examples", "*.pyc"))
             for name, text in sandbox.kUsers.items():
                 put(os.path.join(self.clients, name), text)
-            compileall.compile_dir(self.clients, quiet=2)  # once, not in each run
+            compileall.compile_dir(self.clients, quiet=2)  # once, instead of in each run
             submissions.open_to_all(self.clients)
             if wants_sandbox and sandbox.is_root():
                 sandbox.Sandbox("root").may_read(self.folder)
@@ -72,7 +72,7 @@ class Stage:
 
 
 class Grading:
-    """All runs of an assignment's submissions. `key`: the teacher's, or None: visible seeds alone."""
+    """All runs of an assignment's submissions. `key`: the teacher's; None: only visible seeds."""
 
     def __init__(self, assignment, every, key, program, out, stage):
         self.assignment, self.submissions, self.program, self.out, self.stage = assignment, every, program, out, stage
@@ -101,7 +101,7 @@ class Grading:
             inputs = {"assignment": self.assignment.digest, "name": submission.name, "submission": submission.digest, "seed": seed, "digests": self.digests,
                       "version": self.version, "sandbox": self.stage.sandbox.who != "none", "hidden": hidden}
             key = keyed(self.key, inputs) if hidden else plan.key_of(inputs)
-            # What is hidden is beside, not in, what may be handed back.
+            # Results of hidden seeds are stored outside the folder that may be handed back.
             own = os.path.join(self.out, *(["hidden"] if hidden else []), submission.name)
             recording = os.path.join(own, label.replace(" ", "-") + ".run")
             serve = {"seed": seed, "client": True, "duration_s": values["duration"], "set": {}, "controller": None}
@@ -113,7 +113,7 @@ class Grading:
         return found
 
     def run(self, processes, again=False, quiet=False):
-        """{name: [result, …]} of all that is not refused."""
+        """{name: [result, …]} of all submissions that are not refused."""
         jobs = {one.name: self.jobs(one) for one in self.submissions if not one.refused}
         results = Results(self.out, "grading")
         try:
@@ -162,23 +162,23 @@ def empty(job):
 
 
 def keyed(key, inputs):
-    """The key of a run on a hidden seed: nobody can find the seed by trying."""
+    """The key of a run on a hidden seed, from which nobody can find the seed by trial."""
     return hmac.new(key, json.dumps(inputs, sort_keys=True).encode(), hashlib.sha256).hexdigest()[:20]
 
 
 def measures_of(result):
-    """What points are made of: scores, and when those with a goal were met."""
+    """The values that earn points: scores, and the times at which goals were met."""
     return {**result["scores"], **{f"{name} met": when for name, when in result["met_s"].items()}}
 
 
 def earn(result, points):
-    """Adds what a run earns."""
+    """Adds a run's points to its result."""
     result["earned"] = [0.0 if result["void"] else one.of(measures_of(result)) for one in points]
     result["points"] = sum(result["earned"])
 
 
 class Grade:
-    """Of a submission: the mean of its runs. `runs`: their results, with what each earns."""
+    """The grade of a submission: the mean of its runs. `runs`: their results, including points."""
 
     def __init__(self, assignment, submission, runs):
         self.assignment, self.submission, self.runs = assignment, submission, runs
@@ -194,7 +194,7 @@ class Grade:
 
     @property
     def sentence(self):
-        """In short: why it is what it is."""
+        """The reason for lost points, in short."""
         if self.submission.refused:
             return self.submission.refused
         void = [one for one in self.runs if one["void"]]
@@ -204,7 +204,7 @@ class Grade:
         return first["sentence"] if len(void) == len(self.runs) else f"{len(void)} of {len(self.runs)} runs earn nothing. {first['label']}: {first['sentence']}"
 
     def improvements(self):
-        """[(Points, mean value of the runs that have one, points earned), …] of what was not reached."""
+        """[(Points, mean value of the runs that have one, points earned), …] of all Points not earned completely."""
         found = []
         for one, earned in zip(self.assignment.points, self.earned):
             values = [measures_of(run_)[one.score] for run_ in self.runs if measures_of(run_).get(one.score) is not None]
@@ -213,13 +213,13 @@ class Grade:
         return found
 
     def worst(self):
-        """The visible run that earns least and has a recording."""
+        """The visible run with a recording that earns the fewest points."""
         seen = [one for one in self.runs if not one["hidden"] and one["recording"] and one["steps"]]
         return min(seen, key=lambda one: one["points"], default=None)
 
 
 def store(grading, grade, text):
-    """OUT/NAME: results.json, and the submission itself for appeals."""
+    """Writes OUT/NAME: results.json, and the submission itself for appeals."""
     folder = os.path.join(grading.out, grade.name)
     os.makedirs(folder, exist_ok=True)
     put(os.path.join(folder, "results.json"), text)
@@ -228,7 +228,7 @@ def store(grading, grade, text):
 
 
 def remember(grading):
-    """What an appeal has to find again."""
+    """Writes grading.json, which an appeal needs."""
     put(os.path.join(grading.out, "grading.json"), json.dumps({
         "assignment": os.path.abspath(grading.assignment.path), "digest": grading.assignment.digest, "version": grading.version,
         "digests": grading.digests, "sandbox": grading.stage.sandbox.who != "none"}, indent=1, sort_keys=True) + "\n")

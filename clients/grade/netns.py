@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Goes on as another program in a network of its own, in which there is nothing but the loopback: python3 netns.py root|user WORDS….
+"""Executes a program in a new network namespace that has only the loopback device: python3 netns.py root|user WORDS….
 
-As `root` it stays root; as `user` it needs a user namespace, in which it keeps its user."""
+As `root` it stays root; as `user` it also creates a user namespace, in which it keeps its user."""
 import ctypes
 import fcntl
 import os

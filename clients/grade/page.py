@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A page for each submission, and one for the class: HTML without any other file."""
+"""A page for each submission, and one for the class: self-contained HTML."""
 import base64
 import html
 import os
@@ -49,7 +49,7 @@ def run_rows(grade):
 
 
 def write_one(grading, grade, film):
-    """OUT/NAME/index.html."""
+    """Writes OUT/NAME/index.html."""
     assignment, escape = grade.assignment, html.escape
     title = f"{assignment.title}: {grade.name}"
     page = [kHead.format(escape(title)), f"<h1>{escape(title)}</h1>", "" if grading.stage.sandbox.who != "none" else kLoud,
@@ -79,7 +79,7 @@ def write_one(grading, grade, film):
 
 
 def write_class(grading, grades):
-    """OUT/index.html."""
+    """Writes OUT/index.html."""
     assignment = grading.assignment
     rows = "".join(
         f"<tr><td><a href='{urllib.parse.quote(grade.name)}/index.html'>{html.escape(grade.name)}</a>" +

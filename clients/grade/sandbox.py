@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The sandbox in which a submission runs, by bubblewrap. Submission and simulator share a network in which there is nothing else; of the
-machine the submission sees programs and libraries, read-only, and its own folder."""
+"""The sandbox in which a submission runs, by bubblewrap. Submission and simulator share a network namespace with nothing else in it. The
+submission sees the machine's programs and libraries, read-only, and its own folder."""
 import functools
 import os
 import shutil
@@ -18,10 +18,10 @@ kSettings = ("alternatives", "fonts", "java", "ld.so.cache", "ld.so.conf", "ld.s
              "timezone")
 kUsers = {"passwd": f"nobody:x:{kNobody}:{kNobody}::{kHome}:/bin/sh\n", "group": f"nogroup:x:{kNobody}:\n"}  # instead of the machine's
 kShared_bytes = 16 << 20  # of /dev/shm
-kFiles = 256  # open at the same time, in each process
-kMostOfFile_bytes = 1 << 30  # where the disk is not the sandbox's own
-# The mathematics of libc, numpy and OpenBLAS round otherwise with newer instructions: without these a program computes the same on each of
-# these processors.
+kFiles = 256  # open files per process
+kMostOfFile_bytes = 1 << 30  # if the sandbox has no own disk
+# The mathematics of libc, numpy and OpenBLAS round differently with newer instructions: without these a program computes the same on all
+# x86-64 processors.
 kSameBits = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F", "OPENBLAS_CORETYPE": "Prescott",
              "NPY_DISABLE_CPU_FEATURES": "AVX2,FMA3,AVX512F,AVX512CD,AVX512_SKX,AVX512_CLX,AVX512_CNL,AVX512_ICL"}
 kHere = os.path.dirname(os.path.abspath(__file__))
@@ -35,7 +35,7 @@ def options_of_bwrap():
 
 
 def environment(server, submission, clients):
-    """What a submission's program knows: nothing of whoever grades it."""
+    """The environment variables of a submission's program; nothing of the grader's environment."""
     return {
         "PATH": "/usr/local/bin:/usr/bin:/bin", "HOME": kHome, "TMPDIR": kHome, "LANG": "C.UTF-8", "USER": "nobody", "COOPDYN_SERVER": server,
         "PYTHONPATH": os.path.join(clients, "python"), "OCTAVE_PATH": os.path.join(clients, "matlab"), "MATLABPATH": os.path.join(clients, "matlab"),
@@ -52,19 +52,19 @@ def limits(values):
 
 
 class Sandbox:
-    """How submissions are run on this machine. `who`: root, user, or none (--no-sandbox)."""
+    """Runs submissions on this machine. `who`: root, user, or none (--no-sandbox)."""
 
     def __init__(self, who):
         self.who = who
 
     def daemon_words(self, words):
-        """The simulator, in a network of its own. The process is the daemon itself."""
+        """The command of the simulator in its own network namespace. The process becomes the daemon."""
         if self.who == "none":
             return words
         return [sys.executable, "-I", "-S", os.path.join(kHere, "netns.py"), self.who, *words]
 
     def start(self, started, daemon, values, folder, clients, server, command):
-        """The program in `folder` that drives what the process `daemon` simulates; `started(words, **options)` starts it."""
+        """Starts the program in `folder`, which drives the robots of the process `daemon`, by `started(words, **options)`."""
         read, write = os.pipe()
         try:
             os.write(write, seccomp.program())
@@ -85,7 +85,7 @@ class Sandbox:
         return [*words, "--", *limits(values), f"--nproc={values['processes'] + 2}", *command]
 
     def _enter(self, daemon):
-        """Into the network of the daemon; as root, also as another user, since the number of root's processes has no limit."""
+        """The command that enters the daemon's network; as root it also changes the user, because root's processes are not limited."""
         if self.who == "root":
             return ["nsenter", f"--target={daemon}", "--net", f"--setuid={kNobody}", f"--setgid={kNobody}"]
         return ["nsenter", f"--target={daemon}", "--user", "--net", "--preserve-credentials"]
@@ -105,7 +105,7 @@ class Sandbox:
             waiter.communicate("\n")
 
     def may_read(self, folder):
-        """Lets the sandbox read what is in `folder`, and no other user."""
+        """Lets the sandbox, and no other user, read `folder`."""
         if self.who == "root":
             os.chown(folder, -1, kNobody)
             os.chmod(folder, 0o750)
@@ -136,13 +136,13 @@ def box(values, folder, clients, given):
 
 
 def is_root():
-    """That of the machine: the kernel limits the number of its processes under no name."""
+    """True for the machine's root, whose number of processes the kernel never limits."""
     with open("/proc/self/uid_map", encoding="ascii") as stream:
         return os.geteuid() == 0 and stream.read().split()[:2] == ["0", "0"]
 
 
 def choose(wanted, clients):
-    """The sandbox of this machine. Raises Wrong if there can be none."""
+    """The sandbox for this machine. Raises Wrong if none can be made."""
     if not wanted:
         return Sandbox("none")
     for name, package in (("bwrap", "bubblewrap"), ("nsenter", "util-linux"), ("prlimit", "util-linux")):
@@ -157,7 +157,7 @@ def choose(wanted, clients):
 
 
 def children_of(process):
-    """The processes below one, itself too."""
+    """The process and all its descendants."""
     waiting, found = [process], []
     while waiting:
         one = waiting.pop()
@@ -172,7 +172,7 @@ def children_of(process):
 
 
 def proportional_bytes(process):
-    """Its share of what it shares with others."""
+    """The proportional set size of a process: memory shared with others counts in part."""
     try:
         with open(f"/proc/{process}/smaps_rollup", encoding="ascii") as stream:
             return sum(int(line.split()[1]) << 10 for line in stream if line.startswith("Pss:"))
@@ -181,7 +181,7 @@ def proportional_bytes(process):
 
 
 class Watch:
-    """What the processes below one take together: rlimits hold for each alone."""
+    """Watches the resources that a process and its descendants use together, as rlimits hold only for single processes."""
 
     kEvery_s = 0.1
 
@@ -189,7 +189,7 @@ class Watch:
         self._process, self._values, self._next = process, values, time.monotonic() + self.kEvery_s
 
     def look(self):
-        """Why they must end; None if they need not."""
+        """The limit that they exceed; None if none."""
         if time.monotonic() < self._next:
             return None
         ticks = resident = 0

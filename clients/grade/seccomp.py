@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The system calls that the sandbox refuses: those that take memory which no limit of a process counts, and some that only attacks
-need. A filter of the kernel (seccomp(2), classic BPF), for bubblewrap's --seccomp."""
+"""The system calls that the sandbox refuses: those that allocate memory outside a process's limits, and some that only attacks need. A
+kernel filter (seccomp(2), classic BPF), for bubblewrap's --seccomp."""
 import errno
 import os
 import struct
@@ -24,7 +24,7 @@ def step(code, value, then=0, otherwise=0):
 
 
 def program():
-    """The filter of this machine; empty if its calls are not known here."""
+    """The filter for this machine; empty if its architecture is unknown here."""
     if os.uname().machine not in kMachines:
         return b""
     architecture, calls = kMachines[os.uname().machine]

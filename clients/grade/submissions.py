@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""What students hand in: folders, .zip, .tar and .tar.gz, as Moodle and Gradescope name them. Copies each into a folder of its
-own, without links and without whatever leads out of it."""
+"""Submissions of students: folders, .zip, .tar and .tar.gz, as named by Moodle and Gradescope. Copies each into its own folder, and
+refuses links and paths that lead out of it."""
 import gzip
 import hashlib
 import os
@@ -21,17 +21,16 @@ kChunk = 1 << 20
 
 
 class Refused(Exception):
-    """A submission that is not taken, and why: a sentence for its student."""
+    """A submission is refused; the text is a sentence for the student."""
 
 
 class Submission:
-    """`name` of whoever handed it in, also that of its folder in OUT; `id` as the school's system has it, or empty; `source`, where
-    it is."""
+    """`name`: of the student, and of the folder in OUT; `id`: of the school's system, or empty; `source`: the path of the submission."""
 
     def __init__(self, name, identity, source):
         self.name, self.id, self.source = name, identity, source
         self.files = {}  # name: (executable, digest), once copied
-        self.refused = None  # a sentence
+        self.refused = None  # a sentence if the submission is refused
         self.folder = None
 
     @property
@@ -52,13 +51,14 @@ def without_ending(name):
 
 
 def safe(name):
-    """A name for a folder."""
+    """`name` as a safe name of a folder."""
     kept = re.sub(r"[^\w .@+-]", "_", name).strip(" .").lstrip("+-@")[:100]
     return kept if kept and kept != "hidden" else f"_{kept}"
 
 
 def name_and_id(entry):
-    """Of a file or folder: Moodle's Name_12345_assignsubmission_file_main.zip, Gradescope's submission_12345, or anything else."""
+    """Name and id from a file's or folder's name: Moodle's Name_12345_assignsubmission_file_main.zip, Gradescope's submission_12345, or
+    any other."""
     moodle = re.match(r"(.+?)_(\d+)_assignsubmission_\w*?file", entry)
     if moodle:
         return moodle[1], moodle[2]
@@ -67,7 +67,7 @@ def name_and_id(entry):
 
 
 def gradescope_names(folder):
-    """{folder: (name, id)} of an export's submission_metadata.yml, of which only these lines are looked at."""
+    """{folder: (name, id)} from an export's submission_metadata.yml. Parses only these lines of it."""
     try:
         with open(os.path.join(folder, "submission_metadata.yml"), encoding="utf-8", errors="replace") as stream:
             text = stream.read(16 << 20)
@@ -84,7 +84,7 @@ def gradescope_names(folder):
 
 
 def find(sources, folders):
-    """Of paths, and of folders each entry of which is one."""
+    """The submissions at the paths `sources`, and the entries of `folders`."""
     entries = []
     for source in sources:
         if not os.path.lexists(source):
@@ -114,7 +114,7 @@ def find(sources, folders):
 
 
 class Store:
-    """Where a submission is copied to; counts what it takes."""
+    """The destination of a submission's copy; counts its files and bytes."""
 
     def __init__(self, folder):
         self.folder, self.bytes, self.files = folder, 0, {}
@@ -196,7 +196,7 @@ def copy_zip(source, store):
 
 
 class Limited:
-    """Of a tar's bytes: not more than a submission could have, as its headers may be large, too."""
+    """Limits the bytes read from a tar, because its headers may be large, too."""
 
     def __init__(self, stream):
         self.stream, self.left = stream, 2 * kMostBytes
@@ -250,8 +250,8 @@ def only_entry(folder):
 
 
 def take(submission, folder, needed):
-    """Copies it to `folder`. Never raises for what is in it: `refused` says what is wrong. An archive alone in a folder is unpacked;
-    a folder alone in it is taken for it unless `needed` files are beside it."""
+    """Copies a submission to `folder`. Bad content raises nothing: `refused` says what is wrong. Unpacks an archive that is alone in a
+    folder, and descends into a folder that is alone, unless `needed` files are beside it."""
     os.mkdir(folder)
     try:
         source = submission.source
@@ -278,7 +278,7 @@ def take(submission, folder, needed):
 
 
 def open_to_all(folder):
-    """Whatever the grader's umask is, the sandbox's user reads it; the folder around it keeps others out."""
+    """Makes `folder` readable for the sandbox's user, whatever the grader's umask; the enclosing folder keeps other users out."""
     for root, _, files in os.walk(folder):
         os.chmod(root, 0o755)
         for name in files:
@@ -287,7 +287,7 @@ def open_to_all(folder):
 
 
 def keep(submission, path):
-    """A copy for appeals: the same files give the same bytes."""
+    """Writes a copy for appeals; the same files yield the same bytes."""
     part = path + ".part"
     with open(part, "wb") as stream, tarfile.open(fileobj=stream, mode="w", format=tarfile.PAX_FORMAT) as archive:
         for name, (executable, _) in sorted(submission.files.items()):

@@ -1,13 +1,12 @@
 % SPDX-License-Identifier: MIT
 function ok = attractor(varargin)
 %ATTRACTOR Drives robots to the red target past obstacles: attractor, or attractor('robot1', 'robot2', ...).
-%   The heading is a dynamical system (Schoener, Dose, Engels; Bicho): the target's bearing attracts it, every distance
+%   The heading is a dynamical system (Schoener, Dose, Engels; Bicho): the target's bearing attracts it, and every distance
 %   sensor that sees something near repels it,
 %     dphi/dt = -l_tar sin(phi - psi_tar) + sum_i l_i (phi - psi_i) exp(-(phi - psi_i)^2 / (2 s_i^2)),
 %     l_i = b1 exp(-d_i / b2),   s_i = atan(tan(opening_i / 2) + R / (R + d_i)),
-%   and the speed relaxes to what the target or what the obstacles allow, weighted by the potential of the repulsion at
-%   the present heading. Angles are relative to the robot, so phi = 0. The same algorithm and numbers in all three
-%   languages.
+%   and the speed relaxes to the value that the target or the obstacles allow, weighted by the repulsion's potential at the
+%   present heading. Angles are relative to the robot, so phi = 0. All three languages use the same algorithm and numbers.
   names = cellfun(@char, varargin, 'UniformOutput', false);
   if isempty(names)
     names = {'robot1'};
@@ -60,14 +59,14 @@ function p = parameters()
   p.target_strength = 1.6;    % [rad/s]
   p.obstacle_strength = 10;   % b1 [1/s]
   p.obstacle_decay = 0.3;     % b2 [m]
-  p.bias = 0.02;              % [rad/s] instead of noise: leaves a heading that is exactly between left and right
+  p.bias = 0.02;              % [rad/s] instead of noise: turns off a heading exactly between left and right
   p.max_speed = 0.5;          % [m/s]
   p.max_turn = 1.8;           % [rad/s]
-  p.time_to_target = 1.5;     % [s] the speed falls with the distance to the target
-  p.time_to_contact = 1.2;    % [s] and with the distance to what is ahead
+  p.time_to_target = 1.5;     % [s] limits the speed by the target's distance
+  p.time_to_contact = 1.2;    % [s] limits the speed by the distance of obstacles ahead
   p.ahead = 50 * pi / 180;    % sensors within this bearing are ahead
   p.relaxation = 8;           % [1/s] of the speed
-  p.reached = 0.4;            % [m] from the middle of the axle to the target
+  p.reached = 0.4;            % [m] from the axle's midpoint to the target
   p.reached_by_many = 0.9;    % [m] if several robots share it
   p.time_limit = 180;         % [s] simulated
 end

@@ -1,10 +1,10 @@
 % SPDX-License-Identifier: MIT
 function ball(name, duration)
 %BALL Follows a red ball by a camera: ball, ball('robot1') or ball('robot1', 30), for 30 s.
-%   Scenario ball. Of the picture's pixels those are the ball's that are much more red than green and blue. Their middle
-%   gives the bearing, their number n the distance: a ball of radius R at distance d covers pi (f R / d)^2 pixels, so
-%   d = f R sqrt(pi / n). The robot turns towards the ball and keeps its distance; when it sees none it turns where it saw
-%   it last. The same algorithm and numbers in all three languages.
+%   Scenario ball. The ball's pixels are those with much more red than green and blue. Their centre gives the bearing, their
+%   number n the distance: a ball of radius R at distance d covers pi (f R / d)^2 pixels, so d = f R sqrt(pi / n). The robot
+%   turns towards the ball and keeps its distance; without a ball in view it turns to the side where it saw the ball last.
+%   All three languages use the same algorithm and numbers.
   if nargin < 1
     name = 'robot1';
   end
@@ -47,19 +47,19 @@ end
 function p = parameters()
   p.ball_radius = 0.12;  % R [m]
   p.keep = 0.8;          % [m] from the camera to the ball
-  p.approach = 1.0;      % [1/s] speed for each metre too far
+  p.approach = 1.0;      % [1/s] speed per metre of distance error
   p.max_speed = 0.4;     % [m/s]
-  p.steer = 2.0;         % [1/s] turn rate for each radian off
+  p.steer = 2.0;         % [1/s] turn rate per radian of bearing
   p.max_turn = 1.5;      % [rad/s]
-  p.search = 0.8;        % [rad/s] when it sees no ball
-  p.red = 60;            % a red pixel has at least this much red
-  p.more = 2;            % and this many times as much as green and as blue
-  p.columns = 80;        % it looks at every fourth pixel of a picture that is 320 wide, and so on
+  p.search = 0.8;        % [rad/s] without a ball in view
+  p.red = 60;            % minimal red of a red pixel
+  p.more = 2;            % minimal ratio of red to green, and of red to blue
+  p.columns = 80;        % sampled columns: every fourth pixel of a picture 320 wide
   p.few = 6;             % fewer red pixels are no ball
 end
 
 function [distance, bearing] = look(p, image, camera)
-% Distance [m] and bearing [rad] of the ball; [] if there is none.
+% Distance [m] and bearing [rad] of the ball; [] if not in view.
   distance = [];
   bearing = [];
   every = max(1, floor(size(image, 2) / p.columns));

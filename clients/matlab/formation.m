@@ -1,9 +1,9 @@
 % SPDX-License-Identifier: MIT
 function ok = formation(varargin)
 %FORMATION Robots keep a formation round obstacles on the way to the red target: formation, or formation('robot1', ...).
-%   The first robot leads. Five keep an inverted V, three a triangle; near obstacles they break the formation and close it
-%   again behind. Attractor dynamics (Monteiro, Bicho): a follower's heading turns to where its place, carried along by the
-%   leader, moves, and away from obstacles. docs/teams.md has the equations. The same algorithm and numbers in all languages.
+%   The first robot leads. Five keep an inverted V, three a triangle; near obstacles they break the formation and restore it
+%   behind them. Attractor dynamics (Monteiro, Bicho): a follower turns towards its place, which moves with the leader, and
+%   away from obstacles. docs/teams.md has the equations. All languages use the same algorithm and numbers.
   names = cellfun(@char, varargin, 'UniformOutput', false);
   p = parameters();
   sim = coopdyn.connect();
@@ -21,7 +21,7 @@ function ok = formation(varargin)
     places(k, :) = place_of(p, k - 1, n);
   end
   speeds = zeros(1, n);
-  told = [0 0];  % the leader
+  told = [0 0];  % the leader's command
   result = false;
   dt = sim.dt;
   start = sim.time;
@@ -71,7 +71,7 @@ end
 function p = parameters()
   p.robot_radius = 0.18;       % [m]
   p.target_strength = 1.2;     % [rad/s]
-  p.place_strength = 2.5;      % [rad/s] by which a follower turns to its place
+  p.place_strength = 2.5;      % [rad/s] of a follower towards its place
   p.obstacle_strength = 10.0;  % [1/s]
   p.obstacle_decay = 0.2;      % [m]
   p.bias = 0.02;               % [rad/s] instead of noise
@@ -83,22 +83,22 @@ function p = parameters()
   p.relaxation = 8.0;          % [1/s] of the speed
   p.ahead = 0.873;             % [rad]
   p.reached = 0.4;             % [m] from the leader to the target
-  p.pull = 0.8;                % [1/s] speed per way to the place
-  p.near = 0.04;               % [m] so near to its place a robot is not pulled
-  p.calm = 0.05;               % [m/s] a slower wish turns the robot less
-  p.away = 0.25;               % of the wish, when an obstacle has turned the robot away from its place
-  p.patience = 0.3;            % [m] the leader slows down when somebody is so far from its place
-  p.slowest = 0.2;             % of its speed, at twice as far
+  p.pull = 0.8;                % [1/s] speed per distance to the place
+  p.near = 0.04;               % [m] nearer to its place a robot is not pulled
+  p.calm = 0.05;               % [m/s] a slower wanted velocity turns the robot less
+  p.away = 0.25;               % least share of the wanted speed while an obstacle turns the robot away
+  p.patience = 0.3;            % [m] the leader slows down when a robot is farther from its place
+  p.slowest = 0.2;             % share of its speed, at twice that distance
   p.v_along = 1.0;             % [m] from row to row of the inverted V
   p.v_across = 1.0;            % [m] from the middle to its first row
   p.triangle_along = 1.04;     % [m] of three robots
   p.triangle_across = 0.6;     % [m]
-  p.closed = 0.1;              % [m] everybody is so near to its place at the end
+  p.closed = 0.1;              % [m] largest distance of a robot from its place at the end
   p.time_limit = 240.0;        % [s] simulated
 end
 
 function place = place_of(p, number, count)
-% Where robot `number`, from 0, is to be in the leader's frame.
+% The place of robot `number`, from 0, in the leader's frame.
   along = p.v_along;
   across = p.v_across;
   if count == 3
@@ -119,7 +119,7 @@ function xy = turned(xy, angle)
 end
 
 function [speed, turn] = lead(p, geometry, speed, target, worst, distances, dt)
-% Speed and turn rate to the target; `worst`: how far the farthest follower is from its place [m].
+% Speed and turn rate to the target; `worst`: the greatest distance of a follower from its place [m].
   if target.distance < p.reached
     speed = 0;
     turn = 0;
@@ -133,7 +133,7 @@ function [speed, turn] = lead(p, geometry, speed, target, worst, distances, dt)
 end
 
 function [speed, turn] = follow(p, geometry, speed, off, moves, distances, dt)
-% Speed and turn rate to the place, which is `off` from here and moves as `moves`, both in this robot's frame.
+% Speed and turn rate to the place, which is at `off` and moves by `moves`, both in this robot's frame.
   pull = p.pull * max(0, 1 - p.near / max(norm(off), 1e-9));
   wished = moves + pull * off;
   wish = norm(wished);

@@ -1,5 +1,5 @@
 % SPDX-License-Identifier: MIT
-% Drives robot1 to the red target past what stands in its way. In real time and in lockstep, unchanged.
+% Drives robot1 to the red target past obstacles. Runs unchanged in real time and in lockstep.
 sim = coopdyn.connect();
 r   = sim.robot("robot1");
 for k = 1:2000

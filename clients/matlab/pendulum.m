@@ -1,11 +1,11 @@
 % SPDX-License-Identifier: MIT
 function ok = pendulum(name)
-%PENDULUM Balances a robot on two wheels by its IMU and drives it a metre forward: pendulum, or pendulum('robot1').
-%   Scenario pendulum. Its wheels' motors get a torque from a state feedback,
+%PENDULUM Balances a two-wheeled robot by its IMU and drives it one metre forward: pendulum, or pendulum('robot1').
+%   Scenario pendulum. A state feedback sets the torque of the wheels' motors,
 %     tau = kx (x - x_ref) + kv (v - v_ref) + kp pitch + kr rate,
-%   with the pitch and its rate from the IMU, and the way x and its speed v from the wheels' joints, which turn against the
-%   body. The gains are those of a linear-quadratic regulator for the robot's masses. At first the robot leans on a skid,
-%   and gets up. The same algorithm and numbers in all three languages.
+%   with the pitch and its rate from the IMU, and the travelled distance x and its speed v from the wheels' joints, which turn
+%   relative to the body. The gains are those of a linear-quadratic regulator for the robot's masses. At the start the robot
+%   leans on a skid, and gets up. All three languages use the same algorithm and numbers.
   if nargin < 1
     name = 'robot1';
   end
@@ -55,7 +55,7 @@ function p = parameters()
   p.speed_gain = 0.36;     % kv [N m s/m]
   p.pitch_gain = 2.12;     % kp [N m/rad]
   p.rate_gain = 0.24;      % kr [N m s/rad]
-  p.max_torque = 1.0;      % [N m] of both wheels
+  p.max_torque = 1.0;      % [N m] both wheels together
   p.speed = 0.25;          % [m/s]
   p.stand_until = 4.0;     % [s] simulated, from the start of the program
   p.drive_until = 8.0;     % [s]

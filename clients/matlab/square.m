@@ -1,7 +1,7 @@
 % SPDX-License-Identifier: MIT
 function off = square(name)
-%SQUARE Draws a square in the air with a robot's arm: square('robot1'). In lockstep and in real time.
-%   Returns how far the tool was off its outline, at most [m].
+%SQUARE Draws a square in the air with a robot's arm: square('robot1'). Runs in lockstep and in real time.
+%   Returns the tool's greatest distance from the outline [m].
   side_m = 0.2;
   side_s = 2;  % for each side
   if nargin < 1
@@ -10,13 +10,13 @@ function off = square(name)
   sim = coopdyn.connect();
   robot = sim.robot(name);
   arm = robot.joints();
-  % Bent forward, so that the tool can move every way: 0.8 rad about each axis that points to the left.
+  % Bend the arm forward, so that the tool can move in all directions: 0.8 rad about each axis that points left.
   chain = arm.get_chain();
   move(sim, arm, 0.8 * round(chain.axes(2, :)));
   pose = arm.forward();
   middle = pose(1:3, 4);
 
-  % The way of the joints: one posture for each step, each found near the one before.
+  % The path of the joints: one posture per step, each found near the previous one.
   dt = sim.dt;
   half = side_m / 2;
   steps = round(side_s / dt);
@@ -51,7 +51,7 @@ function off = square(name)
 end
 
 function s = smooth(s)
-% From 0 to 1 with least jerk.
+% From 0 to 1 with minimum jerk.
   s = s * s * s * (10 - 15 * s + 6 * s * s);
 end
 
@@ -64,7 +64,7 @@ function move(sim, arm, q)
 end
 
 function d = distance(p, half)
-% From the outline of the square in the plane x = 0, around 0.
+% A point on the outline of the square in the plane x = 0, centred at 0.
   over = abs(p(2:3)) - half;
   d = norm(max(over, 0));
   if d == 0

@@ -1,10 +1,10 @@
 % SPDX-License-Identifier: MIT
 function ok = transport(varargin)
-%TRANSPORT Teams of two carry their bars to the targets, past obstacles: transport, or transport('team1', 'team2', ...).
-%   The first team goes to the scenario's first target, the second to the second. Leader and helper are attractor
-%   dynamics (Bicho, Louro, Soares, Erlhagen): the leader turns to the target and away from obstacles, as fast as its
-%   load follows; the helper knows no target: its heading turns along the bar, its speed brings the load back to the
-%   middle of its support. docs/teams.md has the equations. The same algorithm and numbers in all languages.
+%TRANSPORT Teams of two robots carry bars to the targets, past obstacles: transport, or transport('team1', 'team2', ...).
+%   The first team goes to the scenario's first target, the second to the second. Leader and helper follow attractor
+%   dynamics (Bicho, Louro, Soares, Erlhagen): the leader turns to the target and away from obstacles, as fast as its load
+%   follows. The helper knows no target: its heading turns along the bar, and its speed brings the load back to the middle
+%   of its support. docs/teams.md has the equations. All languages use the same algorithm and numbers.
   names = cellfun(@char, varargin, 'UniformOutput', false);
   p = parameters();
   sim = coopdyn.connect();
@@ -15,7 +15,7 @@ function ok = transport(varargin)
     error('there is no team here; run the daemon with: coopdyn serve transport');
   end
   n = numel(names);
-  team = sim.team([strcat(names, '_leader') strcat(names, '_helper')]);  % all through one connection, a row for each
+  team = sim.team([strcat(names, '_leader') strcat(names, '_helper')]);  % all through one connection, one row each
   team.select('distances', 'targets', 'support', 'pose');
   [~, front] = ismember(strcat(names, '_leader')', team.names);  % the rows of the leaders
   [~, back] = ismember(strcat(names, '_helper')', team.names);
@@ -30,7 +30,7 @@ function ok = transport(varargin)
   start = s.time;
   V = zeros(2 * n, 2);
   while s.time - start < p.time_limit && any(s.time - arrived <= p.settle)
-    goal = front + 4 * n * mod(number, size(s.targets, 2) / 2);  % the place of its distance; a column on, its bearing
+    goal = front + 4 * n * mod(number, size(s.targets, 2) / 2);  % index of the target's distance; its bearing is one column to the right
     target = s.targets([goal, goal + 2 * n]);
     bars = along_bars(p, s.support);
     seen = obstacles(p, sensors, s.distances, bars(:, 3));
@@ -60,7 +60,7 @@ function p = parameters()
   p.robot_radius = 0.18;       % [m]
   p.team_distance = 1.2;       % [m] from leader to helper
   p.target_strength = 0.9;     % [rad/s]
-  p.bar_strength = 2.5;        % [rad/s] by which the helper turns along the bar
+  p.bar_strength = 2.5;        % [rad/s] of the helper's turn along the bar
   p.leader_obstacle = 6.0;     % [1/s]
   p.leader_decay = 0.45;       % [m] the leader keeps room for the bar behind it
   p.helper_obstacle = 4.0;     % [1/s]
@@ -79,21 +79,21 @@ function p = parameters()
   p.reached = 0.4;             % [m] from the leader to the target
   p.fold = 1.3;                % [rad] beyond, a robot turns back towards the bar
   p.fold_strength = 4.0;       % [1/s]
-  p.follow = 12.0;             % [1/s] speed per way of the load along the bar
+  p.follow = 12.0;             % [1/s] speed per displacement of the load along the bar
   p.follow_integral = 8.0;     % [1/s^2]
   p.across = 5.0;              % [rad/s per m] of the load across the bar
-  p.slack = 0.055;             % [m] the leader stands when the load lags so far behind
-  p.ease = 0.03;               % [m] it slows down from slack - ease on
-  p.mate_width = 0.35;         % [rad] ranges about the mate's bearing are the mate
-  p.mate_near = 0.25;          % [m] unless they are nearer than it by so much
-  p.settle = 2.0;              % [s] the helpers have after the leaders have arrived
+  p.slack = 0.055;             % [m] lag of the load at which the leader stops
+  p.ease = 0.03;               % [m] the leader slows down from a lag of slack - ease on
+  p.mate_width = 0.35;         % [rad] ranges this close to the mate's bearing are the mate
+  p.mate_near = 0.25;          % [m] unless they are nearer than the mate by more than this
+  p.settle = 2.0;              % [s] for the helpers after the leaders have arrived
   p.time_limit = 180.0;        % [s] simulated
   p.mate_cos = cos(p.mate_width);
   p.mate_from = p.team_distance - 2 * p.robot_radius - p.mate_near;
 end
 
 function sensors = sensors_of(p, names, front)
-% The distance sensors of these robots, a row for each: where they look [rad], how they weigh what they see.
+% The distance sensors of these robots, one row each: bearings [rad], and weights of their readings.
   sim = coopdyn.connect('watch', true);
   for k = 1:numel(names)
     r = sim.robot(names{k});
@@ -107,13 +107,14 @@ function sensors = sensors_of(p, names, front)
   sensors.strength(front) = p.leader_obstacle;
   sensors.decay = p.helper_decay * rows;
   sensors.decay(front) = p.leader_decay;
-  sensors.to_mate = sensors.bearing;  % the bearing of the other robot of the team is the bar's angle, for leaders the opposite
+  sensors.to_mate = sensors.bearing;  % the mate's bearing is the bar's angle; for leaders the opposite
   sensors.to_mate(front, :) = sensors.to_mate(front, :) - pi;
   sensors.aside = abs(sensors.bearing) > p.ahead;
 end
 
 function [speed, V] = lead(p, speed, target, seen, bar, left)
-% Speeds and turn rates to the targets (distance, bearing), as fast as the loads follow; `left`: of the old speed.
+% Speeds and turn rates to the targets (distance, bearing), as fast as the loads follow; `left`: remaining share of the old
+% speed.
   turn = p.target_strength * sin(target(:, 2)) + p.bias + seen(:, 1);
   turn = max(-p.leader_turn, min(p.leader_turn, turn));
   near = atan(8 * seen(:, 2)) / pi;  % -1/2: nothing near ahead, 1/2: much
@@ -121,13 +122,13 @@ function [speed, V] = lead(p, speed, target, seen, bar, left)
   by_obstacles = min(p.leader_speed, seen(:, 3) / p.time_to_contact);
   by_load = max(0, min(1, (p.slack + bar(:, 1)) / p.ease));
   wanted = by_load .* ((0.5 - near) .* by_target + (0.5 + near) .* min(by_target, by_obstacles));
-  far = target(:, 1) >= p.reached;  % the others stand
+  far = target(:, 1) >= p.reached;  % the others stand still
   speed = far .* (wanted + (speed - wanted) * left);
   V = [speed .* by_load, far .* (turn + bar(:, 4))];
 end
 
 function [speed, V] = help_carry(p, speed, seen, bar, dt)
-% Speeds and turn rates that follow the loads; `speed`: what the leaders seem to drive along the bars.
+% Speeds and turn rates that follow the loads; `speed`: the leaders' estimated speeds along the bars.
   angle = bar(:, 3);
   turn = p.bar_strength * sin(angle) + p.across * bar(:, 2) + seen(:, 1) + bar(:, 4);
   along = bar(:, 1);
@@ -138,10 +139,10 @@ function [speed, V] = help_carry(p, speed, seen, bar, dt)
 end
 
 function seen = obstacles(p, sensors, distances, angle)
-% Turn rate, potential and free way ahead of each robot. What is seen along the bar is the other robot of the team.
+% Turn rate, potential and free distance ahead of each robot. Ranges along the bar are the other robot of the team.
   psi = sensors.bearing;
   distances(cos(sensors.to_mate - angle) > p.mate_cos & distances > p.mate_from) = inf;
-  weight = sensors.strength .* exp(-distances ./ sensors.decay);  % 0 where nothing is
+  weight = sensors.strength .* exp(-distances ./ sensors.decay);  % 0 if the sensor sees nothing
   width = atan(sensors.half_width + p.robot_radius ./ (p.robot_radius + distances));
   gauss = exp(-psi.^2 ./ (2 * width.^2));
   turn = -sum(weight .* psi .* gauss, 2);
@@ -151,8 +152,8 @@ function seen = obstacles(p, sensors, distances, angle)
 end
 
 function bars = along_bars(p, load)
-% Of loads (x, y, angle): their ways along and across their bars, the angle, and the turn rate back towards the bar if the
-% heading is too far from it.
+% Displacements of the loads (x, y, angle) along and across their bars, the angle, and the turn rate back towards the bar if
+% the heading deviates too far from it.
   x = load(:, 1);
   y = load(:, 2);
   angle = load(:, 3);

@@ -1,12 +1,12 @@
 % SPDX-License-Identifier: MIT
 function wall(name, duration)
-%WALL Follows the wall on the right by a lidar: wall, wall('robot1') or wall('robot1', 60), for 60 s.
-%   Scenario wall. Two rays see the wall: b to the right, and a, further ahead by the angle theta. They tell how the robot's
-%   heading is turned away from the wall, its distance (or that of the nearest thing on the right), and what that will be l
-%   further on,
+%WALL Follows the wall on the right using a lidar: wall, wall('robot1') or wall('robot1', 60), for 60 s.
+%   Scenario wall. Two rays see the wall: b to the right, and a, turned ahead by the angle theta. They yield the robot's
+%   heading relative to the wall, its distance from the wall (or from the nearest thing on the right), and this distance
+%   after l more metres,
 %     alpha = atan2(a cos(theta) - b, a sin(theta)),   d = b cos(alpha),   d_ahead = d + l sin(alpha).
-%   The turn rate brings d_ahead to the distance wished for; what is near ahead makes the robot slow down and turn left.
-%   The same algorithm and numbers in all three languages.
+%   The turn rate controls d_ahead to the desired distance; near things ahead make the robot slow down and turn left.
+%   All three languages use the same algorithm and numbers.
   if nargin < 1
     name = 'robot1';
   end
@@ -37,17 +37,17 @@ end
 
 function p = parameters()
   p.wall_distance = 0.5;  % [m] from the lidar
-  p.side = 1.5707963;     % [rad] where b looks, to the right
+  p.side = 1.5707963;     % [rad] bearing of b, to the right
   p.ahead_by = 0.7;       % theta [rad]
   p.look_ahead = 0.5;     % l [m]
   p.gain = 4.0;           % [rad/s/m]
   p.speed = 0.2;          % [m/s]
   p.max_turn = 1.0;       % [rad/s]
   p.max_sine = 0.25;      % of alpha
-  p.right = 1.05;         % [rad] to either side of b: where the wall is looked for
-  p.free = 0.7;           % [m] what is nearer ahead makes it turn
+  p.right = 1.05;         % [rad] to either side of b: the search for the wall
+  p.free = 0.7;           % [m] the robot turns if something ahead is nearer
   p.cone = 0.35;          % [rad] to either side of ahead
-  p.seen = 2.0;           % [m] what is further counts as this far
+  p.seen = 2.0;           % [m] longer ranges are clamped to this
 end
 
 function range = ray(p, scan, bearing)
@@ -57,18 +57,18 @@ function range = ray(p, scan, bearing)
 end
 
 function range = nearest(p, scan, bearing, cone)
-% The least range [m] of the rays within `cone` of a bearing [rad], in the middle row.
+% The shortest range [m] of the rays within `cone` of a bearing [rad], in the middle row.
   row = scan.ranges(floor(numel(scan.elevation) / 2) + 1, :);
   range = min([p.seen, row(off(scan.azimuth - bearing) <= cone)]);
 end
 
 function angle = off(angle)
-% Its size without whole turns [rad].
+% The magnitude of an angle, without whole turns [rad].
   angle = abs(angle - 2 * pi * round(angle / (2 * pi)));
 end
 
 function [speed, turn, distance] = command(p, scan)
-% Speed [m/s], turn rate [rad/s], and how far the wall is now [m].
+% Speed [m/s], turn rate [rad/s], and the present distance of the wall [m].
   a = ray(p, scan, p.ahead_by - p.side);
   b = ray(p, scan, -p.side);
   alpha = atan2(a * cos(p.ahead_by) - b, a * sin(p.ahead_by));

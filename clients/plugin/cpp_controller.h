@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Makes the functions of controller.h from a C++ class. The class has
+// Implements the functions of controller.h by a C++ class. The class has
 //
-//   struct State { ... };                       plain values: all that Step() changes
+//   struct State { ... };                       plain values: everything that Step() changes
 //   State state;
 //   static const coopdyn_description* Describe();   its state_size is sizeof(State)
-//   MyClass(const coopdyn_robot& robot, const double* options);   may throw: the robot then stands, and
-//                                                                   the exception's text says why
+//   MyClass(const coopdyn_robot& robot, const double* options);   may throw: the robot then stands still,
+//                                                                   and the exception's text is reported
 //   void Reset(std::uint64_t seed);
 //   void Step(const coopdyn_readings& readings, coopdyn_command& command);
 //

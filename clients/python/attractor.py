@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: MIT
 """Drives robots to the red target past obstacles: python3 attractor.py [robot1 robot2 ...]
 
-The heading is a dynamical system (Schoener, Dose, Engels; Bicho): the target's bearing attracts it, every distance
+The heading is a dynamical system (Schoener, Dose, Engels; Bicho): the target's bearing attracts it, and every distance
 sensor that sees something near repels it,
 
     dphi/dt = -l_tar sin(phi - psi_tar) + sum_i l_i (phi - psi_i) exp(-(phi - psi_i)^2 / (2 s_i^2)),
     l_i = b1 exp(-d_i / b2),   s_i = atan(tan(opening_i / 2) + R / (R + d_i)),
 
-and the speed relaxes to what the target or what the obstacles allow, weighted by the potential of the repulsion at the
-present heading. Angles are relative to the robot, so phi = 0. The same algorithm and numbers in all three languages.
+and the speed relaxes to the value that the target or the obstacles allow, weighted by the repulsion's potential at the
+present heading. Angles are relative to the robot, so phi = 0. All three languages use the same algorithm and numbers.
 """
 import math
 import sys
@@ -19,14 +19,14 @@ ROBOT_RADIUS = 0.18  # [m]
 TARGET_STRENGTH = 1.6  # [rad/s]
 OBSTACLE_STRENGTH = 10.0  # b1 [1/s]
 OBSTACLE_DECAY = 0.3  # b2 [m]
-BIAS = 0.02  # [rad/s] instead of noise: leaves a heading that is exactly between left and right, repeatably
+BIAS = 0.02  # [rad/s] instead of noise: turns off a heading exactly between left and right, repeatably
 MAX_SPEED = 0.5  # [m/s]
 MAX_TURN = 1.8  # [rad/s]
-TIME_TO_TARGET = 1.5  # [s] the speed falls with the distance to the target
-TIME_TO_CONTACT = 1.2  # [s] and with the distance to what is ahead
+TIME_TO_TARGET = 1.5  # [s] limits the speed by the target's distance
+TIME_TO_CONTACT = 1.2  # [s] limits the speed by the distance of obstacles ahead
 AHEAD = math.radians(50)  # sensors within this bearing are ahead
 RELAXATION = 8.0  # [1/s] of the speed
-REACHED = 0.4  # [m] from the middle of the axle to the target
+REACHED = 0.4  # [m] from the axle's midpoint to the target
 REACHED_BY_MANY = 0.9  # [m] if several robots share it
 TIME_LIMIT = 180.0  # [s] simulated
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Follows a red ball by a camera: python3 ball.py [robot1 [SECONDS]]
 
-Scenario `ball`. Of the picture's pixels those are the ball's that are much more red than green and blue. Their middle gives the
-bearing, their number n the distance: a ball of radius R at distance d covers pi (f R / d)^2 pixels, so d = f R sqrt(pi / n). The
-robot turns towards the ball and keeps its distance; when it sees none it turns where it saw it last. The same algorithm and
-numbers in all three languages.
+Scenario `ball`. The ball's pixels are those with much more red than green and blue. Their centre gives the bearing, their number n
+the distance: a ball of radius R at distance d covers pi (f R / d)^2 pixels, so d = f R sqrt(pi / n). The robot turns towards the
+ball and keeps its distance; without a ball in view it turns to the side where it saw the ball last. All three languages use the
+same algorithm and numbers.
 """
 import math
 import sys
@@ -13,19 +13,19 @@ import coopdyn
 
 BALL_RADIUS = 0.12  # R [m]
 KEEP = 0.8  # [m] from the camera to the ball
-APPROACH = 1.0  # [1/s] speed for each metre too far
+APPROACH = 1.0  # [1/s] speed per metre of distance error
 MAX_SPEED = 0.4  # [m/s]
-STEER = 2.0  # [1/s] turn rate for each radian off
+STEER = 2.0  # [1/s] turn rate per radian of bearing
 MAX_TURN = 1.5  # [rad/s]
-SEARCH = 0.8  # [rad/s] when it sees no ball
-RED = 60  # a red pixel has at least this much red
-MORE = 2  # and this many times as much as green and as blue
-COLUMNS = 80  # it looks at every fourth pixel of a picture that is 320 wide, and so on
+SEARCH = 0.8  # [rad/s] without a ball in view
+RED = 60  # minimal red of a red pixel
+MORE = 2  # minimal ratio of red to green, and of red to blue
+COLUMNS = 80  # sampled columns: every fourth pixel of a picture 320 wide
 FEW = 6  # fewer red pixels are no ball
 
 
 def look(image, camera):
-    """Distance [m] and bearing [rad] of the ball; None if there is none."""
+    """Distance [m] and bearing [rad] of the ball; None if not in view."""
     every = max(1, image.width // COLUMNS)
     count, columns, stride = 0, 0, 3 * every
     for y in range(0, image.height, every):

@@ -15,15 +15,15 @@
     for k in range(1000):
         s = team.step([(0.1, 0.5 if min(d) < 0.05 else 0.0) for d in s.distances])
 
-The same program runs in every time mode and with one or many robots. In lockstep `set_velocity` does not wait: it is
-kept (the last wins) until `sim.step()`, which sends the commands of all robots of this `sim` and waits for the step.
-In real time it is sent at once, and `sim.step()` waits for the next step.
+The same program runs in every time mode and with one or many robots. In lockstep, `set_velocity` does not wait: the
+command is kept (the last wins) until `sim.step()`, which sends the commands of all robots of this `sim` and waits for
+the step. In real time, the command is sent immediately, and `sim.step()` waits for the next step.
 
-Everything goes through one port of the daemon (10000 by default). Units are m, rad, s, m/s, rad/s; headings and
-bearings are 0 ahead, left positive, in (-pi, pi]. What goes wrong raises `coopdyn.Error` with `.code` and `.text`. If
-another client resets the world or loads a scenario, the next reading, command or step raises `coopdyn.WorldReset`, once.
-Use a `sim` and its robots from one thread; what calls from another at the same time gets an error.
-On a command line: `python3 coopdyn.py doctor|hello [SERVER]`.
+All connections use one port of the daemon (10000 by default). Units are m, rad, s, m/s, rad/s; headings and bearings
+are 0 ahead, left positive, in (-pi, pi]. Failures raise `coopdyn.Error` with `.code` and `.text`. If another client
+resets the world or loads a scenario, the next reading, command or step raises `coopdyn.WorldReset`, once.
+Use a `sim` and its robots from one thread; concurrent calls from another thread raise an error.
+On the command line: `python3 coopdyn.py doctor|hello [SERVER]`.
 """
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ MODES = ("realtime", "lockstep", "free")
 JOINT_MODES = ("idle", "position", "direct", "velocity", "effort", "pwm")
 _LOCKSTEP = 1
 
-# Numbers of the commands that this file uses; docs/protocol.md is the whole table.
+# Numbers of the commands that this file uses; docs/protocol.md has the whole table.
 _READY, _GET_TIME, _SUBSCRIBE, _HELLO, _CLAIM, _RELEASE, _ATTACH, _DESCRIBE = 2, 3, 4, 6, 7, 8, 9, 1
 _SET_WHEEL_SPEEDS, _SET_VELOCITY, _GET_WHEELS, _GET_LIMITS, _STOP = 10, 11, 12, 13, 14
 _GET_DISTANCES, _GET_GEOMETRY = 20, 21
@@ -88,45 +88,45 @@ _OF_JOINTS = {_SET_POSITIONS: "set_positions", _SET_POSITIONS_DIRECT: "set_posit
 _CARRY_MODE = frozenset((_READY, _GET_TIME, _SET_VELOCITY, _SET_WHEEL_SPEEDS, _STOP, _STEP_ALL, *_OF_JOINTS, _SET_ACTIVATIONS,
                          _SET_THRUSTS, _SET_MOTORS))
 _PARTS = ("joints", "muscles", "thrusters")  # types of actuators whose commands name what they move
-_LAST = {"motors": _STOP, "joints": _HOLD}  # what actuators are told when a sim is closed
+_LAST = {"motors": _STOP, "joints": _HOLD}  # commands to actuators when a sim is closed
 _GET_NEIGHBOURS, _SEND_MESSAGE, _GET_MESSAGES = 200, 201, 202
 
 _CLOSE_S = 0.2
 _SEAT_AGAIN_S = 0.2
-_SEAT_START_S = 20.0  # for the daemon of a seat: at the beginning of a class all of them start at once
-_REQUEST_TIMEOUT_S = 10.0  # for what is answered at once
-_LOAD_TIMEOUT_S = 60.0  # for what builds a world, closes a file, repeats a part of a run
-_END_TIMEOUT_S = 10.0  # of a daemon that was launched
-_EXPORT_TIMEOUT_S = 600.0  # for a long recording as a MAT file
+_SEAT_START_S = 20.0  # for a seat's daemon: all start at once when a class begins
+_REQUEST_TIMEOUT_S = 10.0  # of requests that are answered immediately
+_LOAD_TIMEOUT_S = 60.0  # of requests that build a world, close a file, or repeat a part of a run
+_END_TIMEOUT_S = 10.0  # of a launched daemon
+_EXPORT_TIMEOUT_S = 600.0  # of converting a long recording to a MAT file
 _COMMAND_WAIT_S = 0.1  # for the reply to an actuator command in real time
-_CATCH_UP_AFTER_S = 0.1  # some robots have stepped and others have not: see _Session.catch_up
-_NOTICE_AFTER_S = 2.0  # a wait that lasts longer says once which robots the world waits for
-_HELD_UP_S = 0.5  # lockstep waits for its robots before every step; a shorter wait is normal
+_CATCH_UP_AFTER_S = 0.1  # of silence before _Session.catch_up
+_NOTICE_AFTER_S = 2.0  # a longer wait reports once which robots the world waits for
+_HELD_UP_S = 0.5  # lockstep waits for its robots before every step; shorter waits are not reported
 _NAMED_ROBOTS = 4
 _LISTED_NAMES = 20
-_SAID_LINES = 200  # of a daemon that was launched
-_PLAYING = "playing a recording"  # how an error begins
-_ANEW = ("reset", "load")  # what an error says that ends a wait
-_NOT_IN_SCENARIO = "is not in the new scenario"  # how a notice ends
+_SAID_LINES = 200  # kept output of a launched daemon
+_PLAYING = "playing a recording"  # start of an error text
+_ANEW = ("reset", "load")  # texts of errors that end a wait
+_NOT_IN_SCENARIO = "is not in the new scenario"  # end of a notice
 _ENDED = "the run has ended: "
-_UNSTEPPED = 200  # commands to one robot without a step: then the program gets a notice, once
+_UNSTEPPED = 200  # commands to one robot without a step before a notice, printed once
 _MOST_GAPS = 100000
 _MOST_STEPS = 10_000_000  # of one request
-_FEW = 8  # more replies than this are not read one by one as they come in: a step waits for the one that is
-_AT_ONCE = 256  # this many further on,
-_GLANCE_S = 0.01  # for this long at most, so that it sees errors and closed connections, too
-_GROUP = "joints/"  # before the name of a group of joints, among types of modules
-_LABELS_LIVE_S = 0.5  # ids and colours of targets are asked for again after this
+_FEW = 8  # more replies are not read one by one as they arrive: a step waits for the reply
+_AT_ONCE = 256  # this many places ahead,
+_GLANCE_S = 0.01  # at most this long, so that it notices errors and closed connections, too
+_GROUP = "joints/"  # prefix of the name of a group of joints where types of modules are expected
+_LABELS_LIVE_S = 0.5  # lifetime of cached ids and colours of targets
 _LISTED = 1000  # robots in one status
 _READINGS = ("pose", "distances", "targets", "neighbours", "wheels", "compass", "support", "joints")  # of a team
 _TEAM_WORDS = ("velocities", "wheels", "positions", "positions_direct", "joint_velocities", "efforts")
 _NEIGHBOURS = 8  # of each robot of a team, by default
 _MAX_MESSAGE = 8  # numbers in one message between robots
-_MANY_PARAMS = 1024  # more are kept as an array: bytes of a picture
-# Modules that `sense` reads, beside groups of joints: the first of each type.
+_MANY_PARAMS = 1024  # more params, such as the bytes of a picture, are kept as an array
+# Modules that `sense` reads, in addition to groups of joints: the first of each type.
 _SENSED = ("motors", "distance", "target", "pose", "compass", "support", "imu", "wrench", "lidar", "contact", "sonar", "infrared",
            "light", "battery", "odometry")
-# Types of robots that have a module of this kind; "": none that comes with the daemon.
+# For each module, a shipped type of robot that has it; "": none.
 _HAVE = {"neighbours": "minibot", "compass": "minibot", "support": "transporter", "imu": "balancer", "wrench": "humanoid",
          "lidar": "turtle", "contact": "turtle", "camera": "coopbot_camera", "sonar": "", "infrared": "", "light": "moth",
          "battery": "turtle", "odometry": "turtle"}
@@ -149,10 +149,10 @@ _ERROR_NAMES = {
 
 
 class Error(Exception):
-    """What the daemon refused, or what went wrong on the way to it.
+    """An error of the daemon or of the connection to it.
 
-    `code` is a number of the protocol (6: owned by another client, 10: no such name, 11: timed out …) or -1 if there
-    is no connection; `name` is its word ("owned"); `text` says what was wrong and what to do instead.
+    `code` is a protocol error (6: owned by another client, 10: no such name, 11: timed out …) or -1 if there is no
+    connection; `name` is its word ("owned"); `text` says what is wrong and what to do instead.
     """
 
     def __init__(self, code: int, text: str) -> None:
@@ -169,9 +169,9 @@ class Error(Exception):
 
 
 class WorldReset(Error):
-    """Somebody else has reset the world or loaded a scenario. Raised once, by the reading, command or step that notices it.
-    What was kept for the next step is forgotten; the sim and those of its robots and teams that are in the new world can be
-    used again."""
+    """Another client has reset the world or loaded a scenario. Raised once, by the reading, command or step that notices.
+    Commands kept for the next step are discarded; the sim, and its robots and teams that exist in the new world, stay
+    usable."""
 
     @property
     def name(self) -> str:
@@ -183,8 +183,8 @@ _C = TypeVar("_C", bound=type)
 
 
 def _usage(example: str) -> Callable[[_F], _F]:
-    """A public call. With wrong arguments it raises an error that says what to write; from a second thread at the same time one
-    that says the rule. The traceback of an Error ends here: its text says all."""
+    """Decorates a public call. Wrong arguments raise an error that shows the correct call; concurrent use by a second thread
+    raises an error that states the rule. Tracebacks of Error end here, because its text is sufficient."""
 
     def decorate(function: _F) -> _F:
         @functools.wraps(function)
@@ -199,7 +199,7 @@ def _usage(example: str) -> Callable[[_F], _F]:
                 error: BaseException = e.with_traceback(None)
             except TypeError as e:
                 if e.__traceback__ is None or e.__traceback__.tb_next is not None:
-                    raise  # of something inside
+                    raise  # raised inside the function
                 said = str(e)  # its counts include the object
                 why = "an argument is missing" if " missing " in said else "too many arguments" if " given" in said else said
                 error = Error(2, f"{why}: write {example}")
@@ -209,7 +209,7 @@ def _usage(example: str) -> Callable[[_F], _F]:
             try:
                 raise error
             finally:
-                del error  # it knows this frame, which must not know it
+                del error  # breaks the cycle between the error and this frame
 
         return call  # type: ignore[return-value]
 
@@ -217,7 +217,7 @@ def _usage(example: str) -> Callable[[_F], _F]:
 
 
 def _usages(variable: str) -> Callable[[_C], _C]:
-    """The same for all public calls of a class; those that have no _usage() take no arguments."""
+    """Applies _usage() to all public calls of a class that lack it; these have no arguments."""
 
     def decorate(cls: _C) -> _C:
         for name, call in list(vars(cls).items()):
@@ -229,7 +229,7 @@ def _usages(variable: str) -> Callable[[_C], _C]:
 
 
 class Message(NamedTuple):
-    """The one message of the protocol, in both directions."""
+    """The protocol's only message format, in both directions."""
 
     error: int
     text: str
@@ -239,7 +239,7 @@ class Message(NamedTuple):
 
 
 class Reply(NamedTuple):
-    """The raw reply of `call`: `data` without the final two, which are `time` [s] and `step`."""
+    """The raw reply of `call`. `data` lacks the final two values, which are `time` [s] and `step`."""
 
     text: str
     command: int
@@ -250,7 +250,7 @@ class Reply(NamedTuple):
 
 
 class Pose(NamedTuple):
-    """Where a robot is and how it moves, in the world frame: m, rad, m/s, rad/s."""
+    """Pose and velocity of a robot in the world frame: m, rad, m/s, rad/s."""
 
     x: float
     y: float
@@ -303,7 +303,7 @@ class OtherRobot(NamedTuple):
 
 
 class Heard(NamedTuple):
-    """What another robot sent, and where that one is now: distance [m], bearing [rad]."""
+    """A message from another robot, and where that robot is now: distance [m], bearing [rad]."""
 
     id: int
     distance: float
@@ -312,7 +312,7 @@ class Heard(NamedTuple):
 
 
 class Geometry(NamedTuple):
-    """Where each distance sensor looks [rad], how wide [rad] and how far [m], right to left."""
+    """Bearing [rad], opening [rad] and maximal range [m] of each distance sensor, right to left."""
 
     bearing: List[float]
     opening: List[float]
@@ -329,7 +329,7 @@ class Wheels(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """The limit of the wheel speeds [rad/s]; wheel radius and track [m]."""
+    """Maximal wheel speed [rad/s], wheel radius and track [m]."""
 
     max_wheel_speed: float
     wheel_radius: float
@@ -337,7 +337,7 @@ class Limits(NamedTuple):
 
 
 class Support(NamedTuple):
-    """How far the load has moved the support that carries it, in the robot's frame."""
+    """Displacement of the support by its load, in the robot's frame."""
 
     x: float  # [m]
     y: float
@@ -345,8 +345,8 @@ class Support(NamedTuple):
 
 
 class Imu(NamedTuple):
-    """How the sensor is turned in the world, a quaternion; angular velocity [rad/s] and acceleration [m/s2] in its own frame: at
-    rest and level az = 9.81."""
+    """The sensor's orientation in the world as a quaternion; angular velocity [rad/s] and acceleration [m/s2] in the sensor's
+    frame: at rest and level, az = 9.81."""
 
     qw: float
     qx: float
@@ -372,8 +372,8 @@ class Wrench(NamedTuple):
 
 
 class Scan(NamedTuple):
-    """Ranges [m] of a lidar: `ranges[row]` is a row, the lowest first, from right to left; inf = nothing in range, 0 = nearer than
-    min_range. `azimuth` [rad] of each column, left positive, and `elevation` [rad] of each row, up positive."""
+    """Ranges [m] of a lidar: `ranges[row]` is a row from right to left, the lowest row first; inf = nothing in range, 0 = nearer
+    than min_range. `azimuth` [rad] of each column, left positive; `elevation` [rad] of each row, up positive."""
 
     ranges: "Rows"
     azimuth: List[float]
@@ -383,8 +383,8 @@ class Scan(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """What touches the robot: id and name of the other thing (0 floor; in `sense` -1 and ""), force [N], point [m] and the
-    direction in which it pushes, in the robot's frame."""
+    """A contact of the robot: id and name of the other thing (0: the floor; in `sense` -1 and ""), force [N], point [m] and the
+    direction of the force on the robot, in the robot's frame."""
 
     id: int
     name: str
@@ -398,7 +398,7 @@ class Contact(NamedTuple):
 
 
 class Camera(NamedTuple):
-    """Size, focal lengths and middle of a camera's picture [pixels], the nearest and furthest that it sees [m], and its rate
+    """Size, focal lengths and principal point of a camera [pixels], near and far limit of its view [m], and its rate
     [Hz; 0 = each step]."""
 
     width: int
@@ -413,7 +413,7 @@ class Camera(NamedTuple):
 
 
 class Battery(NamedTuple):
-    """What is left of the battery [J, 0 to 1], and what is drawn from it [W]."""
+    """Remaining energy of the battery [J, and as a fraction 0 to 1], and the power drawn [W]."""
 
     energy: float
     fraction: float
@@ -421,7 +421,7 @@ class Battery(NamedTuple):
 
 
 class Odometry(NamedTuple):
-    """Where the wheels' encoders say that the robot is, and how it moves: 0, 0, 0 at the start, x ahead [m, rad, m/s, rad/s]."""
+    """Pose since the start (x ahead) and velocity by the wheels' encoders [m, rad, m/s, rad/s]."""
 
     x: float
     y: float
@@ -431,7 +431,7 @@ class Odometry(NamedTuple):
 
 
 class JointReading(NamedTuple):
-    """Where each joint of a group is [rad or m], how fast [rad/s, m/s], and the effort of its motor [N m, N; nan before the
+    """Position [rad or m] and velocity [rad/s, m/s] of each joint of a group, and its motor's effort [N m, N; nan before the
     first step]."""
 
     position: List[float]
@@ -457,7 +457,7 @@ class Compliance(NamedTuple):
 
 
 class Profile(NamedTuple):
-    """Speed [rad/s] and acceleration [rad/s2] of each joint on its way to a position."""
+    """Speed [rad/s] and acceleration [rad/s2] with which each joint moves to a position."""
 
     speed: List[float]
     acceleration: List[float]
@@ -472,8 +472,8 @@ class Gains(NamedTuple):
 
 
 class DriveTrains(NamedTuple):
-    """Of each joint's drive train: where the rotor is, as the joint counts [rad], how fast [rad/s], the motor's current [A] and
-    the energy that it has drawn [J]; nan without one."""
+    """Rotor position [rad] and velocity [rad/s] of each joint's drive train, on the joint side, the motor's current [A] and the
+    energy drawn [J]; nan without a drive train."""
 
     rotor_position: List[float]
     rotor_velocity: List[float]
@@ -482,8 +482,8 @@ class DriveTrains(NamedTuple):
 
 
 class MuscleReading(NamedTuple):
-    """What each muscle is told (0 to 1), how it pulls [N], how long it is [m], how fast it grows longer [m/s], and the factors
-    of length and velocity of its force."""
+    """Activation (0 to 1), force [N], length [m] and lengthening velocity [m/s] of each muscle, and the force-length and
+    force-velocity factors."""
 
     activation: List[float]
     force: List[float]
@@ -494,7 +494,7 @@ class MuscleReading(NamedTuple):
 
 
 class MuscleLimits(NamedTuple):
-    """Of each muscle: its greatest force [N], at the length [m], and the velocity [m/s] at which it no longer pulls."""
+    """For each muscle: maximal force [N], the length at which it occurs [m], and the velocity at which the force vanishes [m/s]."""
 
     max_force: List[float]
     optimal_length: List[float]
@@ -502,21 +502,22 @@ class MuscleLimits(NamedTuple):
 
 
 class ThrusterReading(NamedTuple):
-    """How each thruster pushes or turns its link [N, N m], and how fast that moves along or about its direction [m/s, rad/s]."""
+    """Force or torque of each thruster on its link [N, N m], and the link's velocity along or about the thrust direction
+    [m/s, rad/s]."""
 
     thrust: List[float]
     velocity: List[float]
 
 
 class ThrusterLimits(NamedTuple):
-    """The greatest force or torque of each thruster, either way [N, N m]."""
+    """Maximal force or torque of each thruster, in both directions [N, N m]."""
 
     max_thrust: List[float]
 
 
 class Mapped(NamedTuple):
-    """A motor or value of a channel: its range in the robot [SI units], internal_min to internal_max, is
-    external_min to external_max here; inf = not mapped. `auxiliary`: for the experimenter alone."""
+    """A motor or value of a channel. Maps internal_min..internal_max in the robot [SI units] to external_min..external_max
+    here; inf = not mapped. `auxiliary`: only for the experimenter."""
 
     name: str
     internal_min: float
@@ -527,14 +528,14 @@ class Mapped(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """Whether each joint has ended its motion, and where it goes [rad or m]."""
+    """Whether each joint has completed its motion, and its target [rad or m]."""
 
     arrived: List[bool]
     target: List[float]
 
 
 class Reading(NamedTuple):
-    """All readings of a robot in one step. What the robot lacks is None (or empty)."""
+    """All readings of a robot in one step. Readings that the robot lacks are None (or empty)."""
 
     time: float
     step: int
@@ -545,8 +546,8 @@ class Reading(NamedTuple):
     wheels: Optional[Wheels]
     compass: Optional[float]
     support: Optional[Support]
-    joints: Dict[str, JointReading]  # by the name of their group
-    imu: Optional[Imu]  # this and the next: of the first sensor of the kind
+    joints: Dict[str, JointReading]  # by group name
+    imu: Optional[Imu]  # this and the following: the first sensor of the type
     wrench: Optional[Wrench]
     scan: Optional[Scan]
     contacts: List[Contact]
@@ -558,9 +559,8 @@ class Reading(NamedTuple):
 
 
 class Rows:
-    """Numbers in n rows, one for each robot of a team or each moment of a run: `rows[i]` is a tuple, `rows[i][j]` or
-    `rows[i, j]` a number, `rows[:, j]` a column, `for x, y, heading in s.pose` goes through all. `numpy.asarray(rows)`
-    shares the memory."""
+    """Rows of numbers, one per robot of a team or per moment of a run: `rows[i]` is a tuple, `rows[i][j]` or `rows[i, j]` a
+    number, `rows[:, j]` a column; iterate by `for x, y, heading in s.pose`. `numpy.asarray(rows)` shares the memory."""
 
     __slots__ = ("_data", "_stride", "_first", "shape")
 
@@ -607,10 +607,10 @@ class Rows:
 
 
 class _Raster:
-    """A value for each pixel, row after row from the upper left corner, of the moment `time` [s], `step`."""
+    """The pixels of a picture, row by row from the upper left corner, taken at `time` [s] in `step`."""
 
     __slots__ = ("width", "height", "data", "time", "step")
-    _code = ""  # of the values, as module array has it
+    _code = ""  # type code of the values, as in module array
     _channels = 1  # values of a pixel
 
     def __init__(self, width: int, height: int, data: Any, time: float = math.nan, step: int = -1) -> None:
@@ -626,7 +626,7 @@ class _Raster:
         return self.data[self._index(x, y)]
 
     def numpy(self) -> Any:
-        """A numpy array that shares the memory: height x width, of a colour picture height x width x 3."""
+        """A numpy array that shares the memory: height x width; for a colour picture height x width x 3."""
         import numpy
 
         shape = (self.height, self.width) + ((self._channels,) if self._channels > 1 else ())
@@ -639,8 +639,8 @@ class _Raster:
 
 
 class Image(_Raster):
-    """A colour picture: `data` are its bytes, red, green, blue of each pixel, row after row from the upper left corner.
-    `image.rgb(x, y)`, `image.numpy()` (height x width x 3), `image.save("x.png")`; `time` [s] and `step` say when."""
+    """A colour picture. `data` has the bytes red, green, blue of each pixel, row by row from the upper left corner.
+    `image.rgb(x, y)`, `image.numpy()` (height x width x 3), `image.save("x.png")`; taken at `time` [s] in `step`."""
 
     __slots__ = ()
     _code = "B"
@@ -671,7 +671,7 @@ class Image(_Raster):
 
 
 class Depth(_Raster):
-    """How far away each pixel is along the camera's axis [m]: `depth.at(x, y)`, `depth.numpy()`, or `data`, an array of floats;
+    """The distance of each pixel along the camera's axis [m]: `depth.at(x, y)`, `depth.numpy()`, or `data`, an array of floats;
     inf = nothing there, 0 = nearer than the camera sees."""
 
     __slots__ = ()
@@ -679,7 +679,7 @@ class Depth(_Raster):
 
 
 class Segmentation(_Raster):
-    """What each pixel shows: a number, `segmentation.at(x, y)`, whose name is `names[number]`; 0 = nothing."""
+    """The object that each pixel shows, as a number, `segmentation.at(x, y)`, with the name `names[number]`; 0 = nothing."""
 
     __slots__ = ("names",)
     _code = "H"
@@ -687,12 +687,11 @@ class Segmentation(_Raster):
 
 
 class TeamReading:
-    """All readings of a team in one step, those chosen with `team.select`; a row for each robot in the order of
-    `team.names`: `pose` (x, y [m], heading [rad]), `distances` [m], `targets` (distance [m], bearing [rad] of each),
-    `neighbours` (id, distance, bearing of each; 0, inf, nan: none), `wheels` (as get_wheels), `compass` (heading [rad]; nan
-    without one), `support` (x, y [m], angle [rad] of the load; nan without one), `joints` (position, velocity, effort of
-    each; nan: no more); of a sensor's module by its name, as `s.lidar`. `text` says if commands were limited, and who was taken
-    from the team."""
+    """The readings of a team in one step that `team.select` chose, one row per robot in the order of `team.names`: `pose` (x, y
+    [m], heading [rad]), `distances` [m], `targets` (distance [m], bearing [rad] of each), `neighbours` (id, distance, bearing
+    of each; 0, inf, nan: no more), `wheels` (as get_wheels), `compass` (heading [rad]; nan without one), `support` (x, y [m],
+    angle [rad] of the load; nan without one), `joints` (position, velocity, effort of each; nan: no more); sensor modules by
+    their names, e.g. `s.lidar`. `text` reports limited commands and robots taken from the team."""
 
     time: float
     step: int
@@ -727,7 +726,7 @@ class TeamReading:
 
 
 class Update(NamedTuple):
-    """A pushed reading (`Robot.next`); `value` is what the get-command of the module returns."""
+    """A pushed reading (`Robot.next`); `value` is the result of the module's get command."""
 
     module: str
     time: float
@@ -745,7 +744,7 @@ class Awaited(NamedTuple):
 
 
 class Module(NamedTuple):
-    """A name of the daemon and its own address; port 0: reached through the daemon's port only."""
+    """A module's name and address. Port 0: reachable only through the daemon's port."""
 
     name: str
     host: str
@@ -753,8 +752,8 @@ class Module(NamedTuple):
 
 
 class Recording(NamedTuple):
-    """What is being recorded: the file's name, the simulated times [s] and steps it holds, the steps that were left out
-    because the disk could not follow, and its size."""
+    """The recording in progress: the file's name, its simulated times [s], its steps, the steps lost because the disk was too
+    slow, and its size."""
 
     name: str
     begin_time: float
@@ -765,8 +764,8 @@ class Recording(NamedTuple):
 
 
 class RunFile(NamedTuple):
-    """A recording that the daemon has: seconds (simulated) and steps are None if it cannot be read, url is empty if it
-    cannot be copied now."""
+    """A recording on the daemon. Seconds (simulated) and steps are None if it cannot be read, url is empty if it cannot be
+    downloaded now."""
 
     name: str
     bytes: int
@@ -777,15 +776,15 @@ class RunFile(NamedTuple):
 
 
 class Recorded(NamedTuple):
-    """A recording that was ended: its name, and where the daemon's page has it ("": there is no page)."""
+    """A completed recording: its name, and its URL on the daemon's page ("": the daemon has no page)."""
 
     name: str
     url: str
 
 
 class Playback(NamedTuple):
-    """How a recording is played: its simulated times [s], the one shown, how fast, whether it goes on, begins again at
-    its end, and is still being recorded; and its name."""
+    """The state of a playback: the recording's first and last simulated time [s], the time shown, the speed, whether it is
+    playing, loops, and is still being recorded, and the recording's name."""
 
     begin_time: float
     end_time: float
@@ -798,7 +797,7 @@ class Playback(NamedTuple):
 
 
 class Picked(NamedTuple):
-    """What a ray meets first: its name ("": nothing), the point [m] and how far it is [m]."""
+    """The first hit of a ray: its name ("": no hit), the point [m] and its distance [m]."""
 
     name: str
     point: Tuple[float, ...]
@@ -806,7 +805,7 @@ class Picked(NamedTuple):
 
 
 class SavedState(NamedTuple):
-    """A state that the daemon keeps, and its simulated time [s]."""
+    """A state saved on the daemon, and its simulated time [s]."""
 
     name: str
     time: float
@@ -826,7 +825,7 @@ def encode(command: int, params: Sequence[int] = (), data: Sequence[float] = (),
 
 
 def decode(buffer: Union[bytes, bytearray], bulk: bool = False) -> Tuple[Optional[Message], int]:
-    """The first message of `buffer` and the bytes it took; (None, 0) if more bytes are needed. `bulk`: data as an array."""
+    """The first message of `buffer` and its size in bytes; (None, 0) if it is incomplete. `bulk`: data as an array."""
     if len(buffer) < 24:
         return None, 0
     size, error, command, t, m, n = _HEADER.unpack_from(buffer)
@@ -856,13 +855,13 @@ def decode(buffer: Union[bytes, bytearray], bulk: bool = False) -> Tuple[Optiona
 
 
 def _list_of(words: Any) -> str:
-    """The words; if there are many, the first of them and their number."""
+    """Lists words for an error; of many, the first and their total number."""
     words = [str(w) for w in words]
     return (", ".join(words[:_LISTED_NAMES]) or "none") + (f", … ({len(words)})" if len(words) > _LISTED_NAMES else "")
 
 
 def _nearest(name: str, known: Sequence[str]) -> str:
-    """What `name` may have meant, as part of an error; capitals do not matter."""
+    """Suggests, as part of an error, the known name most similar to `name`, ignoring case; else empty."""
     import difflib
 
     lower = {k.lower(): k for k in reversed(known)}
@@ -871,7 +870,7 @@ def _nearest(name: str, known: Sequence[str]) -> str:
 
 
 def _parse_server(server: Union[str, int, None]) -> Tuple[str, int]:
-    """Host and port; of a unix socket "unix:/PATH" and 0."""
+    """Host and port; for a unix socket "unix:/PATH" and 0."""
     forms = 'write HOST, HOST:PORT, or a port of this machine, e.g. "labserver:10100"; for a unix socket unix:/PATH'
     is_port = not isinstance(server, (str, type(None)))
     try:
@@ -933,9 +932,9 @@ def _spin_s(lockstep: bool, robots: int) -> float:
 
 
 class _Polling:
-    """Polls for a while at the start of each wait: that saves the wake-up while a core is free. Where others want the core,
-    polls use up the client's share of it, and the kernel takes the core away for milliseconds. So once the client lost it
-    meanwhile, polling pauses: twice as long each time, if that happens soon after a pause."""
+    """Polls for a while at the start of each wait, which saves the wake-up latency while a core is idle. If other threads
+    compete for the core, polling uses up the client's share, and the kernel preempts it for milliseconds. So once preempted
+    while polling, the client stops polling for a pause, which doubles if preempted again soon after it."""
 
     _LOST_S = 0.5e-3
     _TRIAL_S = 0.3
@@ -949,13 +948,13 @@ class _Polling:
         self.pause_s = self._LEAST_PAUSE_S
 
     def start(self, now: float) -> bool:
-        """A wait begins: True if the caller is to look at the sockets at once."""
+        """Begins a wait. True if the caller must check the sockets immediately."""
         self.until = now + self.spin_s if now >= self.resumes_at else now
         self.looked_at = now
         return now < self.until
 
     def goes(self, now: float) -> bool:
-        """After each look at the sockets: True if the caller is to look again at once."""
+        """Call after each check of the sockets. True if the caller must check again immediately."""
         if self.looked_at < self.until and now - self.looked_at > self._LOST_S:
             soon = now - self.resumes_at < self._TRIAL_S
             self.pause_s = min(2 * self.pause_s, self._MOST_PAUSE_S) if soon else self._LEAST_PAUSE_S
@@ -964,15 +963,15 @@ class _Polling:
         self.looked_at = now
         if now >= self.until:
             return False
-        # Where others want the core, it is lost at once in a yield. One costs as much as a look, so once the core has been
-        # kept for a while, only the second half of the spin has them.
+        # If other threads want the core, a yield loses it at once, which shows here. A yield costs as much as a check, so
+        # once the core has been kept for a while, only the second half of the spin yields.
         if now - self.resumes_at < self._TRIAL_S or self.until - now < self.spin_s / 2:
             self._yield_core()
         return True
 
 
 def _wait_readable(sockets: Sequence[socket.socket], timeout_s: float) -> bool:
-    """Waits until one of the sockets has something, or the time is over: False then."""
+    """Waits until a socket is readable. False on timeout."""
     if hasattr(select, "poll"):
         poll = select.poll()
         for s in sockets:
@@ -982,9 +981,9 @@ def _wait_readable(sockets: Sequence[socket.socket], timeout_s: float) -> bool:
 
 
 def _dial_local(host: str, port: int) -> Optional[socket.socket]:
-    """The unix socket on which a daemon that listens to its own machine only can be reached as on its port, at half the
-    cost; None if there is none. Any user can listen on this name while no daemon does, so the listener must belong to this user
-    or to root."""
+    """A connection to the unix socket of a daemon that listens only on this machine; an exchange costs half as much as over
+    TCP. None if there is no such socket. Any user can bind the name while no daemon has it, so the listener must belong to
+    this user or root."""
     local = sys.platform.startswith("linux") and host in ("127.0.0.1", "localhost", "::1")
     if not local or os.environ.get("COOPDYN_TCP", "0") not in ("", "0"):
         return None
@@ -1005,7 +1004,7 @@ def _dial_local(host: str, port: int) -> Optional[socket.socket]:
 
 
 class _Address:
-    """Where the daemon is and who we are: what every connection needs."""
+    """The daemon's address and the client's identity, shared by all connections."""
 
     def __init__(
         self, server: Union[str, int, None], name: Optional[str], token: Optional[str], timeout: float,
@@ -1021,7 +1020,7 @@ class _Address:
             raise Error(3, f"a client name has no spaces, not {self.name!r}; write e.g. \"ana\"")
         self.token = token or ""
         self.timeout = timeout
-        self.ended = ""  # why the run and its daemon have ended, once the daemon has said it
+        self.ended = ""  # why the run and its daemon have ended, once the daemon has reported it
 
     def __str__(self) -> str:
         if self.port == 0:
@@ -1029,25 +1028,25 @@ class _Address:
         return f"{'[' + self.host + ']' if ':' in self.host else self.host}:{self.port}"
 
     def hello_text(self, drives: bool, number: int = 1) -> str:
-        """What `hello` says. Only what may drive says the plain name: the same name on an actuator module takes it
-        over, which a reader must not do."""
+        """The text of `hello`. Only connections that may drive use the plain name: a client of the same name takes over an
+        actuator module, which a reader must not do."""
         suffix = ":reader" if not drives else "" if number == 1 else f":{number}"
         return f"{self.name}{suffix} {self.token}".rstrip()
 
     def page_headers(self) -> Dict[str, str]:
-        """Of requests to the page."""
+        """Headers of requests to the page."""
         return {"Authorization": f"Bearer {self.seat}:{self.pin}"} if self.seat else {}
 
     def why_lost(self) -> str:
-        """What is said of a daemon that closed a connection without a word."""
+        """The hint in the error if the daemon closed a connection without a notice."""
         if self.seat:
             return f"the class starts the daemon of the seat {self.seat} again where it was: run your program again"
         return "is the daemon still running?"
 
     def dial(self, deadline: float) -> socket.socket:
-        """A connected socket to the daemon: by its unix socket if it is on this machine and has one (and COOPDYN_TCP is
-        not set), else by its port. Error -1 or 11 with cause and cure. A class has a port only: on a socket of that
-        name another daemon would answer."""
+        """Returns a connected socket: the daemon's unix socket if it runs on this machine and has one (and COOPDYN_TCP is not
+        set), else TCP. Error -1 or 11 with cause and cure. A class is reached only by TCP: a unix socket of that name would
+        belong to another daemon."""
         sock = None if self.seat else _dial_local(self.host, self.port)
         if sock is None:
             return self.dial_port(deadline)
@@ -1055,11 +1054,11 @@ class _Address:
         return sock
 
     def dial_port(self, deadline: float) -> socket.socket:
-        """dial() as the server's address says: by the port, or the unix socket at a path."""
+        """Dials the address as given: a TCP port, or a unix socket's path."""
         return self.dial_tcp(deadline) if self.port else self.dial_unix(deadline)
 
     def dial_unix(self, deadline: float) -> socket.socket:
-        """dial() by the unix socket at the path."""
+        """Dials the unix socket at the path."""
         if not hasattr(socket, "AF_UNIX"):
             raise Error(-1, f"this system has no unix sockets for Python: write HOST:PORT instead of {self}")
         sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -1072,7 +1071,7 @@ class _Address:
         return sock
 
     def dial_tcp(self, deadline: float) -> socket.socket:
-        """dial() by the port."""
+        """Dials the TCP port."""
         try:
             sock = socket.create_connection((self.host, self.port), max(0.01, deadline - _clock.monotonic()))
         except socket.gaierror:
@@ -1096,7 +1095,7 @@ class _Address:
                          "`coopdyn serve` prints: HOST:PORT")
 
     def refusal(self, said: str) -> Error:
-        """The error in the line that was said instead of what was asked for."""
+        """The error that an unexpected answer line stands for."""
         words = said.split(" ", 2)  # error 10 no such name /robot9/motors; did you mean /robot1/motors
         if len(words) == 3 and words[0] == "error" and words[1].isdigit():
             return Error(int(words[1]), words[2])
@@ -1106,15 +1105,15 @@ class _Address:
         return self.not_a_daemon(said)
 
     def begin(self, sock: socket.socket, line: str, deadline: float) -> float:
-        """Sends the first line of a connection; in a class one before it says whose seat this is. Returns the deadline
-        of the answer: the daemon of a seat may have to start first."""
+        """Sends a connection's first line, in a class after a line with seat and PIN. Returns the deadline of the answer, which
+        is later in a class: the seat's daemon may have to start first."""
         entry = f"SEAT {self.seat} {self.pin} python\n" if self.seat else ""
-        with contextlib.suppress(OSError):  # what it said before it closed is read
+        with contextlib.suppress(OSError):  # the daemon's last line is still read
             sock.sendall(f"{entry}{line}\n".encode())
         if not entry:
             return deadline
         said = self._line(sock, deadline)
-        if said.startswith("***"):  # a name server's answer to a word that it does not know
+        if said.startswith("***"):  # a name server's answer to an unknown word
             raise Error(5, f"{self} is no class: leave seat and pin out" +
                         (", and COOPDYN_SEAT, too" if os.environ.get("COOPDYN_SEAT") else ""))
         if said != "ok":
@@ -1122,7 +1121,7 @@ class _Address:
         return max(deadline, _clock.monotonic() + _SEAT_START_S)
 
     def ask_names(self, command: str) -> List[str]:
-        """The lines that the name server answers, without the last."""
+        """The lines of the name server's answer, without the last."""
         deadline = _clock.monotonic() + self.timeout
         with self.dial(deadline) as sock:
             deadline = self.begin(sock, f"NAME_SERVER {command}", deadline)
@@ -1167,11 +1166,11 @@ class _Address:
         return line.decode("utf-8", "replace").strip()
 
     def open_module(self, module: str, deadline: float) -> socket.socket:
-        """A socket that talks binary to `module`. Error 10 if the daemon has no such name."""
+        """Returns a socket to `module` in binary mode. Error 10 if the daemon has no such name."""
         sock = self.dial(deadline)
         try:
             said = self._line(sock, self.begin(sock, f"OPEN {module}", deadline))
-            if self.seat and not said and _clock.monotonic() + _SEAT_AGAIN_S < deadline:  # it has just ended and starts again
+            if self.seat and not said and _clock.monotonic() + _SEAT_AGAIN_S < deadline:  # the daemon is restarting
                 sock.close()
                 _clock.sleep(_SEAT_AGAIN_S)
                 return self.open_module(module, deadline)
@@ -1189,8 +1188,8 @@ class _Address:
 
 
 class _Connection:
-    """One connection to one module. `busy`: a reply is under way; such a connection is never used for something else.
-    `bulk`: the data of its replies are arrays. `number`: several connections of this client to one module differ in it."""
+    """A connection to a module. `busy`: a reply is pending, and the connection accepts no other request. `bulk`: the data of
+    its replies are arrays. `number`: distinguishes this client's connections to one module."""
 
     def __init__(
         self, address: _Address, module: str, drives: bool = False, bulk: bool = False, number: int = 1
@@ -1238,7 +1237,7 @@ class _Connection:
             self._raise_lost()
 
     def try_read(self) -> Optional[Message]:
-        """The reply, if it has come; readings that were pushed before it are put aside. Error -1 if the peer closed."""
+        """Returns the reply if it has arrived; appends readings pushed before it to `pushes`. Error -1 if the peer closed."""
         assert self.sock is not None
         while True:
             message, used = decode(self.buffer, self.bulk)
@@ -1266,7 +1265,7 @@ class _Connection:
             self.buffer += more
 
     def _raise_lost(self) -> None:
-        """After a failed write: what the daemon said before it closed, if anything."""
+        """After a failed write: raises with the daemon's closing notice, if it sent one."""
         assert self.sock is not None
         self.sock.setblocking(False)
         while self.try_read() is not None:
@@ -1279,7 +1278,7 @@ class _Connection:
             self.sock.close()
 
     def alive(self) -> bool:
-        """False if closed, or if the peer has closed meanwhile."""
+        """False if closed, busy, or meanwhile closed by the peer."""
         if self.sock is None or self.busy:
             return False
         try:
@@ -1289,7 +1288,7 @@ class _Connection:
         return True
 
     def receive(self, timeout: float, polling: Optional[_Polling] = None) -> Message:
-        """The reply. Error 11 after `timeout` seconds; the connection is closed then, so never read on."""
+        """Waits for the reply. After `timeout` seconds closes the connection and raises Error 11."""
         message = self.try_read()
         if message is not None:
             return message
@@ -1313,7 +1312,7 @@ class _Connection:
         self, command: int, params: Sequence[int] = (), data: Sequence[float] = (), text: str = "",
         timeout: float = _REQUEST_TIMEOUT_S, polling: Optional[_Polling] = None,
     ) -> Message:
-        """Sends a request and returns its reply; an error reply is raised. Anything but a reply closes the connection."""
+        """Sends a request and returns its reply; raises an error reply. Closes the connection if no reply arrives."""
         self.send(encode(command, params, data, text))
         try:
             reply = self.receive(timeout, polling)
@@ -1324,7 +1323,7 @@ class _Connection:
 
 
 class _Closed(Error):
-    """The daemon closed the connection; `notice` says why, if it said so."""
+    """The daemon closed the connection; `notice` is its reason, empty if it sent none."""
 
     def __init__(self, notice: str, address: _Address) -> None:
         self.notice = notice
@@ -1332,7 +1331,8 @@ class _Closed(Error):
 
 
 def _checked(reply: Message, who: str = "") -> Message:
-    """Raises an error reply; WorldReset with one word if a reset or load has ended the wait: world_reset() makes it a text."""
+    """Raises an error reply. If a reset or load ended the wait, raises WorldReset with a one-word text, which world_reset()
+    turns into a message."""
     if reply.error == 5 and reply.text in _ANEW:
         raise WorldReset(reply.error, reply.text)
     if reply.error:
@@ -1367,7 +1367,7 @@ def _pair(v: Any, w: Any, call: str, units: Tuple[str, str]) -> Tuple[float, flo
 
 
 def _whole(value: Any, what: str) -> int:
-    """A whole number of 32 bits."""
+    """A 32-bit integer."""
     try:
         if isinstance(value, bool) or isinstance(value, float) and not value.is_integer():
             raise TypeError
@@ -1402,8 +1402,8 @@ def _path(file: Any, what: str) -> str:
 
 
 def _speeds(values: Any, names: Sequence[str], what: str, columns: str) -> bytes:
-    """Two numbers for each robot, row after row: from rows of two, one row for all, a flat list, or anything with the
-    buffer protocol, as numpy's arrays."""
+    """Two numbers per robot, row by row, from rows of two, one row for all, a flat list, or an object with the buffer
+    protocol, such as a numpy array."""
     n = len(names)
     flat: "array.array[float]" = array.array("d")
     regular = True
@@ -1443,7 +1443,7 @@ def _speeds(values: Any, names: Sequence[str], what: str, columns: str) -> bytes
 
 
 def _team_commands(commands: Dict[str, Any], names: Sequence[str]) -> Tuple[str, bytes]:
-    """The text and the data of step_all: of each word a row for each robot, short ones filled up with nan."""
+    """The text and data of step_all: for each word one row per robot; short rows are padded with nan."""
     if not commands:
         raise Error(3, f"no command was given; there are: {_list_of(_TEAM_WORDS)}")
     n = len(names)
@@ -1466,7 +1466,7 @@ def _team_commands(commands: Dict[str, Any], names: Sequence[str]) -> Tuple[str,
         for k, row in enumerate(given):
             if any(map(math.isinf, row)):
                 whose = f" ({names[k]})" if len(given) == n else ""
-                raise Error(4, f"row {k} of {word}{whose} must be finite, or nan: this one goes on as it does")
+                raise Error(4, f"row {k} of {word}{whose} must be finite, or nan: this joint keeps its command")
         for k in range(n):
             row = given[k % len(given)]
             rows[k] += row + [math.nan] * (width - len(row))
@@ -1509,7 +1509,7 @@ def _contacts(params: Sequence[int], text: str, data: Sequence[float]) -> List[C
 
 
 class _ScanGeometry(NamedTuple):
-    """What get_scan_geometry tells."""
+    """The reply to get_scan_geometry."""
 
     first: float
     increment: float
@@ -1530,7 +1530,7 @@ class _ScanGeometry(NamedTuple):
 
 
 def _image_bytes(reply: Message) -> Tuple[int, int, bytes]:
-    """Width, height and the bytes of a picture, four in each number after the first three."""
+    """Width, height and bytes of a picture, four per param after the first three."""
     if len(reply.params) < 3:
         raise Error(7, "a reply of the daemon has too few values")
     width, height, count = reply.params[0:3]
@@ -1544,7 +1544,7 @@ def _image_bytes(reply: Message) -> Tuple[int, int, bytes]:
 
 
 def _pixels(code: str, raw: bytes) -> "array.array[Any]":
-    """The values of this type, little-endian on the wire."""
+    """Decodes values of this type, little-endian on the wire."""
     values = array.array(code)
     values.frombytes(raw)
     if sys.byteorder == "big":
@@ -1553,7 +1553,7 @@ def _pixels(code: str, raw: bytes) -> "array.array[Any]":
 
 
 def _image_value(reply: Message, kind: int) -> Any:
-    """A picture out of the reply to get_image of a kind: Image, bytes of a JPEG, Depth or Segmentation."""
+    """Decodes the reply to get_image by kind: Image, bytes of a JPEG, Depth or Segmentation."""
     width, height, raw = _image_bytes(reply)
     when = reply.data[-2], int(reply.data[-1])
     if kind == _RGB:
@@ -1568,7 +1568,7 @@ def _image_value(reply: Message, kind: int) -> Any:
     return labels
 
 
-# Readings of joints, muscles and thrusters: a row of each, here by columns.
+# Readings of joints, muscles and thrusters: replies have a row per part, these have columns.
 _COLUMNS: Dict[int, Any] = {_GET_JOINTS: JointReading, _GET_COMPLIANCE: Compliance, _GET_PROFILE: Profile, _GET_GAINS: Gains,
                             _GET_JOINT_LIMITS: JointLimits, _GET_DRIVE_TRAINS: DriveTrains, _GET_MUSCLES: MuscleReading,
                             _GET_MUSCLE_LIMITS: MuscleLimits, _GET_THRUSTS: ThrusterReading,
@@ -1576,7 +1576,7 @@ _COLUMNS: Dict[int, Any] = {_GET_JOINTS: JointReading, _GET_COMPLIANCE: Complian
 
 
 def _reading_value(command: int, message: Message) -> Any:
-    """What the get-command number `command` returns, out of its message."""
+    """Decodes the reply to the get command number `command`."""
     data = message.data[:-2]
     if command == _GET_TARGETS:
         return _targets(message.params, message.text, data)
@@ -1633,7 +1633,7 @@ def _product(A: _Rotation, B: _Rotation) -> _Rotation:
 
 
 def _rotation(axis: Sequence[float], angle: float) -> _Rotation:
-    """About a unit axis (Rodrigues)."""
+    """Rotation about a unit axis (Rodrigues)."""
     x, y, z = axis
     c, s = math.cos(angle), math.sin(angle)
     d = 1 - c
@@ -1675,10 +1675,11 @@ def _solved(A: List[List[float]], b: List[float]) -> List[float]:
 @_usages("chain")
 class Chain:
     """A serial chain of joints from a base to a tool, as product of exponentials: X(q) = exp([S1] q1) ... exp([Sn] qn) X(0)
-    (Lynch and Park, Modern Robotics, 4.1). `r.joints("arm").get_chain()` is that of a robot's arm.
+    (Lynch and Park, Modern Robotics, 4.1). `r.joints("arm").get_chain()` returns that of a robot's arm.
 
-    `kinds`: 0 hinge or 1 slider, per joint; `points`: x, y, z [m] of a point of each axis and `axes` its direction, in the
-    frame of the base with all joints at 0; `tool`: the tool's pose there, a 4 x 4 matrix; `lower` and `upper`: limits [rad, m].
+    `kinds`: 0 hinge or 1 slider, per joint; `points`: x, y, z [m] of a point on each axis and `axes` its direction, in the
+    base frame with all joints at 0; `tool`: the tool's pose in this frame, a 4 x 4 matrix; `lower` and `upper`: limits
+    [rad, m].
     """
 
     def __init__(
@@ -1709,15 +1710,15 @@ class Chain:
 
     @_usage("chain.forward([0.1, 0.2])")
     def forward(self, q: Sequence[float]) -> List[List[float]]:
-        """The pose of the tool in the frame of the base, a 4 x 4 matrix, with the joints at q [rad, m]."""
+        """The tool's pose in the base frame, a 4 x 4 matrix, with the joints at q [rad, m]."""
         R, p, _ = self._forward(self._posture(q, "q"))
         return [[*R[0], p[0]], [*R[1], p[1]], [*R[2], p[2]], [0.0, 0.0, 0.0, 1.0]]
 
     @_usage("chain.inverse(pose) or chain.inverse([0.3, 0, 0.5], q0)")
     def inverse(self, pose: Any, q0: Optional[Sequence[float]] = None) -> List[float]:
-        """A posture within the limits that brings the tool to this pose, a 4 x 4 matrix as forward() returns it, or to this
-        position only, x, y, z [m]; the one found first from q0 on. Error 4 if there is none.
-        Damped least squares on the chain's Jacobian, with further starts at random postures, the same ones each time."""
+        """Returns a posture within the limits that brings the tool to a pose, a 4 x 4 matrix as of forward(), or only to a
+        position x, y, z [m]: the first found, starting at q0. Error 4 if none is found.
+        Damped least squares on the chain's Jacobian, restarted at random postures, the same on each call."""
         target: Tuple[Optional[_Rotation], _Vector]
         try:
             whole = hasattr(pose[0], "__len__")
@@ -1779,7 +1780,7 @@ class Chain:
     def _descend(
         self, target: Tuple[Optional[_Rotation], _Vector], q: List[float]
     ) -> Tuple[List[float], float, Tuple[float, float]]:
-        """From q down to where the error is least: the posture, its error, and how far [m] and how much [rad] it is off."""
+        """Moves from q to a local minimum of the error; returns the posture, its error, and the offsets [m] and [rad]."""
         R_T, p_T = target
         size = 3 if R_T is None else 6
         for _ in range(_ROUNDS):
@@ -1818,13 +1819,13 @@ class Chain:
 
 
 _STARTS, _ROUNDS = 30, 100  # of Chain.inverse
-_EXACT, _REACHED = 1e-10, 1e-7  # an error [m, rad] at which it stops, and one that it takes for an answer
+_EXACT, _REACHED = 1e-10, 1e-7  # errors [m, rad] at which the search stops, and which it accepts
 _LEAST_DAMPING = 1e-12
 _LONGEST_STEP = 0.7  # [rad, m]
 
 
 def _pose_parts(pose: Any) -> Tuple[_Rotation, _Vector]:
-    """Rotation and position out of a 4 x 4 matrix."""
+    """Rotation and position of a 4 x 4 matrix."""
     try:
         rows = [[float(value) for value in row] for row in pose]
     except (TypeError, ValueError):
@@ -1837,18 +1838,18 @@ def _pose_parts(pose: Any) -> Tuple[_Rotation, _Vector]:
     return R, (rows[0][3], rows[1][3], rows[2][3])  # type: ignore[return-value]
 
 
-# --- what a simulation and its robots share ---------------------------------------------------------------------------
+# --- shared by a simulation and its robots ----------------------------------------------------------------------------
 
 
 class _Command(NamedTuple):
-    """An actuator command. That of joints, muscles and thrusters names these, as many values for each."""
+    """An actuator command. Commands to joints, muscles and thrusters name them, with one value for each."""
 
     command: int
     params: Tuple[int, ...] = ()
     data: Tuple[float, ...] = ()
 
     def after(self, kept: Optional["_Command"], whose: str) -> "_Command":
-        """What one step is to do that was told `kept` before, this now: what both say of a joint, the last wins."""
+        """Merges this command with `kept`, an earlier one for the same step. Where both name a joint, this one wins."""
         if kept is None or set(kept.params) <= set(self.params):
             return self
         if kept.command != self.command:
@@ -1860,40 +1861,40 @@ class _Command(NamedTuple):
 
 
 class _Link:
-    """An actuator module of a robot as this client drives it, and the command kept for the next step. The first of a robot,
-    its motors if it has any, has the robot's other connections, too."""
+    """The connections to an actuator module of a robot, and the command kept for the next step. A robot's first link, its
+    motors if it has any, also owns the robot's other connections."""
 
     def __init__(self, session: "_Session", robot: str, actuator: str = "motors", kind: str = "motors") -> None:
         self.robot = robot
         self.actuator = actuator  # "motors", or the name of a module of the type
         self.kind = kind  # motors, channel or one of _PARTS
-        self.last = b""  # the request that a sim sends when it is closed, if it is not that of _LAST
+        self.last = b""  # request to send when the sim closes, instead of that of _LAST
         self.others: List["_Link"] = []  # the robot's further actuators
         self.label = robot  # in errors
         self.in_team = False  # a team of this sim drives it; it can only be read
         self.motors: Optional[_Connection] = _Connection(session.address, f"/{robot}/{actuator}", drives=not session.watch)
         self.readers: Dict[str, _Connection] = {}
         self.pushers: Dict[str, _Connection] = {}
-        self.modules: Dict[str, str] = {}  # names by type, once they were needed
+        self.modules: Dict[str, str] = {}  # names by type; queried when first needed
         self.kept: Optional[_Command] = None  # for the next step
-        self.sent: Optional[_Command] = None  # its reply has not come yet
-        self.sent_at = 0  # the newest step when it was sent
-        self.commanded_at = -1  # the newest step when the last command was answered at once: it runs with a later one
+        self.sent: Optional[_Command] = None  # reply pending
+        self.sent_at = 0  # newest step when `sent` was sent
+        self.commanded_at = -1  # newest step when the last command was answered immediately: it runs in a later step
         self.unstepped = 0  # commands since the last step
         self.unstepped_since = 0  # the step of the first of them
-        self.lost: Optional[Error] = None  # why it is not ours any more
+        self.lost: Optional[Error] = None  # why this client no longer drives it
         self.commanded = False  # by this program, ever
-        self.unclaimed = False  # only read: a recording was played when it was last asked for, or
-        self.another = False  # another program had it; it is asked for again with the next command
-        self.beside = False  # it takes no part in lockstep: the steps of our other robots do not wait for its replies
-        self.attached: Dict[str, str] = {}  # modules by type, or those of joints by name, in the order of their readings
-        self.carried: Optional[Message] = None  # the readings that came with the reply to the last step
-        self.labels: Tuple[int, float, List[int], List[str]] = (-1, 0.0, [], [])  # step, when, ids, colours
-        self.scans: Dict[str, _ScanGeometry] = {}  # of lidars, by module, once they were needed
+        self.unclaimed = False  # read-only: the last claim failed, in a playback or because
+        self.another = False  # another program had it; then claimed again only by a command
+        self.beside = False  # no participant in lockstep: steps do not wait for its reply
+        self.attached: Dict[str, str] = {}  # modules by type (joints: by name), in the order of their readings
+        self.carried: Optional[Message] = None  # readings in the reply to the last step
+        self.labels: Tuple[int, float, List[int], List[str]] = (-1, 0.0, [], [])  # step, time, ids, colours
+        self.scans: Dict[str, _ScanGeometry] = {}  # of lidars, by module; queried when first needed
 
     @property
     def has_parts(self) -> bool:
-        """Its commands stand for one step, and say of what: a group of joints, muscles, thrusters."""
+        """True for joints, muscles and thrusters: a command lasts one step and names the parts."""
         return self.kind != "motors"
 
     def connections(self) -> List[_Connection]:
@@ -1905,11 +1906,12 @@ class _Link:
         self.scans.clear()
 
     def path(self, module: str) -> str:
-        """Of the module of this type or name."""
+        """The path of the module of this type or name."""
         return f"/{self.robot}/{self.modules.get(module, module)}"
 
     def is_among(self, awaited: "set[str]") -> bool:
-        """Of a robot with several actuators the world awaits ROBOT/MODULE; its channel drives them all."""
+        """True if the world waits for this actuator. For a robot with several actuators the status names ROBOT/MODULE; its
+        channel drives them all."""
         return any(robot == self.robot and (not module or module == self.actuator or self.kind == "channel")
                    for robot, _, module in (name.partition("/") for name in awaited))
 
@@ -1924,34 +1926,34 @@ class _Link:
 
 
 class _TeamLink:
-    """A team as this client drives it: one connection to /swarm, which owns all its robots."""
+    """A connection to /swarm that owns all robots of a team."""
 
     def __init__(self, address: _Address, text: str, number: int) -> None:
-        self.text = text  # as it was asked for
+        self.text = text  # the names as given by the program
         self.connection = _Connection(address, "/swarm", drives=True, bulk=True, number=number)
         self.selected: Tuple[str, int] = ("pose distances", _NEIGHBOURS)
         self.names: List[str] = []
         self.ids: List[int] = []
         self.readings: List[str] = []  # in the order of a row
         self.columns: List[int] = []
-        self.stale = False  # who is in it must be asked again
+        self.stale = False  # the members must be queried again
         self.reply: Optional[Message] = None
-        self.gone: List[str] = []  # who was taken from it since it stepped last
+        self.gone: List[str] = []  # robots lost since the team's last step
         self.lost: Optional[Error] = None
-        self.playing = ""  # a recording is played, so the team can only be read: the text of the error
+        self.playing = ""  # error text if a recording is played, and the team only reads; else empty
 
     @property
     def label(self) -> str:
-        """In errors."""
+        """The name in errors."""
         return f"team {self.text}" if len(self.text.split()) == 1 else f"team of {len(self.names)} robots"
 
     def open(self, session: "_Session") -> None:
-        """Opens (again): `hello` takes over from an older connection of this client, `claim` makes the robots ours."""
+        """(Re)opens the connection: `hello` takes over from an older connection of this client, `claim` claims the robots."""
         timeout = session.address.timeout
         self.connection.open(timeout)
         try:
             if not self.names:
-                self.connection.request(_RELEASE)  # an older team may have been of others
+                self.connection.request(_RELEASE)  # drop the robots of an older team
             self.take(session)
             if not self.names:
                 raise Error(10, "no robot is free: other programs, loaded controllers or other objects of this "
@@ -1964,11 +1966,11 @@ class _TeamLink:
             raise
 
     def take(self, session: "_Session") -> None:
-        """Makes the robots ours; while a recording is played only finds out which they are."""
+        """Claims the robots; while a recording is played, only looks them up."""
         try:
             reply = self.claim(session)
         except Error as e:
-            if e.code == 6 and self.playing:  # a branch has gone on live meanwhile
+            if e.code == 6 and self.playing:  # a branch has ended the playback
                 raise Error(6, f"{self.label} {_owned_text(e.text)}") from None
             if e.code != 5 or not e.text.startswith(_PLAYING):
                 raise
@@ -1983,14 +1985,14 @@ class _TeamLink:
         self.playing = playing
 
     def find(self, session: "_Session") -> None:
-        """Who is meant, in a recording that is played: `claim` has found the names good, but tells no ids."""
+        """Looks up the members in a played recording: `claim` has checked their names, but returns no ids."""
         there = session.robot_names()
         ids = dict(zip(there, self.known_ids(len(there))))
         words = set(self.text.split())
         swarm_of = {name: name.rsplit("_", 1)[0] if "_" in name and name.rsplit("_", 1)[1].isdigit() else "" for name in there}
         swarms = set(swarm_of.values()) - {""}
         if len(swarms) == 1 and words - set(there) - swarms:
-            words |= swarms  # the section, swarm1, of the only swarm
+            words |= swarms  # `swarm1`, the section, stands for the only swarm
         chosen = {name for name in there if not words or name in words or swarm_of[name] in words}
         if words and not chosen:
             raise Error(10, f"none of {_list_of(self.text.split())} is there at this moment of the recording under that name, write the NAME "
@@ -2004,7 +2006,7 @@ class _TeamLink:
                 link.motors = None
 
     def known_ids(self, n: int) -> List[int]:
-        """The ids of the n robots, in their order: from 1 on, with gaps where robots have been removed."""
+        """The ids of the n robots in ascending order, with gaps where robots have been removed."""
         if not n:
             return []
         ids: List[int] = list(range(1, n + 1))
@@ -2027,7 +2029,7 @@ class _TeamLink:
         return ids
 
     def claim(self, session: "_Session") -> Message:
-        """Claims again the robots that it had, except those that another team has by now. Its name may mean others today."""
+        """Claims the team's previous robots, not those that its name refers to now, and none that another team has."""
         others = {name for team in session.teams if team is not self and team.lost is None for name in team.names}
         wanted = [name for name in self.names if name not in others]
         while wanted:
@@ -2042,11 +2044,11 @@ class _TeamLink:
                 else:
                     raise
         if self.names and not wanted:
-            return self.connection.request(_GET_TEAM)  # none is left
+            return self.connection.request(_GET_TEAM)  # no robot is left
         return self.connection.request(_CLAIM, text=self.text)
 
     def named(self, reply: Message) -> None:
-        """Notes who is in the team. A team that has lost all its robots is lost itself."""
+        """Stores the team's members. A team that has lost all its robots is lost, too."""
         before = self.names
         self.ids, self.names, self.stale = reply.params, reply.text.split(), False
         if len(self.names) < len(before):
@@ -2066,7 +2068,8 @@ class _TeamLink:
         self.readings, self.columns = reply.text.split(), reply.params
 
     def fit(self, width: int) -> None:
-        """Of robots that are not ours `select_readings` does not know how many distances they have."""
+        """Sets the number of distances from the width of a row: for robots that the team does not own, `select_readings`
+        does not return it."""
         if "distances" in self.readings:
             self.columns[self.readings.index("distances")] += width - sum(self.columns)
 
@@ -2092,27 +2095,27 @@ _Driven = Union[_Link, _TeamLink]
 
 
 class _Session:
-    """The connections of one `connect`, shared by the simulation and its robots. Refers to neither of them."""
+    """The connections of one `connect`, shared by the simulation and its robots. Has no references to them."""
 
     def __init__(self, address: _Address, watch: bool) -> None:
         self.address = address
         self.watch = watch
         self.links: List[_Link] = []
         self.teams: List[_TeamLink] = []
-        self.others: Dict[str, _Connection] = {}  # to modules of the whole, and of call()
+        self.others: Dict[str, _Connection] = {}  # to modules of the whole simulation, and of call()
         self.commands: Dict[str, Dict[str, int]] = {}  # numbers of commands by module and name
-        # Types of the actuator modules of each robot by their names; empty: not asked yet.
+        # Types of each robot's actuator modules by name; empty: not queried yet.
         self.actuators: Dict[str, Dict[str, str]] = {}
         self.mode = 0
         self.time = 0.0
         self.steps = 0
-        self.reached = 0  # the newest step of this world that a reading, command or step has told; 0 again after a reset
-        self.scenario: Any = None  # its name, as it was when this world began
+        self.reached = 0  # the newest step of this world reported by a reading, command or step; 0 again after a reset
+        self.scenario: Any = None  # name of the present world's scenario
         self.told_to_step = False
         self.closed = False
         self.polls = _Polling()
         self.in_use = threading.RLock()  # held by the thread whose public call is running; others are refused
-        self.on_closed: Optional[Callable[[], Any]] = None  # ends the daemon that launch() has started
+        self.on_closed: Optional[Callable[[], Any]] = None  # ends the daemon that launch() started
 
     def polling(self) -> _Polling:
         """The polling before a wait."""
@@ -2120,7 +2123,7 @@ class _Session:
         return self.polls
 
     def note(self, reply: Message) -> Message:
-        """Takes time and step out of a reply, and the mode if it carries one."""
+        """Stores the reply's time and step, and its mode if it carries one."""
         if len(reply.data) >= 2:
             self.time, self.steps = reply.data[-2], int(reply.data[-1])
         if reply.params and reply.command in _CARRY_MODE:
@@ -2128,14 +2131,14 @@ class _Session:
         return reply
 
     def fresh(self, reply: Message, since: int) -> Message:
-        """note() of a reply to a request that was sent when the world had reached step `since`."""
+        """Like note(), for a request sent when the world had reached step `since`; see go_on()."""
         self.note(reply)
         self.go_on(self.steps, since)
         return reply
 
     def go_on(self, step: int, since: int) -> None:
-        """A request that was sent when the world had reached step `since` was answered with `step`: WorldReset if that is
-        earlier. In a recording that is played time may go back."""
+        """Checks the reply's step against `since`, the step that the world had reached when the request was sent: raises
+        WorldReset if `step` is earlier, except in a playback, where time may go back."""
         if step >= since:
             self.reached = max(self.reached, step)
         elif self.watch or self.plays():
@@ -2144,8 +2147,8 @@ class _Session:
             raise self.world_reset()
 
     def world_reset(self, word: str = "") -> "WorldReset":
-        """Somebody has reset the world or (`word` "load", or the scenario is another one) loaded a scenario: forgets what
-        belongs to the old world, and says so."""
+        """Another client has reset the world or (`word` "load", or the scenario differs) loaded a scenario: discards the
+        state of the old world and returns the error to raise."""
         before, self.scenario = self.scenario, self.status().get("scenario")
         if word != "load" and self.scenario == before:
             self.started_anew()
@@ -2158,25 +2161,25 @@ class _Session:
         return WorldReset(5, f"{which}: run your program again, or catch this to start over")
 
     def is_new(self, status: Dict[str, Any]) -> bool:
-        """It is of a world that somebody else has reset or loaded."""
+        """True if `status` belongs to a world that another client has reset or loaded."""
         same = status.get("scenario") == self.scenario and status["step"] >= self.reached
         return not same and status.get("playback") is None
 
     def behind(self, e: Error) -> Error:
-        """What a team is told after an error: WorldReset if a scenario was loaded."""
+        """The error of a team to raise: WorldReset if a scenario was loaded, else `e`."""
         return e if isinstance(e, WorldReset) or not self.is_new(self.status()) else self.world_reset("load")
 
     def status(self) -> Dict[str, Any]:
-        """Of the whole, with one robot."""
+        """The status of the simulation, with one robot."""
         return json.loads(self.control(_GET_STATUS, (1, 1)).text)
 
     def require_open(self) -> None:
         if self.closed:
             raise Error(-1, "this sim is closed; connect() again")
 
-    # --- requests that are answered at once ---
+    # --- requests that are answered immediately ---
     def connection(self, module: str) -> _Connection:
-        """The one to a module, open; those of the driven robots are not among them."""
+        """The open connection to a module, other than those of the driven robots."""
         self.require_open()
         if module not in self.others:
             self.others[module] = _Connection(self.address, module, drives=module == _SIMULATION or not self.watch)
@@ -2188,13 +2191,13 @@ class _Session:
         self, module: str, command: int, params: Sequence[int] = (), data: Sequence[float] = (), text: str = "",
         timeout: float = _REQUEST_TIMEOUT_S,
     ) -> Message:
-        """A request to a module of the whole simulation."""
+        """Sends a request to a module of the whole simulation."""
         reply = self.connection(module).request(command, params, data, text, timeout)
         self.forget_carried()
         return self.note(reply)
 
     def control(self, command: int, *values: Any, **named: Any) -> Message:
-        """A request to /simulation."""
+        """Sends a request to /simulation."""
         return self.tell(_SIMULATION, command, *values, **named)
 
     def forget_carried(self) -> None:
@@ -2205,7 +2208,7 @@ class _Session:
         self, link: _Link, module: str, command: int, params: Sequence[int] = (), text: str = "",
         data: Sequence[float] = (),
     ) -> Message:
-        """A reading of the newest frame. A connection that broke since it was last used is opened again."""
+        """Returns a reading of the newest frame. Reopens a connection that broke since its last use."""
         self.require_open()
         if link.lost is not None and link.lost.code == 10:
             raise link.lost
@@ -2216,13 +2219,13 @@ class _Session:
                 return self.fresh(link.motors.request(command, params, data, text, polling=self.polling()), since)
             except _Closed as e:
                 raise self.lose(link, e) from None
-        sends = module == "neighbours" and not self.watch  # what a robot sends is its driver's to say
+        sends = module == "neighbours" and not self.watch  # only a robot's driver may send its messages
         connection = link.readers.setdefault(module, _Connection(self.address, link.path(module), drives=sends))
         try:
             reply = self.ask(connection, command, params, data, text)
             if int(reply.data[-1]) >= self.reached:
                 return self.fresh(reply, self.reached)
-            # Sensors with a rate or a delay show an earlier moment: what is it now?
+            # Sensors with a rate or a delay return an earlier step: query the present one.
             self.fresh(self.ask(connection, _GET_TIME, (), (), ""), self.reached)
             return reply
         except Error as e:
@@ -2299,7 +2302,7 @@ class _Session:
                 self.open_motors(one)
 
     def drive_channel(self, first: _Link, name: str) -> _Link:
-        """The link to the robot's channel. It drives all that its other actuators drive: these are given up."""
+        """Returns the link to the robot's channel, and gives up the robot's other actuators, which the channel now drives."""
         channel = _Link(self, first.robot, name, "channel")
         channel.in_team = first.in_team
         if first.in_team:
@@ -2320,7 +2323,7 @@ class _Session:
         return channel
 
     def actuators_of(self, robot: str) -> Dict[str, str]:
-        """The types of its actuator modules by their names, in its order."""
+        """The types of a robot's actuator modules by name, in the robot's order."""
         if robot not in self.actuators:
             self.actuators = {status["name"]: {module["name"].split("/")[-1]: module["type"]
                                                for module in status.get("modules", [])
@@ -2328,11 +2331,11 @@ class _Session:
         return self.actuators.get(robot, {})
 
     def groups_of(self, robot: str) -> List[str]:
-        """The names of its groups of joints, in its order."""
+        """The names of a robot's groups of joints, in the robot's order."""
         return [name for name, kind in self.actuators_of(robot).items() if kind == "joints"]
 
     def open_motors(self, link: _Link) -> None:
-        """Opens (again) the connection that commands go through: `hello` takes the module back, `claim` makes it ours."""
+        """(Re)opens the connection for commands: `hello` takes the module back, `claim` claims it."""
         assert link.motors is not None
         link.sent = link.carried = None
         link.motors.open(self.address.timeout)
@@ -2341,7 +2344,7 @@ class _Session:
                 try:
                     self.claim(link)
                 except Error as e:
-                    if e.code != 5 and not link.another:  # 5: a recording is played; reading goes on
+                    if e.code != 5 and not link.another:  # 5: a recording is played; reading still works
                         raise
             if link.attached:
                 link.motors.request(_ATTACH, text=" ".join(link.attached.values()))
@@ -2363,10 +2366,10 @@ class _Session:
                 raise Error(5, f"{link.robot} is driven by its team") from None
             raise Error(6, f"{link.robot} {_owned_text(e.text)}") from None
         link.unclaimed = link.another = False
-        self.note(link.motors.request(_GET_TIME))  # a branch may have brought another mode
+        self.note(link.motors.request(_GET_TIME))  # a branch may have changed the mode
 
     def takes_part(self, link: _Link) -> bool:
-        """True if the robot steps with this sim. One that was only read is claimed now if it is free."""
+        """True if the robot steps with this sim. Claims an unclaimed robot if it is free."""
         if link.motors is None:
             return False
         self.settle(link)
@@ -2380,7 +2383,7 @@ class _Session:
         return not link.unclaimed
 
     def let_go(self, robot: str) -> bool:
-        """Releases a robot of ours that was only read, so that a team can have it."""
+        """Releases a robot for a team if this program never commanded it. True if released."""
         links = [link for link in self.links if link.robot == robot and link.motors is not None]
         if not links or any(link.commanded or link.unclaimed or link.lost for link in links):
             return False
@@ -2393,18 +2396,18 @@ class _Session:
         return True
 
     def settle(self, link: _Link) -> None:
-        """Makes the motors connection free for a request: opens it if it broke, takes in a reply that is overdue."""
+        """Makes the connection for commands ready for a request: reopens it if it broke, and receives an overdue reply."""
         assert link.motors is not None
         if link.lost is not None:
             raise link.lost
         connection = link.motors
-        if connection.sock is None or (connection.busy and link.sent is None):  # interrupted, or never opened again
+        if connection.sock is None or (connection.busy and link.sent is None):  # interrupted, or not reopened
             self.open_motors(link)
         if link.sent is None:
             return
         if self.await_command(link):
             return
-        # No reply: in lockstep it comes after the step only. Take the command back, and keep it.
+        # No reply: in lockstep it arrives only after the step. Withdraw the command, and keep it.
         try:
             waits_for_step = self.control(_GET_TIME).params[0] == _LOCKSTEP
         except Error as e:
@@ -2422,7 +2425,7 @@ class _Session:
             link.sent = None
 
     def await_command(self, link: _Link, wait_s: float = _COMMAND_WAIT_S) -> bool:
-        """Waits a moment for the reply to a command; True if it came."""
+        """Waits briefly for the reply to a command; True if it arrived."""
         assert link.motors is not None and link.motors.sock is not None
         deadline = _clock.monotonic() + wait_s
         while True:
@@ -2440,8 +2443,8 @@ class _Session:
             _wait_readable((link.motors.sock,), left)
 
     def lose(self, link: _Driven, closed: _Closed) -> Error:
-        """The connection for commands was closed by the daemon. With a notice (taken over, freed, gone) it is not opened
-        again automatically: that would take the robot back from its new driver."""
+        """The daemon closed the connection for commands: returns the error to raise. With a notice (taken over, freed,
+        removed) the connection is not reopened: that would take the robot back from its new driver."""
         link.forget_commands()
         if not closed.notice:
             return Error(-1, f"the connection to {link.label} broke; {self.address.why_lost()}")
@@ -2462,7 +2465,7 @@ class _Session:
         return link.lost
 
     def command(self, link: _Link, command: int, data: Tuple[float, ...] = (), joints: Tuple[int, ...] = ()) -> None:
-        """An actuator command: kept in lockstep, sent at once otherwise."""
+        """In lockstep keeps an actuator command, otherwise sends it."""
         self.require_open()
         if self.watch:
             raise Error(5, "this sim only watches; connect() without watch=True to drive")
@@ -2475,7 +2478,7 @@ class _Session:
         if self.mode != _LOCKSTEP or link.unclaimed:
             self.settle(link)
         if link.unclaimed:
-            self.claim(link)  # a branch may go on live from there
+            self.claim(link)  # a branch may have ended the playback
         link.commanded = True
         if self.mode == _LOCKSTEP:
             if link.kept is not None:
@@ -2494,7 +2497,7 @@ class _Session:
         link.commanded_at = self.steps
 
     def count_unstepped(self, link: _Link) -> None:
-        """Says once that the program never calls `sim.step()`; not if it lets time go by in another way, as by sleeping."""
+        """Reports once that the program never calls `sim.step()`, unless time passes in another way, e.g. by sleeping."""
         link.unstepped += 1
         if link.unstepped == 1:
             link.unstepped_since = self.steps
@@ -2512,20 +2515,20 @@ class _Session:
               "loop", file=sys.stderr, flush=True)
 
     def robot_names(self) -> List[str]:
-        """Of all robots, in the order of the scenario."""
+        """The names of all robots, in the order of the scenario."""
         return [robot["name"] for robot in self.robots()]
 
     def robots(self) -> List[Dict[str, Any]]:
-        """What the status tells of all robots."""
+        """The status of all robots."""
         robots: List[Dict[str, Any]] = []
-        while True:  # one status lists only a part of them
+        while True:  # one status lists only some of them
             status = json.loads(self.control(_GET_STATUS, (len(robots) + 1, _LISTED)).text)
             robots += status["robots"]
             if not status["robots"] or len(robots) >= int(status.get("robot_count") or 0):
                 return robots
 
     def modules_of(self, robot: str) -> Dict[str, str]:
-        """The names of its modules by type: of several of a type the one named like it, else the first."""
+        """The names of a robot's modules by type: among several of a type, the one named like it, else the first."""
         names: Dict[str, str] = {}
         for status in self.robots():
             if status["name"] == robot:
@@ -2536,13 +2539,14 @@ class _Session:
         return names
 
     def find_again(self, link: _Link, module: str, connection: _Connection) -> bool:
-        """After error 10: a model may call its motors module `legs`. True if the connection is to another module now."""
+        """After error 10: looks up the module's name by its type, as a model may call its motors `legs`. True if the
+        connection's module has changed."""
         link.modules = self.modules_of(link.robot)
         before, connection.module = connection.module, link.path(module)
         return connection.module != before
 
     def plays(self) -> bool:
-        """A recording is played."""
+        """True if a recording is played."""
         return self.status().get("playback") is not None
 
     # --- teams ---
@@ -2558,19 +2562,19 @@ class _Session:
         for team in self.teams:
             if team.text == text:
                 try:
-                    self.settle_team(team)  # who is in it by now
+                    self.settle_team(team)  # updates its members
                     return team
                 except Error:
                     if team.lost is None:
                         raise
                     self.teams.remove(team)
                     break
-        for team in list(self.teams):  # what one of ours lets go of for a moment is not free
+        for team in list(self.teams):  # robots that one of our teams lost only for a moment are not free
             if team.names and (team.connection.sock is None or team.connection.busy):
                 try:
                     self.settle_team(team)
                 except Error:
-                    pass  # its next use says what is wrong
+                    pass  # its next use reports the error
         taken = {team.connection.number for team in self.teams}
         team = _TeamLink(self.address, text, next(k for k in itertools.count(1) if k not in taken))
         try:
@@ -2591,11 +2595,11 @@ class _Session:
         return team
 
     def settle_team(self, team: _TeamLink) -> _Connection:
-        """Makes the connection of a team free for a request."""
+        """Makes the connection of a team ready for a request."""
         self.require_open()
         if team.lost is not None:
             raise team.lost
-        if team.connection.sock is None or team.connection.busy:  # interrupted, or never opened again
+        if team.connection.sock is None or team.connection.busy:  # interrupted, or not reopened
             team.open(self)
         elif team.stale and team.playing:
             team.take(self)
@@ -2610,7 +2614,7 @@ class _Session:
             raise self.behind(e) from None
 
     def own_team(self, team: _TeamLink) -> None:
-        """Error 5 while a recording is played; a branch may have gone on live from there."""
+        """Claims the robots if a branch has ended the playback. Error 5 while a recording is played."""
         self.settle_team(team)
         if team.playing:
             team.take(self)
@@ -2627,14 +2631,14 @@ class _Session:
         except Error as e:
             if e.code != 10:
                 raise
-            team.find(self)  # at this moment there are others
+            team.find(self)  # the recording has other robots at this moment
             reply = self.ask_team(team, _READ_ALL, team.ids)
         team.ask_for(*team.selected)
         team.fit(reply.params[-1])
         return reply
 
     def ask_team(self, team: _TeamLink, command: int, params: Sequence[int] = ()) -> Message:
-        """A request that is answered at once."""
+        """Sends a request that is answered immediately."""
         connection, since = self.settle_team(team), self.reached
         try:
             return self.fresh(connection.request(command, params, polling=self.polling()), since)
@@ -2644,7 +2648,7 @@ class _Session:
             raise self.behind(e) from None
 
     def step_team(self, team: _TeamLink, frame: bytes, timeout: Optional[float]) -> Message:
-        """One step of the world, in which the team does what the frame says."""
+        """Runs one step of the world with the team's command in `frame`."""
         self.step(1, timeout, team, frame)
         reply, team.reply = team.reply, None
         team.gone = []
@@ -2653,11 +2657,11 @@ class _Session:
 
     # --- a step of the world ---
     def step(self, n: int, timeout: Optional[float], team: Optional[_TeamLink] = None, frame: bytes = b"") -> None:
-        """Sends what was kept (or `ready`) for every robot and every team of this sim, then takes in the replies."""
+        """Runs n steps: sends the kept command (or `ready`) for every robot and team of this sim, then collects the replies."""
         self.require_open()
         if n > 1 and any(link.has_parts and link.kept is not None for link in self.links):
-            wait = _Wait(self, timeout, "the step did not come")
-            self.step(1, timeout)  # such a command stands for one step
+            wait = _Wait(self, timeout, "the step did not run")
+            self.step(1, timeout)  # such a command lasts one step
             wait.check()
             n, timeout = n - 1, None if timeout is None else wait.deadline - wait.now
         waiting: Dict[_Connection, Optional[_Driven]] = {}
@@ -2670,7 +2674,7 @@ class _Session:
                 teams.append(other)
             except Error:
                 if other is team or other.lost is None and other.names:
-                    raise  # the others go on without one that is lost, or whose robots are another's after a load
+                    raise  # other teams continue without a lost one, or one whose robots another client got after a load
         self.teams = [other for other in self.teams if other.lost is None]
         driven = self.who_steps(bool(teams))
         if not (driven or teams):
@@ -2694,14 +2698,14 @@ class _Session:
         self.go_on(earliest, since)
 
     def who_steps(self, with_teams: bool) -> List[_Link]:
-        """The robots whose replies a step awaits. Those beside get their commands, if the reply to the last has come."""
+        """The robots whose replies a step awaits. Sends the commands of robots `beside` that await no reply."""
         if self.watch:
             return []
         driven = [link for link in self.links if not link.beside and self.takes_part(link)]
         for link in self.links:
             if not link.beside:
                 continue
-            if not (driven or with_teams):  # nobody else of ours makes the step
+            if not (driven or with_teams):  # without others, this robot makes the step
                 link.beside = False
             elif not self.is_free(link):
                 continue
@@ -2716,11 +2720,11 @@ class _Session:
         return driven
 
     def is_free(self, link: _Link) -> bool:
-        """The reply to its last command has come."""
+        """True if no reply to a command is pending."""
         return link.sent is None or self.await_command(link, 0)
 
     def send_step(self, link: _Link, n: int, waiting: Dict[_Connection, Optional[_Driven]]) -> None:
-        """What was kept, or `ready`."""
+        """Sends the kept command, or `ready`."""
         assert link.motors is not None
         link.sent, link.sent_at = link.kept or _Command(_READY, (), ()), self.reached
         link.kept = link.carried = None
@@ -2729,21 +2733,21 @@ class _Session:
         link.motors.send(encode(command, joints or (n,), data))
 
     def collect(self, waiting: Dict[_Connection, Optional[_Driven]], timeout: Optional[float]) -> int:
-        """Takes in the reply of every connection in `waiting`, which is empty then; returns the earliest step that they tell.
-        The first error is raised."""
-        wait = _Wait(self, timeout, "the step did not come", in_step=any(link is not None for link in waiting.values()))
+        """Collects the replies of all connections in `waiting`, and removes these; returns the earliest step of the replies.
+        Raises the first error."""
+        wait = _Wait(self, timeout, "the step did not run", in_step=any(link is not None for link in waiting.values()))
         stepped: List[_Driven] = []
         earliest = sys.maxsize
         catch_up_at = math.inf
-        if any(link.beside for link in self.links):  # one of them may take part now
+        if any(link.beside for link in self.links):  # one may be a participant by now
             catch_up_at = _clock.monotonic() + _CATCH_UP_AFTER_S
 
         def glance(count: int) -> bool:
-            """True if the reply that is _AT_ONCE further on has come, among the first `count`."""
+            """True if the reply _AT_ONCE places ahead, among the first `count`, has arrived."""
             ahead = list(itertools.islice(waiting, min(count, _AT_ONCE)))[-1].sock
             return ahead is not None and _wait_readable((ahead,), min(_GLANCE_S, wait.deadline - wait.now))
 
-        # Else only up to the first that has not come. The request of the last set off the step: its reply comes first.
+        # Else only up to the first pending one. The last request triggered the step: its reply arrives first.
         every = len(waiting) <= _FEW or not glance(len(waiting) - 1)
         self.polling().start(_clock.monotonic())
         while True:
@@ -2761,7 +2765,7 @@ class _Session:
                     catch_up_at = _clock.monotonic() + _CATCH_UP_AFTER_S
                 if reply.error:
                     if isinstance(link, _TeamLink):
-                        link.stale = True  # a robot may have been taken from it
+                        link.stale = True  # it may have lost a robot
                     _checked(reply, f"{link.label}: " if link else "")
                 self.note(reply)
                 earliest = min(earliest, self.steps)
@@ -2787,12 +2791,12 @@ class _Session:
                 wait.readable(waiting, catch_up_at)
 
     def catch_up(self, stepped: List[_Driven], waiting: Dict[_Connection, Optional[_Driven]]) -> None:
-        """After an error or a timeout a command that had not run may still run while its successor is on the way: its
-        robot is then one step behind the others, and they would wait for each other without end. So if the world waits for
-        robots of ours that have stepped already, these make one more step with the commands they have. If it also waits for
-        one whose reply has not come, that reply is on its way and there is nothing to do. A robot that takes no part (among
-        the first that the status lists) is set beside, as its command may have come after the others' step: it runs in the
-        next."""
+        """Resolves a deadlock: after an error or timeout, an old command may still run while its successor is on the way. Its
+        robot is then one step behind the others, and both would wait for each other forever. If the status says that the
+        world waits for robots of ours that have stepped already, steps these once more with their present commands. If it
+        also waits for a robot whose reply is pending, that reply will arrive: does nothing. Sets robots that are no
+        participants (among the first that the status lists) `beside`, because their commands may have arrived after the
+        others' step and then run in the next."""
         status = self.fresh_status()
         awaited = {a["robot"] for a in status.get("awaiting") or []}  # the first of them
         before = self.reached
@@ -2823,7 +2827,7 @@ class _Session:
                 link.motors.send(encode(_READY, (1,)))
 
     def fresh_status(self) -> Dict[str, Any]:
-        """The status, asked on a connection of its own: others may be waiting."""
+        """Queries the status on a separate connection, because the others may have replies pending."""
         connection = _Connection(self.address, _SIMULATION)
         try:
             connection.open(self.address.timeout)
@@ -2832,8 +2836,8 @@ class _Session:
             connection.close()
 
     def give_up(self, waiting: Dict[_Connection, Optional[_Driven]], cause: BaseException) -> BaseException:
-        """Connections that still wait for a reply are closed, and opened again if the cause was an error: reading on
-        would take the next reply for the one that is missing."""
+        """Closes connections whose reply is pending, and reopens them if the cause was an error: otherwise the late reply
+        would be mistaken for the next one."""
         if isinstance(cause, _Closed):
             for connection, link in waiting.items():
                 if connection.sock is None and link is not None:
@@ -2851,7 +2855,7 @@ class _Session:
                     try:
                         link.reopen(self)
                     except Error:
-                        pass  # tried again at the next use, which says what is wrong
+                        pass  # the next use tries again, and reports the error
             if isinstance(cause, WorldReset):
                 return self.world_reset(cause.text) if cause.text in _ANEW else cause
             if isinstance(cause, Error) and any(team.stale for team in self.teams):
@@ -2866,19 +2870,19 @@ class _Session:
         return cause
 
     def whom(self, held_up: bool = False, in_step: bool = False) -> str:
-        """One line that says what the world waits for; with `held_up` empty if its steps go on. With `in_step` it raises what the
-        step's reply would say if the world is another by now."""
+        """One line that says what the world waits for; with `held_up`, empty if steps still run. With `in_step`, raises
+        WorldReset if the world was reset or loaded meanwhile."""
         try:
             status = self.fresh_status()
         except Error as e:
             return f"no answer from the daemon ({e.text})"
         if in_step and not self.watch and self.is_new(status):
-            raise WorldReset(5, "reset")  # give_up() makes it a text
+            raise WorldReset(5, "reset")  # give_up() completes the text
         playback = status.get("playback")
         if playback and playback["step"] == playback["end_step"] and not (playback["playing"] or playback["growing"]):
             return "the recording has ended; sim.run() plays it again"
         if status.get("state") == "paused":
-            return "the simulation is paused; sim.run() or the page goes on"
+            return "the simulation is paused; continue with sim.run() or on the page"
         if status.get("state") == "ended":
             return "the run has ended; sim.reset() starts again"
         awaiting = status.get("awaiting") or []
@@ -2888,11 +2892,11 @@ class _Session:
             return f"waiting for the next step, {status.get('state')}"
         first = ", ".join(f"{a['robot']} ({a['why']}), {a['seconds'] or 0:.1f} s" for a in awaiting[:_NAMED_ROBOTS])
         more = int(status.get("awaiting_count") or len(awaiting)) - _NAMED_ROBOTS
-        cure = next((a["cure"] for a in awaiting if a.get("cure")), None)  # how to go on without one of them
+        cure = next((a["cure"] for a in awaiting if a.get("cure")), None)  # how to continue without one of them
         return f"waiting for {first}" + (f" and {more} more" if more > 0 else "") + (f": {cure}" if cure else "")
 
     def started_anew(self) -> None:
-        """After a reset or load: what was kept belongs to the old world."""
+        """After a reset or load: discards kept commands, which belong to the old world."""
         self.reached = 0
         self.actuators = {}
         self.forget_commands()
@@ -2905,8 +2909,8 @@ class _Session:
             team.stale = True
 
     def loaded(self) -> List[str]:
-        """After a load: teams are opened again with the robots that there are now. Returns the robots of ours that are not
-        there any more."""
+        """After a load: makes teams reopen with the present robots. Returns those of this sim's robots that the new scenario
+        lacks."""
         self.started_anew()
         for team in self.teams:
             team.connection.close()
@@ -2925,15 +2929,15 @@ class _Session:
         return list(dict.fromkeys(link.robot for link in gone))
 
     def jumped(self) -> None:
-        """After a restore or branch of ours: the world goes on from another state, which may be of another scenario."""
+        """After this sim's restore or branch: the world continues from another state, possibly of another scenario."""
         self.started_anew()
-        self.control(_GET_TIME)  # tells the mode
+        self.control(_GET_TIME)  # updates the mode
         here = set(self.robot_names())
         if any(link.robot not in here for link in self.links) or any(set(team.names) - here for team in self.teams):
             self.loaded()
 
     def close_team(self, team: _TeamLink, stop: bool) -> None:
-        """Gives the robots of a team up, after stopping them if wished."""
+        """Releases the robots of a team; stops them before if `stop`."""
         connection = team.connection
         if connection.sock is not None and team.lost is None:
             try:
@@ -2949,7 +2953,7 @@ class _Session:
 
     def close(self) -> None:
         if self.on_closed is not None:
-            self.on_closed()  # first: the last `stop` of a robot would be a step more
+            self.on_closed()  # first: a robot's last `stop` would run another step
         for team in list(self.teams):
             self.close_team(team, True)
         stopping = []
@@ -2957,7 +2961,7 @@ class _Session:
             if link.motors is not None and link.motors.sock is not None and not (self.watch or link.unclaimed or link.lost):
                 try:
                     link.motors.send(link.last or encode(_LAST.get(link.kind, _READY)))
-                    link.motors.try_read()  # what is unread would make closing a reset, which loses the stop
+                    link.motors.try_read()  # closing with unread bytes would reset the connection and lose the stop
                     assert link.motors.sock is not None
                     link.motors.sock.shutdown(socket.SHUT_WR)
                     stopping.append(link.motors.sock)
@@ -2973,9 +2977,9 @@ class _Session:
 
 
 class _Wait:
-    """How long something may take: Error 11, "`what` within 5 s", after `timeout` seconds. While it lasts it says once, on
-    stderr, what the world waits for; with `held_up` only if its steps do not go on. With `in_step` it raises WorldReset if the
-    world is another by now."""
+    """A wait with a timeout: Error 11, "`what` within 5 s", after `timeout` seconds. A long wait reports once on stderr what
+    the world waits for; with `held_up`, only if no steps run. With `in_step`, raises WorldReset if the world was reset or
+    loaded meanwhile."""
 
     def __init__(
         self, session: _Session, timeout: Optional[float], what: str, held_up: bool = False, in_step: bool = False
@@ -2997,14 +3001,14 @@ class _Wait:
                 print(f"coopdyn: {whom}", file=sys.stderr, flush=True)
 
     def readable(self, connections: Iterable[_Connection], until: float = math.inf) -> None:
-        """Waits until one of them has something, or until there is something to check."""
+        """Waits until a connection is readable, or until there is something to check."""
         sockets = [c.sock for c in connections if c.sock is not None]
         _wait_readable(sockets, min(self.deadline, self.notice_at, until, self.now + 3600) - self.now)
 
 
 def _await_ends(sockets: List[socket.socket]) -> None:
-    """Lets the daemon read the last `stop`, so that what this program does next, a reset say, comes after it. In lockstep the
-    step it asks for may be far off: waits no longer than _CLOSE_S for all of them."""
+    """Gives the daemon time to read the last `stop`, so that this program's next request, e.g. a reset, comes after it. In
+    lockstep the step may be far off, so waits at most _CLOSE_S for all connections together."""
     deadline = _clock.monotonic() + _CLOSE_S
     for sock in sockets:
         try:
@@ -3018,12 +3022,12 @@ def _owned_text(text: str) -> str:
     return f"cannot be driven: {text}; to watch only: connect(watch=True)"
 
 
-# --- what a program uses ----------------------------------------------------------------------------------------------
+# --- public interface -------------------------------------------------------------------------------------------------
 
 
 @_usages("r")
 class Robot:
-    """One robot. Readings are always those of the newest step."""
+    """One robot. Readings always belong to the newest step."""
 
     def __init__(self, session: _Session, link: _Link) -> None:
         self._session = session
@@ -3054,8 +3058,8 @@ class Robot:
 
     @_usage("r.send_message([1, 0.5])")
     def send_message(self, values: Sequence[float]) -> None:
-        """Broadcasts one to eight numbers with the next step, to the robots within range; the last message before the
-        step counts. For robots with a module `neighbours`."""
+        """Broadcasts one to eight numbers with the next step to the robots within range. The last message before the step
+        wins. For robots with a module `neighbours`."""
         try:
             numbers = [_number(value, "a value of a message") for value in values]
         except TypeError:
@@ -3072,8 +3076,8 @@ class Robot:
         return self._get("neighbours", _GET_NEIGHBOURS)
 
     def get_messages(self) -> List[Heard]:
-        """What is heard in this step: id, distance [m] and bearing [rad] of the sender, and the values it sent. For
-        robots with a module `neighbours`."""
+        """The messages received in this step: id, distance [m] and bearing [rad] of the sender, and its values. For robots
+        with a module `neighbours`."""
         return self._get("neighbours", _GET_MESSAGES)
 
     def get_pose(self) -> Pose:
@@ -3085,18 +3089,18 @@ class Robot:
         return self._get("pose", _GET_POSE_3D)
 
     def get_compass(self, module: str = "compass") -> float:
-        """Where its front points [rad]: 0 along the world's x, left positive. For robots with a module `compass`; another
-        compass is read by its module's name."""
+        """The robot's heading [rad]: 0 along the world's x, left positive. For robots with a module `compass`; pass the
+        module's name for another compass."""
         return self._get(module, _GET_COMPASS)
 
     def get_support(self, module: str = "support") -> Support:
-        """x, y [m] and angle [rad] by which the load has moved the support that carries it, in the robot's frame. For robots
-        with a module `support`."""
+        """x, y [m] and angle [rad] by which the load has displaced its support, in the robot's frame. For robots with a module
+        `support`."""
         return self._get(module, _GET_SUPPORT)
 
     def get_imu(self, module: str = "imu") -> Imu:
         """Quaternion, angular velocity [rad/s] and acceleration [m/s2] of an inertial sensor: at rest and level 9.81 along z.
-        Here and below: for robots with a module of this type; another of the same type is read by its module's name."""
+        Here and below: for robots with a module of this type; pass the module's name for another of the same type."""
         return self._get(module, _GET_IMU)
 
     def get_wrench(self, module: str = "wrench") -> Wrench:
@@ -3112,7 +3116,7 @@ class Robot:
         return geometry.scan(ranges)
 
     def get_contacts(self, module: str = "contact") -> List[Contact]:
-        """What touches the sensor: id, name, force [N], point [m] and direction, in the robot's frame."""
+        """The contacts of the sensor: id, name, force [N], point [m] and direction, in the robot's frame."""
         return self._get(module, _GET_CONTACTS)
 
     def get_bumper(self, module: str = "contact") -> List[bool]:
@@ -3120,8 +3124,8 @@ class Robot:
         return self._get(module, _GET_BUMPER)
 
     def get_image(self, module: str = "camera") -> Image:
-        """What a camera sees, in colour: `image.width`, `image.height`, `image.rgb(x, y)`, `image.data`, `image.numpy()`,
-        `image.save("x.png")`. With a rate it is the picture of `image.step`."""
+        """A camera's colour picture: `image.width`, `image.height`, `image.rgb(x, y)`, `image.data`, `image.numpy()`,
+        `image.save("x.png")`. If the camera has a rate, its latest picture, taken at `image.step`."""
         return _image_value(self._session.read(self._link, module, _GET_IMAGE, (_RGB,)), _RGB)
 
     def get_jpeg(self, module: str = "camera") -> bytes:
@@ -3129,23 +3133,23 @@ class Robot:
         return _image_value(self._session.read(self._link, module, _GET_IMAGE, (_JPEG,)), _JPEG)
 
     def get_depth(self, module: str = "camera") -> Depth:
-        """How far away each pixel is along the camera's axis [m]: `depth.at(x, y)`; inf = nothing there."""
+        """The distance of each pixel along the camera's axis [m]: `depth.at(x, y)`; inf = nothing there."""
         return _image_value(self._session.read(self._link, module, _GET_IMAGE, (_DEPTH,)), _DEPTH)
 
     def get_segmentation(self, module: str = "camera") -> Segmentation:
-        """What each pixel shows: `names[at(x, y)]`; 0 = nothing."""
+        """The object that each pixel shows: `names[at(x, y)]`; 0 = nothing."""
         return _image_value(self._session.read(self._link, module, _GET_IMAGE, (_SEGMENTATION,)), _SEGMENTATION)
 
     def get_camera(self, module: str = "camera") -> Camera:
-        """Size of the picture, focal lengths and middle [pixels], nearest and furthest [m] and rate [Hz] of a camera."""
+        """Picture size, focal lengths and principal point [pixels], near and far limit [m] and rate [Hz] of a camera."""
         return self._get(module, _GET_CAMERA)
 
     def get_battery(self, module: str = "battery") -> Battery:
-        """What is left of the battery [J, 0 to 1], and what is drawn from it [W]."""
+        """Remaining energy of the battery [J, and as a fraction 0 to 1], and the power drawn [W]."""
         return self._get(module, _GET_BATTERY)
 
     def get_light(self, module: str = "light") -> List[float]:
-        """How much light each sensor sees."""
+        """The brightness that each light sensor measures."""
         return self._get(module, _GET_LIGHT)
 
     def get_sonar(self, module: str = "sonar") -> List[float]:
@@ -3153,11 +3157,11 @@ class Robot:
         return self._get(module, _GET_SONAR)
 
     def get_infrared(self, module: str = "infrared") -> List[float]:
-        """What each infrared sensor puts out, by its curve."""
+        """The output of each infrared sensor, by its curve."""
         return self._get(module, _GET_INFRARED)
 
     def get_odometry(self, module: str = "odometry") -> Odometry:
-        """x, y [m], heading [rad] since the start and speeds [m/s, rad/s], as the wheels' encoders tell them."""
+        """x, y [m], heading [rad] since the start and speeds [m/s, rad/s], by the wheels' encoders."""
         return self._get(module, _GET_ODOMETRY)
 
     def get_distances(self) -> List[float]:
@@ -3190,14 +3194,14 @@ class Robot:
         return self._get("motors", _GET_WHEELS)
 
     def get_limits(self) -> Limits:
-        """Limit of the wheel speeds [rad/s], wheel radius and track [m]."""
+        """Maximal wheel speed [rad/s], wheel radius and track [m]."""
         return self._get("motors", _GET_LIMITS)
 
     @_usage('r.sense() or r.sense("red")')
     def sense(self, x: Union[str, int, None] = None) -> Reading:
-        """All readings of one step, in one round trip; in lockstep, right after `sim.step()`, those that came with
-        its reply, without any. `sense("red").target` is the nearest target of that colour (or with that id). Of several
-        sensors of a type it has the first; read the others by name: `r.get_scan("rear_lidar")`."""
+        """All readings of one step in one round trip; in lockstep, directly after `sim.step()`, without one, because the step's
+        reply carried them. `sense("red").target` is the nearest target of that colour (or with that id). Has the first sensor
+        of each type; read others by name: `r.get_scan("rear_lidar")`."""
         session, link = self._session, self._link
         session.require_open()
         if link.lost is not None and link.lost.code == 10:
@@ -3240,7 +3244,7 @@ class Robot:
 
     @_usage('r.joints() or r.joints("arm")')
     def joints(self, name: Optional[str] = None) -> "Joints":
-        """Its joints of this name: a group of `<coopdyn:group>` in its model, "joints" if it names none. Without a name the
+        """A group of joints: a `<coopdyn:group>` of the robot's model, or "joints" if the model names none. Without a name, the
         only group. Error 5 if there are several, or none."""
         session, link = self._session, self._link
         session.require_open()
@@ -3258,23 +3262,24 @@ class Robot:
         raise Error(10, f"{self.name} has no joints {name!r}; {_nearest(str(name), groups)}there are: {_list_of(groups)}")
 
     def muscles(self) -> "Muscles":
-        """Its muscles. Error 5 if it has none."""
+        """The robot's muscles. Error 5 if it has none."""
         return Muscles(self._session, self._part("muscles"))
 
     def thrusters(self) -> "Thrusters":
-        """Its thrusters. Error 5 if it has none."""
+        """The robot's thrusters. Error 5 if it has none."""
         return Thrusters(self._session, self._part("thrusters"))
 
     def channel(self) -> "Channel":
-        """Its channel: all motors and values that its model maps, in one exchange. From then on it drives the robot alone:
-        what is told its wheels, joints, muscles or thrusters is error 5. Error 5 if the robot has no channel."""
+        """The robot's channel: exchanges all motors and values that the model maps at once. From then on only the channel
+        drives the robot: commands to its wheels, joints, muscles or thrusters are error 5. Error 5 if the robot has no
+        channel."""
         return Channel(self._session, self._part("channel"))
 
     # --- pushed readings ---
     @_usage('r.subscribe("distance")')
     def subscribe(self, module: str, n: int = 1) -> None:
-        """Has the first reading of a module ("distance", "motors", "imu", ...; no pictures) sent every n steps; `next` takes them.
-        n = 0 ends it. What is not taken in time is dropped, the oldest first (64 are kept)."""
+        """Subscribes to a module's first reading ("distance", "motors", "imu", ...; no pictures) every n steps; `next` returns
+        them. n = 0 unsubscribes. Up to 64 readings are queued; then the oldest is dropped."""
         self._session.require_open()
         module = _word(module, 'a module, as "distance",')
         old = self._link.pushers.pop(module, None)
@@ -3294,8 +3299,8 @@ class Robot:
 
     @_usage('r.next("distance") or r.next("distance", timeout=5)')
     def next(self, module: Optional[str] = None, timeout: Optional[float] = None) -> Update:
-        """Waits for the next pushed reading, of one module or of any that was subscribed to. Error 11 after `timeout`
-        seconds. If the world is held up for more than 2 s it says once, on stderr, by which robots."""
+        """Waits for the next pushed reading, of one module or of any subscription. Error 11 after `timeout` seconds. If robots
+        hold the world up for more than 2 s, reports them once on stderr."""
         pushers = self._link.pushers
         chosen = [module] if module else list(pushers)
         if not chosen or any(m not in pushers for m in chosen):
@@ -3325,7 +3330,7 @@ class Robot:
         self, module: str, command: Union[str, int], params: Sequence[int] = (), data: Sequence[float] = (),
         text: str = "", timeout: Optional[float] = None,
     ) -> Reply:
-        """The raw message to one of this robot's modules, e.g. `r.call("motors", "set_velocity", data=[0.2, 0])`."""
+        """Sends a raw message to one of this robot's modules, e.g. `r.call("motors", "set_velocity", data=[0.2, 0])`."""
         self._session.require_open()
         if not self._link.modules:
             self._link.modules = self._session.modules_of(self.name)
@@ -3333,7 +3338,7 @@ class Robot:
 
     # --- inside ---
     def _part(self, kind: str) -> _Link:
-        """The link to its actuator of this type."""
+        """The link to the robot's actuator of this type."""
         session, link = self._session, self._link
         session.require_open()
         if link.lost is not None and link.lost.code == 10:
@@ -3384,8 +3389,8 @@ class Robot:
             raise
 
     def _labels(self, link: _Link, step: int, count: int) -> Tuple[List[int], List[str]]:
-        """Ids and colours of the targets. They change with a reset, load or edit only: asked for again when the step
-        did not go on, when their number changed, or after a while."""
+        """Ids and colours of the targets. They change only with a reset, load or edit: queries them again if the step did not
+        advance, if their number changed, or after _LABELS_LIVE_S."""
         last, when, ids, colours = link.labels
         now = _clock.monotonic()
         if step <= last or now - when > _LABELS_LIVE_S or len(ids) != count:
@@ -3399,7 +3404,7 @@ Names = Union[str, int, Sequence[Union[str, int]], None]  # of joints, muscles, 
 
 
 def _chosen(given: Names, names: List[str], one: str, whose: str) -> Tuple[int, ...]:
-    """Ids of joints or the like, `one` of them, from names or ids."""
+    """Ids of joints or other parts (`one`: their singular), from names or ids."""
     if given is None:
         return tuple(range(1, len(names) + 1))
     ids = []
@@ -3407,7 +3412,7 @@ def _chosen(given: Names, names: List[str], one: str, whose: str) -> Tuple[int, 
         if isinstance(part, str):
             if part not in names:
                 raise Error(10, f"{whose} has no {one} {part!r}; {_nearest(part, names)}there are: {_list_of(names)}")
-            ids += [i + 1 for i, name in enumerate(names) if name == part]  # values of a channel may be called alike
+            ids += [i + 1 for i, name in enumerate(names) if name == part]  # values of a channel may share a name
         else:
             number = _count(part, f"the id of a {one}")
             if number > len(names):
@@ -3433,7 +3438,7 @@ def _numbers(values: Any, count: int, what: str, one: str, finite: bool = True) 
 
 
 class _Parts:
-    """Joints, muscles or thrusters of a robot: what is driven one by one, by name or id."""
+    """Common base of a robot's joints, muscles and thrusters, which are addressed by name or id."""
 
     _ONE = "joint"
 
@@ -3456,7 +3461,7 @@ class _Parts:
 
     @property
     def names(self) -> List[str]:
-        """Of them all, in their order: the first has the id 1."""
+        """The names of all parts in order; the first has id 1."""
         return list(self._names)
 
     # --- inside ---
@@ -3474,7 +3479,7 @@ class _Parts:
 
 @_usages("arm")
 class Joints(_Parts):
-    """A group of joints that are driven together, as an arm. Made by `r.joints("arm")`.
+    """A group of joints that are driven together, such as an arm. Made by `r.joints("arm")`.
 
         arm = r.joints("arm")
         arm.set_positions([0.5, -0.3, 0, 1.2, 0, 0.4, 0])     # rad, or m of a slider: a smooth move within the profile
@@ -3482,8 +3487,8 @@ class Joints(_Parts):
             sim.step()
         arm.set_positions(0.5, "elbow")                       # one joint, by its name or its number from 1
 
-    Commands take a value for each joint that is named (none: for all), or one value for all of them. As set_velocity, they go
-    with the next `sim.step()` in lockstep, and at once in real time. Each puts its joints into its mode.
+    Commands accept one value per named joint (none named: all), or one value for all of them. Like set_velocity, they are sent
+    with the next `sim.step()` in lockstep, and immediately in real time. Each switches its joints to the corresponding mode.
     """
 
     def __init__(self, session: _Session, link: _Link) -> None:
@@ -3498,7 +3503,7 @@ class Joints(_Parts):
 
     @_usage('arm.set_positions_direct([0.5, 0.2]) or arm.set_positions_direct(0.5, "elbow")')
     def set_positions_direct(self, positions: Any, joints: Names = None) -> None:
-        """Where joints are to be at the end of the step [rad, m]: for trajectories of one's own."""
+        """Sets positions for the end of the step [rad, m], for your own trajectories."""
         self._command(_SET_POSITIONS_DIRECT, positions, joints, "a position")
 
     @_usage('arm.set_velocities([0.5, 0.2]) or arm.set_velocities(0.5, "elbow")')
@@ -3519,8 +3524,8 @@ class Joints(_Parts):
 
     @_usage('arm.set_modes("idle") or arm.set_modes(["position", "idle"], joints=[1, 3])')
     def set_modes(self, modes: Any, joints: Names = None) -> None:
-        """How joints are driven: "idle", "position", "direct", "velocity", "effort" or, of a drive train, "pwm". Each keeps
-        still where it is (idle and effort: without effort; pwm: braked) until its next command."""
+        """Sets control modes: "idle", "position", "direct", "velocity", "effort" or, with a drive train, "pwm". Each joint stays
+        where it is (idle and effort: without effort; pwm: braked) until its next command."""
         ids = self._ids(joints)
         given = [modes] if isinstance(modes, (str, int, float)) else list(modes)
         numbers = []
@@ -3534,19 +3539,19 @@ class Joints(_Parts):
 
     @_usage('arm.hold() or arm.hold("elbow")')
     def hold(self, joints: Names = None) -> None:
-        """Holds joints where they are."""
+        """Holds joints at their present positions."""
         self._session.command(self._link, _HOLD, (), self._ids(joints))
 
     # --- how joints are driven ---
     @_usage("arm.set_compliance(50, 2) or arm.set_compliance(50, 2, 0, joints=[1, 2])")
     def set_compliance(self, k: Any, d: Any = 0.0, offset: Any = 0.0, joints: Names = None) -> None:
-        """Makes joints springs in the modes "position" and "direct": effort = k (reference - position) - d velocity + offset;
+        """Turns joints into springs in the modes "position" and "direct": effort = k (reference - position) - d velocity + offset;
         k [N m/rad], d [N m s/rad], offset [N m]. k = inf: a servo again."""
         self._tune(_SET_COMPLIANCE, (k, d, offset), ("a k [N m/rad]", "a d [N m s/rad]", "an offset [N m]"), joints)
 
     @_usage("arm.set_profile(0.5, 2) or arm.set_profile(0.5, 2, joints=[1, 2])")
     def set_profile(self, speed: Any, acceleration: Any, joints: Names = None) -> None:
-        """How fast set_positions moves joints: speed [rad/s, m/s] and acceleration [rad/s2, m/s2]."""
+        """Sets speed [rad/s, m/s] and acceleration [rad/s2, m/s2] of the moves of set_positions."""
         self._tune(_SET_PROFILE, (speed, acceleration), ("a speed [rad/s]", "an acceleration [rad/s2]"), joints)
 
     @_usage("arm.set_gains(20, 0, 0) or arm.set_gains(20, 0, 0, joints=[1, 2])")
@@ -3562,7 +3567,7 @@ class Joints(_Parts):
 
     @_usage('arm.get_modes() or arm.get_modes("elbow")')
     def get_modes(self, joints: Names = None) -> List[str]:
-        """How joints are driven: words as of set_modes."""
+        """The control modes of joints, as words of set_modes."""
         return self._get(_GET_MODES, joints)
 
     @_usage('arm.get_compliance() or arm.get_compliance("elbow")')
@@ -3572,7 +3577,7 @@ class Joints(_Parts):
 
     @_usage('arm.get_profile() or arm.get_profile("elbow")')
     def get_profile(self, joints: Names = None) -> Profile:
-        """Speed and acceleration of joints on their way to a position."""
+        """Speed and acceleration with which joints move to a position."""
         return self._get(_GET_PROFILE, joints)
 
     @_usage('arm.get_gains() or arm.get_gains("elbow")')
@@ -3587,12 +3592,12 @@ class Joints(_Parts):
 
     @_usage('arm.get_motion() or arm.get_motion("elbow")')
     def get_motion(self, joints: Names = None) -> Motion:
-        """Which joints have ended the motion of set_positions, and where they go."""
+        """Which joints have completed the motion of set_positions, and their targets."""
         return self._get(_GET_MOTION, joints)
 
     @_usage('arm.arrived() or arm.arrived("elbow")')
     def arrived(self, joints: Names = None) -> bool:
-        """True if joints are where set_positions sent them; false until a step has run since."""
+        """True if the joints have reached the targets of set_positions; False until a step has run since."""
         session, link = self._session, self._link
         if link.kept is not None:
             return False
@@ -3601,7 +3606,7 @@ class Joints(_Parts):
 
     @_usage('arm.get_references() or arm.get_references("elbow")')
     def get_references(self, joints: Names = None) -> List[float]:
-        """The reference in force: position, velocity, effort or duty by the mode."""
+        """The active references: position, velocity, effort or duty, by mode."""
         return self._get(_GET_REFERENCES, joints)
 
     @_usage('arm.get_drive_trains() or arm.get_drive_trains("elbow")')
@@ -3616,16 +3621,16 @@ class Joints(_Parts):
 
     @_usage("arm.forward() or arm.forward([0.1, 0.2])")
     def forward(self, q: Optional[Sequence[float]] = None) -> List[List[float]]:
-        """The pose of the tool in the robot's frame R, a 4 x 4 matrix, with all joints of the group at q [rad, m]; without q
-        where they are."""
+        """The tool's pose in the robot's frame R, a 4 x 4 matrix, with all joints of the group at q [rad, m]; without q, at
+        their present positions."""
         ids, chain = self._kinematics()
         q = self._posture(q)
         return chain.forward([q[i - 1] for i in ids])
 
     @_usage("arm.inverse(pose) or arm.inverse([0.3, 0, 0.5], q0)")
     def inverse(self, pose: Any, q0: Optional[Sequence[float]] = None) -> List[float]:
-        """Positions of all joints within their limits that bring the tool to this pose in R (a 4 x 4 matrix as of forward(),
-        or only a position x, y, z [m]), near q0 if it can be; without q0 near where they are. Error 4 if there are none."""
+        """Positions of all joints, within their limits, that bring the tool to a pose in R (a 4 x 4 matrix as of forward(), or
+        only a position x, y, z [m]); near q0 if possible (default: the present positions). Error 4 if none are found."""
         ids, chain = self._kinematics()
         q = list(self._posture(q0))
         for i, angle in zip(ids, chain.inverse(pose, [q[i - 1] for i in ids])):
@@ -3669,12 +3674,12 @@ class Muscles(_Parts):
     """The muscles of a robot. Made by `r.muscles()`.
 
         m = r.muscles()
-        m.set_activations(0.2)                # of all: the part of their force that they give, 0 to 1
+        m.set_activations(0.2)                # all muscles: fraction of their force, 0 to 1
         m.set_activations(0.8, "biceps")      # one muscle, by its name or its number from 1
         sim.step()
         print(m.get().force)                  # N, of each
 
-    Commands go with the next `sim.step()` in lockstep, and at once in real time, as those of Joints. An activation stays
+    In lockstep, commands are sent with the next `sim.step()`; in real time, immediately, as for Joints. An activation holds
     until the next.
     """
 
@@ -3686,16 +3691,16 @@ class Muscles(_Parts):
 
     @_usage('m.set_activations([0.5, 0.2]) or m.set_activations(0.5, "biceps")')
     def set_activations(self, activations: Any, muscles: Names = None) -> None:
-        """How much of their force muscles give, 0 to 1: a value for each, or one for all."""
+        """Sets fractions of the muscles' force, 0 to 1: one value for each, or one for all."""
         self._command(_SET_ACTIVATIONS, activations, muscles, "an activation")
 
     @_usage('m.get() or m.get("biceps")')
     def get(self, muscles: Names = None) -> MuscleReading:
-        """Activation, force [N], length [m], velocity [m/s; positive grows longer] and the factors of these two."""
+        """Activation, force [N], length [m], velocity [m/s; positive when lengthening] and the factors of these two."""
         return self._get(_GET_MUSCLES, muscles)
 
     def get_limits(self) -> MuscleLimits:
-        """Greatest force [N], optimal length [m] and greatest velocity [m/s] of all muscles."""
+        """Maximal force [N], optimal length [m] and maximal velocity [m/s] of all muscles."""
         return self._limits
 
 
@@ -3704,10 +3709,10 @@ class Thrusters(_Parts):
     """The thrusters of a robot. Made by `r.thrusters()`.
 
         t = r.thrusters()
-        t.set_thrusts([2.0, 0.1])             # N, or N m of those that turn their link
+        t.set_thrusts([2.0, 0.1])             # N; N m for thrusters that turn their link
         t.set_thrusts(0, "jet")               # one thruster, by its name or its number from 1
 
-    Commands go with the next `sim.step()` in lockstep, and at once in real time, as those of Joints. A thrust stays until
+    In lockstep, commands are sent with the next `sim.step()`; in real time, immediately, as for Joints. A thrust holds until
     the next.
     """
 
@@ -3724,11 +3729,11 @@ class Thrusters(_Parts):
 
     @_usage('t.get() or t.get("jet")')
     def get(self, thrusters: Names = None) -> ThrusterReading:
-        """Thrust [N, N m], and how fast the link moves along or about its direction [m/s, rad/s]."""
+        """Thrust [N, N m], and the link's velocity along or about the thrust direction [m/s, rad/s]."""
         return self._get(_GET_THRUSTS, thrusters)
 
     def get_limits(self) -> ThrusterLimits:
-        """Greatest force [N] or torque [N m] of all thrusters."""
+        """Maximal force [N] or torque [N m] of all thrusters."""
         return self._limits
 
 
@@ -3738,12 +3743,12 @@ class Channel:
 
         c = r.channel()
         print([motor.name for motor in c.motors], [value.name for value in c.values])
-        c.set([0.5, 0.5])                     # of all motors
-        c.set(0.2, "left_motor")              # one of them, by its name or its number from 1; the others as they were set
+        c.set([0.5, 0.5])                     # all motors
+        c.set(0.2, "left_motor")              # one motor, by its name or its number from 1; the others keep their values
         sim.step(c.steps)                     # one exchange
         print(c.get(), c.get("right_motor_velocity"))
 
-    What is set goes with the next `sim.step()` in lockstep, and at once in real time.
+    In lockstep, values are sent with the next `sim.step()`; in real time, immediately.
     """
 
     def __init__(self, session: _Session, link: _Link) -> None:
@@ -3761,7 +3766,7 @@ class Channel:
 
     @_usage('c.set([0.5, 0.2]) or c.set(0.5, "left_motor")')
     def set(self, values: Any, motors: Names = None) -> None:
-        """Sets motors, mapped: a value for each, or one for all. Motors that are not named stay as they were set."""
+        """Sets motors in external units: one value for each, or one for all. Motors that are not named keep their values."""
         ids = self._ids(motors, self.motors, "motor")
         numbers = _numbers(values, len(ids), "a value", "motor")
         if len(ids) < len(self.motors) and not self._told:
@@ -3769,18 +3774,18 @@ class Channel:
         told = dict(enumerate(self._told, 1))
         told.update(zip(ids, numbers))
         data = tuple(told[i + 1] for i in range(len(self.motors)))
-        self._session.command(self._link, _SET_MOTORS, data, (1,))  # for one step; then they stay
+        self._session.command(self._link, _SET_MOTORS, data, (1,))  # for one step; the values then hold
         self._told = list(data)
 
     @_usage('c.get() or c.get("left_motor_velocity")')
     def get(self, values: Names = None) -> List[float]:
-        """The values, mapped; of all that are called alike."""
+        """Values in external units; a name returns all values of that name."""
         ids = self._ids(values, self.values, "value")
         data = self._session.read(self._link, self._link.actuator, _GET_VALUES).data
         return [data[i - 1] for i in ids]
 
     def aborted(self) -> bool:
-        """Whether the try is to end: a contact that the model says to end it is pressed."""
+        """True if the trial must end: a contact that the model declares as terminating is pressed."""
         return self._session.read(self._link, self._link.actuator, _GET_VALUES).text == "aborted"
 
     def _ids(self, chosen: Names, mapped: List[Mapped], one: str) -> Tuple[int, ...]:
@@ -3789,12 +3794,12 @@ class Channel:
 
 @_usages("team")
 class Team:
-    """Robots that are driven together, through one connection: five of them or five thousand. Made by `sim.team`.
+    """Drives any number of robots together through one connection. Made by `sim.team`.
 
         team = sim.team("swarm1")
         s = team.read()
         for k in range(1000):
-            s = team.step([(0.1, 0.0)] * team.n)       # forward [m/s], turn [rad/s] of each robot
+            s = team.step([(0.1, 0.0)] * team.n)       # forward [m/s], turn [rad/s] for each robot
             print(s.time, s.pose[0], min(s.distances[0]))
     """
 
@@ -3810,7 +3815,7 @@ class Team:
 
     @property
     def n(self) -> int:
-        """How many robots."""
+        """The number of robots."""
         return len(self._link.names)
 
     @property
@@ -3820,24 +3825,24 @@ class Team:
 
     @property
     def ids(self) -> List[int]:
-        """The ids of the robots, in the same order, as `get_neighbours` tells them."""
+        """The ids of the robots in the same order, as `get_neighbours` returns them."""
         return list(self._link.ids)
 
     @_usage('team.step([0.1, 0.5]), team.step([[0.1, 0.5], [0.1, 0]], timeout=5) or team.step({"positions": Q})')
     def step(self, V: Any = None, timeout: Optional[float] = None) -> TeamReading:
-        """One step of the world: gives each robot its forward speed [m/s] and turn rate [rad/s], waits until the step
-        has run, in every mode, and returns the readings after it. V has one row of two for each robot (or one for all): a
-        list of pairs, an array("d"), numpy's arrays; without V they keep their speeds. In lockstep the other robots of
-        this sim step too, with what they were told. Error 11 after `timeout` seconds.
+        """Runs one step of the world: sets each robot's forward speed [m/s] and turn rate [rad/s], waits until the step has
+        run, in every mode, and returns the readings after it. V has one row of two per robot (or one for all): a list of
+        pairs, an array("d"), or a numpy array; without V the robots keep their speeds. In lockstep the other robots of this
+        sim step, too, with their kept commands. Error 11 after `timeout` seconds.
 
-        Joints, and several kinds of commands in one step, by their names:
+        Commands for joints, and several kinds of commands in one step, have names:
 
             team.step({"velocities": V, "positions": Q})
             team.step({"positions/legs": [0, 0.6, -1.2], "joint_velocities/head": [0.1]})    # one row for all
 
         The names: `velocities` (forward, turn), `wheels` (left, right [rad/s]); `positions`, `positions_direct`,
         `joint_velocities`, `efforts` of all joints, or after a / of one group, with one value for each joint [rad,
-        rad/s, N m; m, m/s, N]. Rows of robots with fewer joints may be shorter. nan: this joint goes on as it does."""
+        rad/s, N m; m, m/s, N]. Rows of robots with fewer joints may be shorter. nan: this joint keeps its command."""
         return self._step(V, "V", "forward, turn", "", timeout)
 
     @_usage("team.step_wheels([3, 3])")
@@ -3851,10 +3856,10 @@ class Team:
 
     @_usage('team.select("pose", "neighbours", neighbours=4)')
     def select(self, *readings: Union[str, Sequence[str]], neighbours: int = _NEIGHBOURS) -> None:
-        """Chooses what `step` and `read` return, among "pose", "distances", "targets", "neighbours" (the nearest, as many
-        as `neighbours` says), "wheels", "compass", "support" and "joints", and the names of sensors' modules, as "lidar": what
-        the module's first get-command answers, in `s.lidar`; nan where a robot has less. "pose" and "distances" to begin with.
-        What is not chosen costs nothing."""
+        """Selects the readings that `step` and `read` return: "pose", "distances", "targets", "neighbours" (the `neighbours`
+        nearest), "wheels", "compass", "support", "joints", and names of sensor modules such as "lidar": the module's first
+        get command, in `s.lidar`; nan where a robot has fewer values. Default: "pose" and "distances". Other readings cost
+        nothing."""
         words: List[str] = []
         for given in readings:
             words += given.split() if isinstance(given, str) else given if isinstance(given, (list, tuple)) else [given]
@@ -3877,11 +3882,11 @@ class Team:
         self._session.ask_team(self._link, _STOP_TEAM)
 
     def release(self) -> None:
-        """Gives the robots up to others; they go on as they were told last."""
+        """Releases the robots; they keep executing their last commands."""
         self._session.close_team(self._link, False)
 
     def close(self) -> None:
-        """Stops the robots and gives them up."""
+        """Stops and releases the robots."""
         self._session.close_team(self._link, True)
 
     # --- inside ---
@@ -3889,7 +3894,7 @@ class Team:
         session, link = self._session, self._link
         session.settle_team(link)
         if values is not None and not hasattr(values, "__len__"):
-            values = list(values) if hasattr(values, "__iter__") else values  # it may be needed twice
+            values = list(values) if hasattr(values, "__iter__") else values  # may be needed twice
         limit = None if timeout is None else _number(timeout, "timeout [s]")
         kept = [(other, other.kept) for other in session.links]
         n, frame = len(link.names), self._frame(values, what, columns, text)
@@ -3899,7 +3904,7 @@ class Team:
             except Error as e:
                 if e.code != 5 or values is not None:
                     raise
-                session.step(1, limit)  # the next moment that is shown
+                session.step(1, limit)  # to the playback's next step
                 return self.read()
             return self._step(values, what, columns, text, timeout)
         try:
@@ -3912,7 +3917,7 @@ class Team:
         return self._reading(session.step_team(link, self._frame(values, what, columns, text), limit))
 
     def _frame(self, values: Any, what: str, columns: str, text: str) -> bytes:
-        """The request to step."""
+        """Encodes the request to step."""
         link = self._link
         try:
             if isinstance(values, dict):
@@ -3931,7 +3936,7 @@ class Team:
         return _HEADER.pack(20 + len(raw) + len(data), 0, _STEP_ALL, len(raw), 0, len(data) // 8) + raw + data
 
     def _reading(self, reply: Message) -> TeamReading:
-        """The readings out of a reply. If robots or targets have come or gone, the columns are asked for again."""
+        """Decodes a reply. Queries the columns again if robots or targets were added or removed."""
         link = self._link
         n, m = reply.params[-2:]
         if n != len(link.names):
@@ -3939,14 +3944,14 @@ class Team:
         if m != sum(link.columns):
             self._session.settle_team(link)
             link.ask_for(*link.selected)
-        if (n, m) != (len(link.names), sum(link.columns)):  # it has changed once more meanwhile
+        if (n, m) != (len(link.names), sum(link.columns)):  # the team has changed again meanwhile
             return self.read()
         return TeamReading(link.readings, link.columns, reply)
 
 
 @_usages("sim")
 class Simulation:
-    """A connection to a daemon: its time and its robots. What `connect` returns; also a context manager."""
+    """A connection to a daemon: controls its time and its robots. Made by `connect` and `launch`; also a context manager."""
 
     def __init__(self, session: _Session) -> None:
         self._session = session
@@ -3963,8 +3968,8 @@ class Simulation:
     # --- robots ---
     @_usage('sim.robot("robot1") or sim.robot(1)')
     def robot(self, which: Union[str, int]) -> Robot:
-        """Takes a robot, by name or number (from 1), to be driven by this sim. Error 6 if another client owns it. While a
-        recording is played it can only be read; after a branch the first step or command takes it, if it is free."""
+        """Claims a robot, by name or number (from 1), for this sim to drive. Error 6 if another client owns it. While a
+        recording is played, the robot can only be read; after a branch, the first step or command claims it if it is free."""
         if isinstance(which, str):
             name = which.strip().lstrip("/")
         elif isinstance(which, (list, tuple, dict)) or which is None:
@@ -3984,10 +3989,10 @@ class Simulation:
 
     @_usage('sim.team("swarm1"), sim.team(["robot1", "robot2"]) or sim.team()')
     def team(self, names: Union[str, Sequence[str], None] = None) -> Team:
-        """Takes robots to be driven together, through one connection: the name of a swarm or robot, a list of such, or
-        all that are free. `names` has them in the order of the scenario. Error 6 if another client owns one of them, or this
-        sim has driven one singly; then none is taken. While a recording is played a team can only read (all robots, without
-        names); driving it is error 5."""
+        """Claims robots to be driven together through one connection: the name of a swarm or robot, a list of names, or all
+        free robots. `names` of the team has the order of the scenario. Error 6 if another client owns one of them, or if this
+        sim has driven one singly; then no robot is claimed. While a recording is played a team can only be read (without
+        names: all robots); driving it is error 5."""
         if names is not None and not isinstance(names, str):
             if not isinstance(names, (list, tuple)) or not all(isinstance(name, str) for name in names):
                 raise Error(3, f'the robots of a team are named, not {names!r}; write e.g. sim.team("swarm1"), '
@@ -4004,9 +4009,9 @@ class Simulation:
     # --- time ---
     @_usage("sim.step(), sim.step(10) or sim.step(timeout=5)")
     def step(self, n: int = 1, timeout: Optional[float] = None) -> None:
-        """Advances by n steps. In lockstep: sends the commands of this sim's robots and waits until the steps have run;
-        otherwise waits for the n-th next step. Teams keep their speeds. Error 11 after `timeout` seconds
-        (default: never). After 2 s it says once, on stderr, which robots the world waits for."""
+        """Runs n steps. In lockstep: sends the commands of this sim's robots and waits until the steps have run; otherwise
+        waits for the n-th next step. Teams keep their speeds. Error 11 after `timeout` seconds (default: never). After 2 s of
+        waiting, reports once on stderr which robots the world waits for."""
         if timeout is not None:
             timeout = _number(timeout, "timeout [s]")
         n = _count(n, "n")
@@ -4027,32 +4032,32 @@ class Simulation:
     @property
     @_usage("sim.mode")
     def mode(self) -> str:
-        """"realtime", "lockstep" or "free", asked now."""
+        """"realtime", "lockstep" or "free". Queries the daemon."""
         self._session.mode = self._session.control(_GET_TIME).params[0]
         return MODES[self._session.mode]
 
     @property
     def dt(self) -> float:
-        """Length of a step [s], asked now."""
+        """Length of a step [s]. Queries the daemon."""
         return float(self.status()["step_s"])
 
     # --- control ---
     def run(self) -> None:
-        """Lets time go on."""
+        """Runs the simulation after a pause."""
         self._session.control(_RUN)
 
     def pause(self) -> None:
-        """Holds time."""
+        """Pauses the simulation."""
         self._session.control(_PAUSE)
 
     def stop_all(self) -> None:
-        """Stops every robot, also those of others."""
+        """Stops all robots, including those of other clients."""
         self._session.control(_STOP_ALL)
         self._session.forget_commands()
 
     @_usage("sim.reset() or sim.reset(7)")
     def reset(self, seed: Optional[int] = None) -> None:
-        """Starts again at step 0, with a new seed if one is given, by which [RANDOM] is drawn anew."""
+        """Restarts at step 0; with a seed, also draws [RANDOM] anew from it."""
         params = () if seed is None else (_whole(seed, "a seed"),)
         if params and params[0] < 0:
             raise Error(4, f"a seed is at least 0, not {params[0]}: write sim.reset(7)")
@@ -4060,20 +4065,20 @@ class Simulation:
         self._session.started_anew()
 
     def reload(self) -> None:
-        """Loads the same scenario file again from disk."""
+        """Reloads the scenario file from disk."""
         self._session.control(_RELOAD, timeout=_LOAD_TIMEOUT_S)
         self._session.loaded()
 
     @_usage('sim.load_scenario("corridor")')
     def load_scenario(self, x: str) -> None:
-        """Loads a scenario: a name on the daemon's search path, a file here, or the text of one."""
+        """Loads a scenario: a name on the daemon's search path, a local file, or the text of a scenario."""
         x = _path(x, "a scenario")
         if not x:
             raise Error(3, 'no scenario: write sim.load_scenario("corridor")')
         if "\n" not in x and os.path.isfile(x):
             with open(x, encoding="utf-8-sig", errors="surrogateescape") as file:
                 text = file.read().encode("utf-8", "surrogateescape").decode("utf-8", "replace")
-            x = f"{text}\n# file: {os.path.basename(x)}\n"  # the last line tells the daemon its name
+            x = f"{text}\n# file: {os.path.basename(x)}\n"  # the last line tells the daemon the file's name
         self._session.control(_LOAD_SCENARIO, text=x, timeout=_LOAD_TIMEOUT_S)
         self._session.loaded()
 
@@ -4098,12 +4103,12 @@ class Simulation:
 
     @_usage("sim.set_speed(2)")
     def set_speed(self, x: float) -> None:
-        """How fast time goes against the wall clock; 0 or less: no limit."""
+        """Sets the real-time factor; 0 or less: no limit."""
         self._session.control(_SET_SPEED, (), (_number(x, "the speed factor"),))
 
     @_usage('sim.set_participants(["robot1", "robot2"])')
     def set_participants(self, names: Sequence[str] = ()) -> None:
-        """The robots that lockstep waits for; empty: as the scenario says."""
+        """Sets the participants, the robots that lockstep waits for; empty: those of the scenario."""
         words = [names] if isinstance(names, str) else names
         if not isinstance(words, (list, tuple)) or not all(isinstance(word, str) for word in words):
             raise Error(3, f'robots are named, not {names!r}; write sim.set_participants(["robot1", "robot2"])')
@@ -4111,14 +4116,14 @@ class Simulation:
 
     @_usage('sim.release_robot("robot1")')
     def release_robot(self, name: str) -> None:
-        """Takes a robot from its driver: closes that program's connection, or unloads its controller."""
+        """Frees a robot: closes the connection of the program that drives it, or unloads its controller."""
         self._session.control(_RELEASE_ROBOT, text=_word(name, "the name of a robot"))
 
-    # --- what stands in the world, edited live ---
+    # --- live edits of the world ---
     @_usage('sim.insert("[BOX_*] | type box | size 0.5 0.5 0.5 | position 2 1")')
     def insert(self, sections: str) -> List[str]:
-        """Puts things, robots, targets and lights into the world: sections of a scenario, or a file of such. Returns their
-        names. [BOX_*] takes the next free number; in one line | stands between the lines. Error 5 if it would overlap."""
+        """Inserts things, robots, targets and lights: sections of a scenario, or a file of sections. Returns their names.
+        [BOX_*] uses the next free number; a text in one line has | between lines. Error 5 if they would overlap."""
         sections = _path(sections, "a text with sections")
         if "[" not in sections and os.path.isfile(sections):
             with open(sections, encoding="utf-8-sig") as file:
@@ -4127,16 +4132,16 @@ class Simulation:
 
     @_usage('sim.remove("BOX_1") or sim.remove(["BOX_1", "robot2"])')
     def remove(self, names: Union[str, Sequence[str]]) -> None:
-        """Takes things, robots, targets or lights out of the world."""
+        """Removes things, robots, targets or lights."""
         words = [names] if isinstance(names, str) else names
         if not isinstance(words, (list, tuple)) or not words:
-            raise Error(3, f'what is to be removed is named, not {names!r}: write sim.remove("BOX_1")')
+            raise Error(3, f'remove takes names, not {names!r}: write sim.remove("BOX_1")')
         self._edit(_REMOVE, text=" ".join(_word(name, "a name") for name in words))
 
     @_usage('sim.move("BOX_1", (2, 1)) or sim.move("BOX_1", (2, 1, 0.25), 1.57)')
     def move(self, name: str, position: Sequence[float], turn: Union[float, Sequence[float], None] = None) -> None:
-        """Puts something elsewhere, at rest: position x, y or x, y, z [m]; turn: a yaw [rad], or a quaternion w, x, y, z. What is
-        not given it keeps, but a turn needs x, y and z. Error 5 if it would overlap."""
+        """Moves an object and stops it. `position`: x, y or x, y, z [m]; `turn`: a yaw [rad] or a quaternion w, x, y, z, which
+        needs x, y and z. Omitted components stay unchanged. Error 5 if it would overlap."""
         if not hasattr(position, "__len__") or len(position) not in (2, 3):
             raise Error(3, f'a position is x, y or x, y, z, not {position!r}: write sim.move("BOX_1", (2, 1))')
         data = [_number(x, "a position") for x in position]
@@ -4160,24 +4165,24 @@ class Simulation:
 
     @_usage('sim.rename("BOX_1", "crate")')
     def rename(self, name: str, new_name: str) -> None:
-        """Gives a thing, a robot or a light another name. The modules of a robot get new names, too."""
+        """Renames a thing, a robot (including its modules) or a light."""
         self._edit(_RENAME, text=f"{_word(name, 'a name')} {_word(new_name, 'a name')}")
 
     def undo(self) -> str:
-        """Takes back the last edit, of whichever client; returns what that concerned. Error 5: there is none."""
+        """Undoes the last edit, by any client; returns the object concerned. Error 5 if there is no edit."""
         return " ".join(self._edit(_UNDO))
 
     def redo(self) -> str:
-        """Makes the edit again that undo, or a reset, has taken back last."""
+        """Redoes the edit that undo() or a reset undid last."""
         return " ".join(self._edit(_REDO))
 
     def world(self) -> Dict[str, Any]:
-        """All that stands in the world now: lists of things, robots, targets and lights with ids, names and places."""
+        """All present objects of the world: lists of things, robots, targets and lights with ids, names and poses."""
         return json.loads(self._session.tell(_WORLD, _LIST_WORLD).text)
 
     @_usage('sim.save_scenario("mine.scenario")')
     def save_scenario(self, file: Union[str, "os.PathLike[str]"]) -> str:
-        """Writes the present world as a scenario that loads to the same places; returns the file's name."""
+        """Writes the present world, with all poses, as a scenario; returns the file's name."""
         file = _path(file, "the name of a file")
         if not file:
             raise Error(3, 'no name: write sim.save_scenario("mine.scenario")')
@@ -4188,7 +4193,7 @@ class Simulation:
 
     @_usage("sim.pick((0, 0, 5), (0, 0, -1))")
     def pick(self, origin: Sequence[float], direction: Sequence[float]) -> Picked:
-        """What a ray from a point in a direction meets first: its name ("" if nothing), the point and the distance [m]."""
+        """The first hit of a ray from a point in a direction: its name ("": no hit), the point and the distance [m]."""
         if any(not hasattr(v, "__len__") or len(v) != 3 for v in (origin, direction)):
             raise Error(3, "origin and direction are x, y, z: write sim.pick((0, 0, 5), (0, 0, -1))")
         reply = self._session.tell(_WORLD, _PICK, (), [_number(x, "a ray") for x in (*origin, *direction)])
@@ -4201,10 +4206,10 @@ class Simulation:
             print(f"coopdyn: {warning}", file=sys.stderr)
         return names.split()
 
-    # --- states to go on from ---
+    # --- saved states ---
     @_usage('sim.save_state("before_turn")')
     def save_state(self, name: str) -> None:
-        """Saves the whole state of the simulation under a name; an older state of this name is replaced."""
+        """Saves the complete state of the simulation under a name; replaces an older state of that name."""
         name = _word(name, "the name of a state")
         if not (name.isascii() and name[0].isalpha() and name.translate({45: "", 95: ""}).isalnum() and len(name) < 64):
             raise Error(4, "the name of a state is a letter, then letters, digits, _ and -, at most 63: write "
@@ -4213,7 +4218,7 @@ class Simulation:
 
     @_usage('sim.restore_state("before_turn")')
     def restore_state(self, name: str) -> None:
-        """Goes on from a saved state, bit for bit the same; "start" is the beginning of the run."""
+        """Continues from a saved state, bit for bit; "start" is the start of the run."""
         self._session.control(_RESTORE_STATE, text=_word(name, "the name of a state"), timeout=_LOAD_TIMEOUT_S)
         self._session.jumped()
 
@@ -4225,25 +4230,25 @@ class Simulation:
     # --- recording ---
     @_usage('sim.record() or sim.record("lesson1")')
     def record(self, name: str = "") -> str:
-        """Records the run from now on, in the daemon's folder; returns the name of the file, run-DATE-TIME if none is given.
-        An existing file is never overwritten: error 5."""
+        """Starts recording into the daemon's folder; returns the file's name. The default name is run-DATE-TIME. Error 5 if the
+        file exists."""
         return self._session.tell(_RECORDER, _START_RECORDING, text=_run_name(name) if name != "" else "").text
 
     def stop_recording(self) -> Recorded:
-        """Ends the recording; returns its name and url when the file is closed."""
+        """Stops the recording; returns its name and URL once the file is closed."""
         text = self._session.tell(_RECORDER, _STOP_RECORDING, timeout=_LOAD_TIMEOUT_S).text
-        name, http, url = text.partition(" http://")  # the name may have blanks
+        name, http, url = text.partition(" http://")  # the name may contain blanks
         return Recorded(name, _here(self._session.address, http + url) if url else "")
 
     @_usage('sim.note("half-time")')
     def note(self, text: str) -> None:
-        """Writes a note into the recording at this time; `Run.events` lists it."""
+        """Adds a note to the recording at the present time; `Run.events` returns it."""
         if text == "":
             raise Error(3, 'no note: write sim.note("half-time")')
         self._session.tell(_RECORDER, _NOTE, text=str(text))
 
     def recording(self) -> Optional[Recording]:
-        """What is being recorded now; None if nothing is."""
+        """The recording in progress; None if there is none."""
         reply = self._session.tell(_RECORDER, _GET_RECORDING)
         if not reply.params[0]:
             return None
@@ -4251,7 +4256,7 @@ class Simulation:
         return Recording(reply.text, begin, end, int(steps), int(lost), int(size))
 
     def recordings(self) -> List[RunFile]:
-        """The recordings that the daemon has, newest first."""
+        """The daemon's recordings, newest first."""
         address = self._session.address
         files = json.loads(self._session.tell(_RECORDER, _LIST_RUNS, timeout=_LOAD_TIMEOUT_S).text)
         return [RunFile(f["name"], int(f["bytes"]), f["seconds"], None if f["steps"] is None else int(f["steps"]),
@@ -4259,8 +4264,8 @@ class Simulation:
 
     @_usage('sim.fetch_run("lesson1")')
     def fetch_run(self, name: str, file: Union[str, "os.PathLike[str]"] = "") -> str:
-        """Copies a recording from the daemon to `file` (default: the same name, in this folder) and returns the file's name.
-        A name that ends with .mat gets a MAT file. An older file is replaced when the new one is complete."""
+        """Downloads a recording to `file` (default: its own name, in the current folder) and returns the file's name. For a
+        file *.mat the daemon converts the run to a MAT file. An existing file is replaced once the download is complete."""
         name = _run_name(name)
         name = name[:-4] if name.endswith(".run") else name
         file = _path(file, "the name of a file") or f"{name}.run"
@@ -4276,7 +4281,7 @@ class Simulation:
 
     # --- playing a recording: `coopdyn play RUN` ---
     def playback(self) -> Playback:
-        """Which recording is played, and what is shown. Error 5 in a live run."""
+        """The state of the playback. Error 5 in a live run."""
         reply = self._session.tell(_PLAYBACK, _GET_PLAYBACK)
         begin, end, time, speed = reply.data[:4]
         playing, loop, growing = map(bool, reply.params[:3])
@@ -4284,17 +4289,17 @@ class Simulation:
 
     @_usage("sim.seek(12.5)")
     def seek(self, time: float) -> None:
-        """Shows the step at this simulated time [s], or the last one before it; outside the recording its first or last step."""
+        """Shows the last step up to a simulated time [s], clamped to the recording."""
         self._session.tell(_PLAYBACK, _SEEK, (), (_number(time, "the time [s]"),))
 
     @_usage("sim.play() or sim.play(2)")
     def play(self, speed: Optional[float] = None) -> None:
-        """Plays the recording, at this speed if one is given: -4 to 64 times, negative plays backwards."""
+        """Plays the recording, at `speed` if given: -4 to 64; negative plays backwards."""
         self._session.tell(_PLAYBACK, _PLAY, (), () if speed is None else (_play_speed(speed),))
 
     @_usage("sim.set_play_speed(2)")
     def set_play_speed(self, s: float) -> None:
-        """How fast the recording is played: -4 to 64 times, negative plays backwards."""
+        """Sets the speed of the playback: -4 to 64; negative plays backwards."""
         self._session.tell(_PLAYBACK, _SET_PLAY_SPEED, (), (_play_speed(s),))
 
     @_usage("sim.skip() or sim.skip(-10)")
@@ -4306,14 +4311,14 @@ class Simulation:
 
     @_usage("sim.set_loop(True)")
     def set_loop(self, on: bool) -> None:
-        """Whether the recording begins again at its end."""
+        """Whether the playback restarts at the recording's end."""
         if on not in (0, 1) or isinstance(on, float):  # True and False are such numbers
             raise Error(3, f"on is True or False, not {on!r}")
         self._session.tell(_PLAYBACK, _SET_LOOP, (int(on),))
 
     @_usage("sim.branch() or sim.branch(12.5)")
     def branch(self, time: Optional[float] = None) -> None:
-        """Ends the playback: the simulation goes on live from the step shown, or from this simulated time [s]. With the same
+        """Ends the playback: the simulation continues live from the step shown, or from a simulated time [s]. With the same
         inputs it repeats the recorded run bit for bit."""
         data = () if time is None else (_number(time, "the time [s]"),)
         self._session.tell(_PLAYBACK, _BRANCH, (), data, timeout=_EXPORT_TIMEOUT_S)
@@ -4321,18 +4326,18 @@ class Simulation:
 
     @_usage('sim.open_run("lesson1")')
     def open_run(self, name: str) -> None:
-        """Plays a recording of the daemon (sim.recordings() lists them). The live run is put aside until sim.close_run()."""
+        """Plays a recording of the daemon (sim.recordings() lists them). Suspends the live run until sim.close_run()."""
         self._session.tell(_PLAYBACK, _OPEN, (), (), _run_name(name), timeout=_EXPORT_TIMEOUT_S)
         self._session.jumped()
 
     def close_run(self) -> None:
-        """Ends the playback: the live run goes on where sim.open_run() put it aside."""
+        """Ends the playback and resumes the live run that sim.open_run() suspended."""
         self._session.tell(_PLAYBACK, _CLOSE)
         self._session.jumped()
 
-    # --- looking ---
+    # --- status ---
     def status(self) -> Dict[str, Any]:
-        """The whole state of the simulation (docs/protocol.md lists the keys)."""
+        """The status of the simulation (docs/protocol.md lists the keys)."""
         return json.loads(self._session.control(_GET_STATUS).text)
 
     def hash(self) -> str:
@@ -4340,20 +4345,20 @@ class Simulation:
         return str(self.status()["hash"])
 
     def scores(self) -> Dict[str, float]:
-        """What the run is worth so far, by the names of the scenario's [SCORE_n]; nan if it cannot be told."""
+        """The present scores of the run, by the names of the scenario's [SCORE_n]; nan: undefined."""
         return {s["name"]: math.nan if s["value"] is None else float(s["value"]) for s in self.status()["scores"]}
 
     @_usage('sim.log("energy", 3.5)')
     def log(self, name: str, value: float) -> None:
-        """Logs a number under a name: sim.logged(), --summary and the recording have it; Run.logged(name) reads it there."""
+        """Logs a number under a name: appears in sim.logged(), in --summary and in the recording (Run.logged(name))."""
         self._session.control(_LOG, data=[_number(value, 'a number, sim.log("energy", 3.5)')], text=str(name))
 
     def logged(self) -> Dict[str, float]:
-        """The newest number of each name that was logged."""
+        """The newest logged number of each name."""
         return {one["name"]: float(one["value"]) for one in self.status()["logged"]}
 
     def end_run(self, why: str = "") -> None:
-        """Ends the run, which has reached what it was for; a daemon that was started for one run ends with it."""
+        """Ends the run because its purpose is achieved; a daemon that was started for one run exits."""
         self._session.control(_END_RUN, text=str(why))
 
     def waiting(self) -> List[Awaited]:
@@ -4378,11 +4383,11 @@ class Simulation:
 
     @_usage('sim.describe("/robot1/motors")')
     def describe(self, name: str) -> Dict[str, Any]:
-        """The commands of a module, e.g. "/robot1/motors", with their values and units."""
+        """The description of a module's commands, e.g. of "/robot1/motors", with values and units."""
         return _describe(self._session, name)
 
     def modules(self) -> List[Module]:
-        """Every name of the daemon with its address."""
+        """All names registered at the daemon, with their addresses."""
         self._session.require_open()
         return self._session.address.modules()
 
@@ -4391,8 +4396,8 @@ class Simulation:
         self, name: str, command: Union[str, int], params: Sequence[int] = (), data: Sequence[float] = (),
         text: str = "", timeout: Optional[float] = None,
     ) -> Reply:
-        """The raw message, e.g. `sim.call("/robot1/motors", "set_velocity", data=[0.2, 0.5])`; in lockstep an actuator
-        command is answered after the step. Error 11 after `timeout` seconds (default: never)."""
+        """Sends a raw message, e.g. `sim.call("/robot1/motors", "set_velocity", data=[0.2, 0.5])`; in lockstep, the reply to an
+        actuator command arrives after the step. Error 11 after `timeout` seconds (default: never)."""
         return _call(self._session, name, command, params, data, text, timeout)
 
     def close(self) -> None:
@@ -4402,7 +4407,7 @@ class Simulation:
 
 
 def _page(address: _Address, status: Dict[str, Any]) -> str:
-    """The page's URL, with the host that reaches the daemon from here."""
+    """The page's URL, with the host by which this machine reaches the daemon."""
     url = str(status.get("http") or "off")
     if "://" not in url:
         raise Error(5, "the daemon was started with --no-http, so there are no pictures and no files")
@@ -4410,8 +4415,8 @@ def _page(address: _Address, status: Dict[str, Any]) -> str:
 
 
 def _here(address: _Address, url: str) -> str:
-    """The same URL with the host that reaches the daemon from here."""
-    if address.port == 0:  # a unix socket: the page is this machine's
+    """`url` with the host by which this machine reaches the daemon."""
+    if address.port == 0:  # a unix socket: the page is on this machine
         return url
     there, slash, path = url.split("://", 1)[1].partition("/")
     host = f"[{address.host}]" if ":" in address.host else address.host
@@ -4419,14 +4424,14 @@ def _here(address: _Address, url: str) -> str:
 
 
 def _word(text: Any, what: str) -> str:
-    """One word that the daemon takes as a name."""
+    """Returns the only word of `text`; raises Error 3 otherwise."""
     if not isinstance(text, str) or len(text.split()) != 1:
         raise Error(3, f"{what} is one word, not {text!r}")
     return text.strip()
 
 
 def _run_name(text: Any) -> str:
-    """The name of a recording: that of a file, so it may have blanks."""
+    """The name of a recording, a file name that may contain blanks."""
     if not isinstance(text, str) or not text.strip():
         raise Error(3, f"the name of a recording is a text, not {text!r}")
     return text
@@ -4435,7 +4440,7 @@ def _run_name(text: Any) -> str:
 def _download(
     url: str, file: str, what: str = "recording", timeout: float = _EXPORT_TIMEOUT_S, headers: Optional[Dict[str, str]] = None
 ) -> None:
-    """Copies what is at `url` to `file`, whole or not at all."""
+    """Downloads `url` to `file`, completely or not at all."""
     import http.client
     import tempfile
     import urllib.error
@@ -4456,7 +4461,7 @@ def _download(
         except (OSError, http.client.HTTPException, ValueError) as e:
             raise Error(-1, f"no {what} from {url}: {e}") from None
         if length is not None and got != int(length):
-            raise Error(-1, f"the connection broke before the {what} was whole: {got} of {length} bytes have come")
+            raise Error(-1, f"the connection broke before the {what} was complete: {got} of {length} bytes arrived")
 
     source = pieces()
     first = next(source, b"")
@@ -4471,7 +4476,7 @@ def _download(
                     out.write(piece)
             umask = os.umask(0)
             os.umask(umask)
-            os.chmod(part, 0o666 & ~umask)  # as any new file
+            os.chmod(part, 0o666 & ~umask)  # the mode of a new file
             os.replace(part, file)
             part = ""
         except OSError as e:
@@ -4530,7 +4535,7 @@ def _call(
         if isinstance(e, Error) and connection.sock is not None and not connection.busy:
             if isinstance(e, WorldReset):
                 raise session.world_reset(e.text) from None
-            raise  # an error reply: the connection is in order
+            raise  # an error reply: the connection is intact
         raise session.give_up(waiting, e) from None
     if name in (_SIMULATION, _PLAYBACK):
         session.reached = 0  # it may have been a reset
@@ -4553,13 +4558,13 @@ def connect(
     server: Union[str, int, None] = None, name: Optional[str] = None, token: Optional[str] = None, timeout: float = 3,
     watch: bool = False, seat: Optional[str] = None, pin: Optional[str] = None,
 ) -> Simulation:
-    """Connects to a daemon: "labserver", "labserver:10100", or 10100, a port of this machine; "unix:/PATH", a unix socket;
-    without, COOPDYN_SERVER or this machine.
+    """Connects to a daemon: "labserver", "labserver:10100", 10100 (a port of this machine), or "unix:/PATH" (a unix socket);
+    default: COOPDYN_SERVER, else this machine.
 
-    `name`: who drives (default user@host:pid, no spaces); a new connection of the same name takes a robot over.
-    `token`: what the daemon printed, needed from other machines to change the world. `timeout`: seconds until
-    connecting gives up. `watch`: never drives a robot, only looks on. `seat` and `pin`: of a class (`coopdyn host`), as on
-    your sheet; without, COOPDYN_SEAT=ana:7305; seat="": none.
+    `name`: the client's name, without spaces (default user@host:pid); a client of the same name takes over robots.
+    `token`: printed by the daemon, needed from other machines to change the world. `timeout`: of connecting [s]. `watch`:
+    read-only, never drives a robot. `seat` and `pin`: of a class (`coopdyn host`), as on your sheet; default:
+    COOPDYN_SEAT=ana:7305; seat="": none.
     """
     session = _Session(_Address(server, name, token, _number(timeout, "timeout [s]"), seat, pin), watch)
     try:
@@ -4572,22 +4577,22 @@ def connect(
         session.control(_GET_TIME)
     except ValueError:
         session.close()
-        raise Error(7, f"what listens at {session.address} gave a status that is not JSON") from None
+        raise Error(7, f"what listens at {session.address} sent a status that is not JSON") from None
     except BaseException:
         session.close()
         raise
     return Simulation(session)
 
 
-# --- a daemon of one's own ---------------------------------------------------------------------------------------------
+# --- private daemons ---------------------------------------------------------------------------------------------------
 
 class _Daemon:
-    """A daemon that a program has started, and what it has said."""
+    """A daemon started by this program, and its output."""
 
     def __init__(self, program: str, words: Sequence[str], text: Optional[str]) -> None:
         self.said: "collections.deque[str]" = collections.deque(maxlen=_SAID_LINES)
         self.lines: "queue.Queue[Optional[str]]" = queue.Queue()
-        # In a session of its own: Ctrl-C is the program's, which then ends the daemon.
+        # In a separate session: Ctrl-C must reach only the program, which then ends the daemon.
         try:
             self.process = subprocess.Popen([program, "serve", *words], stdin=subprocess.DEVNULL if text is None else subprocess.PIPE,
                                             stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
@@ -4599,7 +4604,7 @@ class _Daemon:
             reader.start()
         if text is not None:
             assert self.process.stdin is not None
-            with contextlib.suppress(OSError):  # it has ended: it says why
+            with contextlib.suppress(OSError):  # the daemon has exited; its output says why
                 self.process.stdin.write(text.encode())
                 self.process.stdin.close()
 
@@ -4611,7 +4616,7 @@ class _Daemon:
             keep(None)  # type: ignore[arg-type]
 
     def server(self, timeout: float) -> str:
-        """Where it can be reached, once it is ready."""
+        """Waits until the daemon is ready; returns its address."""
         limit = _clock.monotonic() + timeout
         while True:
             try:
@@ -4626,7 +4631,7 @@ class _Daemon:
                 return line.split()[1][len("names="):]
 
     def end(self) -> None:
-        """Ends it in order; by force if it does not."""
+        """Shuts the daemon down; kills it if it does not exit in time."""
         if self.process.poll() is None:
             self.process.terminate()
             try:
@@ -4639,7 +4644,7 @@ class _Daemon:
 
 
 def _program(program: Optional[str]) -> str:
-    """The daemon's program: the given one, $COOPDYN or $COOPDYN_BINARY, on the PATH, or built beside this file."""
+    """The daemon's program: the given one, $COOPDYN or $COOPDYN_BINARY, one on the PATH, or one built beside this file."""
     built = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "build", "release", "coopdyn")
     found = program or os.environ.get("COOPDYN") or os.environ.get("COOPDYN_BINARY") or shutil.which("coopdyn") or (built if os.path.exists(built) else "")
     if not found:
@@ -4651,11 +4656,11 @@ def launch(
     scenario: str = "classroom", *, set: Optional[Dict[str, Any]] = None, seed: Optional[int] = None, mode: Optional[str] = None,
     record: Optional[str] = None, options: Sequence[str] = (), program: Optional[str] = None, timeout: float = _LOAD_TIMEOUT_S,
 ) -> Simulation:
-    """Starts a daemon of this program's own, on free ports of this machine, and connects to it: launch("arena20", seed=7).
+    """Starts a private daemon on free ports of this machine and connects to it: launch("arena20", seed=7).
 
-    `scenario`: a file, a name or the text of a scenario. `set`: keys with other values, {"SWARM_1.count": 20}. `record`: a file.
-    `options`: more words for `coopdyn serve`, e.g. ["--no-http"]. The daemon ends with sim.close(), with the end of a
-    `with`, and with this program, however that ends.
+    `scenario`: a file, a name or the text of a scenario. `set`: overrides of its values, {"SWARM_1.count": 20}. `record`: a
+    file. `options`: further arguments of `coopdyn serve`, e.g. ["--no-http"]. The daemon exits on sim.close(), at the end of
+    a `with` block, and when this program exits or crashes.
     """
     if not isinstance(scenario, str):
         raise Error(3, f'a scenario is a file, a name or a text, not {scenario!r}; write e.g. coopdyn.launch("classroom")')
@@ -4687,7 +4692,7 @@ _RUN_READINGS = ("distances", "targets", "channels")
 
 
 class Event(NamedTuple):
-    """What happened in a recorded run: after which step, when [s], "info", "warning", "error" or "note", and what."""
+    """An event of a recorded run, after a step, at a simulated time [s]. `level`: "info", "warning", "error" or "note"."""
 
     step: int
     time: float
@@ -4696,7 +4701,7 @@ class Event(NamedTuple):
 
 
 class _Place(NamedTuple):
-    """Where a thing stands in the rows of one scene of a recording. `robot`: its number, -1 for an object."""
+    """The indices of a thing's values in the rows of one scene of a recording. `robot`: its number, -1 for an object."""
 
     scene: int
     body: int
@@ -4711,14 +4716,14 @@ class _Place(NamedTuple):
 
 @_usages("run")
 class Run:
-    """A recorded run: `coopdyn.read_run("lesson1.run")`. Nothing but what is asked for is read, when it is asked for.
+    """A recorded run: `coopdyn.read_run("lesson1.run")`. Each call reads only the data it returns.
 
         run = coopdyn.read_run("lesson1.run")
         for x, y, heading in run.pose("robot1"): ...
         p = run.pose("robot1"); plot(p[:, 0], p[:, 1])           # a path; numpy.asarray(p) is the matrix
 
-    k is the number of recorded moments: the first is the state that recording began with. What was not there, or not
-    recorded at a moment, is nan. A run that is being recorded is read as far as it was when it was opened.
+    k is the number of recorded moments; the first is the state at the recording's start. Values that did not exist or were
+    not recorded at a moment are nan. A run that is still being recorded is read up to its end at the time of opening.
     """
 
     def __init__(self, file: Union[str, "os.PathLike[str]"]) -> None:
@@ -4727,7 +4732,7 @@ class Run:
         with self._reading():
             self._last = self._db.execute("SELECT max(step) FROM step WHERE poses IS NOT NULL").fetchone()[0]
             if self._last is None:
-                raise Error(7, f"{self.file} holds no step yet; if its daemon has ended, `coopdyn info` says what is in it")
+                raise Error(7, f"{self.file} holds no step yet; if its daemon has ended, `coopdyn info` shows its contents")
             meta = dict(self._db.execute("SELECT key, value FROM meta"))
             for key in ("seed", "scenario_seed"):
                 meta[key] = int(meta[key])
@@ -4753,12 +4758,12 @@ class Run:
 
     @property
     def file(self) -> str:
-        """Its name."""
+        """The file's name."""
         return self._file
 
     @property
     def info(self) -> Dict[str, Any]:
-        """What is known of the run as a whole: version, started, command, seed, mode, step_ns … (docs/formats.md)."""
+        """Properties of the whole run: version, started, command, seed, mode, step_ns … (docs/formats.md)."""
         return dict(self._info)
 
     @property
@@ -4793,7 +4798,7 @@ class Run:
 
     @_usage('run.pose("robot1")')
     def pose(self, name: str) -> Rows:
-        """x, y [m] and heading [rad] of a robot, a row for each moment; also of an object that moves."""
+        """x, y [m] and heading [rad] of a robot or a moving object, one row per moment."""
         flat = self._poses(name)
         k = len(flat) // 7
         out = array.array("d", bytes(24 * k))
@@ -4804,15 +4809,15 @@ class Run:
 
     @_usage('run.pose_3d("robot1")')
     def pose_3d(self, name: str) -> Rows:
-        """x, y, z [m] and quaternion w, x, y, z in the world, a row for each moment."""
+        """x, y, z [m] and quaternion w, x, y, z in the world, one row per moment."""
         flat = self._poses(name)
         return Rows(flat, 7, 0, (len(flat) // 7, 7))
 
     @_usage('run.reading("robot1", "distances")')
     def reading(self, name: str, what: str) -> Rows:
-        """What a robot read, a row for each moment: "distances" [m], right to left, inf = nothing there; "targets":
-        distance [m] and bearing [rad] of each, nan = not seen; "channels": positions [rad], not wrapped, then velocities
-        [rad/s] of the m channels that `joints(name)` names (of a sliding joint [m], [m/s]), 2m columns."""
+        """A robot's readings, one row per moment: "distances" [m], right to left, inf = nothing there; "targets": distance [m]
+        and bearing [rad] of each, nan = not seen; "channels": positions [rad], not wrapped, then velocities [rad/s] (sliding
+        joints: [m], [m/s]) of the m channels in the order of `joints(name)`, 2m columns."""
         if what not in _RUN_READINGS:
             raise Error(4, f"there is no reading {what!r}; there are: {_list_of(_RUN_READINGS)}")
         places = self._robot_places(name)
@@ -4843,10 +4848,10 @@ class Run:
 
     @_usage('run.commands("robot1")')
     def commands(self, name: str) -> Rows:
-        """The set-points of a robot, a row for each time that some came in force: the step in which they did, time [s], the
-        set-points of its m channels, and their control modes: 1 position [rad], 3 velocity [rad/s], 4 effort [N m] (0 idle,
-        2 direct), so 2 + 2m columns. The first row is what was in force when recording began. Error 5 if a loaded controller
-        drove it and those were not recorded; if a client took it from the controller, its commands are there."""
+        """The set-points of a robot, one row per change: the step of the change, time [s], the set-points of its m channels,
+        and their control modes: 1 position [rad], 3 velocity [rad/s], 4 effort [N m] (0 idle, 2 direct), so 2 + 2m columns. The
+        first row is in force at the recording's start. Error 5 if a loaded controller drove the robot and its commands were
+        not recorded; commands of a client that took the robot over are recorded."""
         found = self._robot_places(name)
         places = {p.scene: range(p.first_channel, p.first_channel + p.channels) for p in found}
         m = max(p.channels for p in found)
@@ -4876,7 +4881,7 @@ class Run:
 
     @property
     def events(self) -> List[Event]:
-        """What happened, in order, notes included."""
+        """All events in order, including notes."""
         with self._reading():
             count, ends = self._db.execute("SELECT count(*), (SELECT value FROM meta WHERE key = 'ends') FROM event").fetchone()
             if count < _end_of("event", ends):
@@ -4886,7 +4891,7 @@ class Run:
 
     @_usage('run.score("distance")')
     def score(self, name: str) -> Rows:
-        """Time [s] and value of a score, a row for each moment, k x 2; nan if it cannot be told."""
+        """Time [s] and value of a score, one row per moment, k x 2; nan: undefined."""
         known = self._score_names()
         if name not in known:
             raise Error(10, f"{self.file} has no score {name}" + (f"; there are {', '.join(known)}" if known else ""))
@@ -4898,7 +4903,7 @@ class Run:
         return Rows(out, 2, 0, (len(out) // 2, 2))
 
     def scores(self) -> Dict[str, float]:
-        """What the run was worth at its last moment, by the names of the scenario's [SCORE_n]; nan if it cannot be told."""
+        """The scores at the last moment, by the names of the scenario's [SCORE_n]; nan: undefined."""
         with self._reading():
             names = self._score_names()
             last = self._rows("scores")[-1] if names else b""
@@ -4906,7 +4911,7 @@ class Run:
 
     @_usage('run.logged("energy")')
     def logged(self, name: str) -> Rows:
-        """Time [s] and value of each number that was logged under a name, n x 2."""
+        """Time [s] and value of each number logged under a name, n x 2."""
         numbers = [(e.time, e.text.partition(" ")) for e in self.events if e.level == "log"]
         out = array.array("d", [x for time, (one, _, value) in numbers if one == name for x in (time, float(value))])
         if not out:
@@ -4917,7 +4922,7 @@ class Run:
     # --- inside ---
     @contextlib.contextmanager
     def _reading(self) -> Iterator[None]:
-        """What does not add up in the file is an Error."""
+        """Turns exceptions caused by inconsistent data of the file into Error."""
         import sqlite3
 
         try:
@@ -4926,7 +4931,7 @@ class Run:
             raise Error(7, f"{self.file} is damaged ({e}); `coopdyn info {self.file}` says what can be read") from None
 
     def _count(self) -> None:
-        """A damaged page may hide rows, or poses: what was not lost must be there."""
+        """Raises Error 7 if steps or poses are missing that were not lost while recording, as a damaged page may hide them."""
         if self._whole:
             return
         every = int(self._info.get("pose_every_ns", 0))
@@ -4959,7 +4964,7 @@ class Run:
         return [one.split(" ")[0] for one in str(self._info.get("scores", "")).split(", ") if one]
 
     def _places(self, name: str) -> List[_Place]:
-        """Where `name` stands, in each scene that has it."""
+        """The indices of `name` in each scene that has it."""
         with self._reading():
             channel = "FROM channel AS c WHERE c.scene = a.scene AND c.robot = a.place"
             found = [_Place(scene, body, place, (px, py, pz), (qw, qx, qy, qz), before or 0, sensors, first or 0, channels)
@@ -4991,7 +4996,7 @@ class Run:
         return places
 
     def _unrecorded_controller(self, name: str) -> str:
-        """The loaded controller of a robot, if what controllers sent was not recorded; else empty."""
+        """The loaded controller of a robot, if controllers' commands were not recorded; else empty."""
         if "controllers" in str(self._info.get("what", "")).split(","):
             return ""
         for number, kind, scene in self._db.execute(
@@ -5013,8 +5018,8 @@ class Run:
         return ""
 
     def _slices(self, column: str, slices: Dict[int, Tuple[int, int]]) -> Iterator[Tuple[Any, ...]]:
-        """Of each moment: step, scene, length and first byte of a column, and the bytes of it that `slices` (first, count)
-        takes in that scene."""
+        """For each moment: step, scene, length and first byte of a column, and its bytes selected by `slices` (first, count)
+        of that scene."""
         self._count()
         values = ", ".join(f"({scene}, {first + 1}, {count})" for scene, (first, count) in slices.items())
         return self._db.execute(
@@ -5023,7 +5028,7 @@ class Run:
             "ORDER BY step", (self._last,))
 
     def _poses(self, name: str) -> "array.array[float]":
-        """Seven numbers for each moment: x y z [m], quaternion w x y z."""
+        """Seven numbers per moment: x y z [m], quaternion w x y z."""
         places = {p.scene: p for p in self._places(name)}
         out = array.array("d")
         nowhere = (math.nan,) * 7
@@ -5040,7 +5045,7 @@ class Run:
         return out
 
     def _readings(self, what: str, width: int, slices: Dict[int, Tuple[int, int]], columns: Dict[int, List[int]]) -> Rows:
-        """Rows of `width` numbers; nan where there are none. `columns`: of pairs, by scene."""
+        """Rows of `width` numbers, padded with nan. `columns`: of pairs, by scene."""
         out, k = array.array("d"), 0
         nothing = (math.nan,) * width
         unpack = struct.Struct(f"<{width}f").unpack
@@ -5072,7 +5077,7 @@ class Run:
 
 
 def _end_of(table: str, ends: Any) -> int:
-    """The number of the last row of a table, as `ends` of table meta has it: "step 1200 34, event 3 78"."""
+    """The number of a table's last row, from `ends` of table meta: "step 1200 34, event 3 78"."""
     return int(dict(part.split(" ")[:2] for part in str(ends or "").split(", ") if part).get(table, 0))
 
 
@@ -5081,7 +5086,7 @@ _POSITION_UNIT = 1e-5  # rad or m
 
 
 def _command_of(blob: bytes, channel: int) -> int:
-    """Where the command of a channel begins in those of a step; -1: it has none."""
+    """The offset of a channel's command in the commands of a step; -1: none."""
     key = struct.pack("<I", channel)
     at = blob.find(key[:3])
     while at >= 0 and (at % _COMMAND_BYTES or blob[at + 3] & 0x7F != key[3]):
@@ -5092,7 +5097,7 @@ def _command_of(blob: bytes, channel: int) -> int:
 def _pose_from(
     raw: bytes, unit: float, p_BR: Tuple[float, float, float], q_BR: Tuple[float, float, float, float]
 ) -> Tuple[float, ...]:
-    """The pose of R, x y z [m], quaternion w x y z, out of the 18 bytes of its body's in units of `unit` µm
+    """The pose of R, x y z [m], quaternion w x y z, from the 18 bytes of its body's pose, positions in units of `unit` µm
     (server/state/pose_codec.h)."""
     n = int.from_bytes(raw, "little")
     px = ((n & 0x7FFFFFF ^ 0x4000000) - 0x4000000) * unit / 1e6
@@ -5134,13 +5139,13 @@ def _open_run(file: str) -> "sqlite3.Connection":
     if not os.path.isfile(file):
         raise Error(10, f"there is no file {file!r}; a recording is called NAME.run")
     if file.lower().endswith(".mat"):
-        raise Error(7, f"{file} is the run as MATLAB reads it (a .mat); here read the recording itself, {file[:-4]}.run: "
-                       'sim.fetch_run("NAME") copies it from the daemon')
+        raise Error(7, f"{file} is a MAT file; read the recording itself, {file[:-4]}.run: "
+                       'sim.fetch_run("NAME") downloads it')
     foreign = f"{file} is no recording of coopdyn (NAME.run)"
-    cure = f"run `coopdyn info {file}`, which mends what a crash has left, where the file can be written"
-    waits = os.path.isfile(file + "-wal") and os.path.getsize(file + "-wal") > 0  # of a recording that is not closed
+    cure = f"run `coopdyn info {file}`, which repairs the file after a crash if it can be written"
+    waits = os.path.isfile(file + "-wal") and os.path.getsize(file + "-wal") > 0  # an unclosed recording
     url = "file:" + urllib.parse.quote(os.path.abspath(file)) + "?mode=ro"
-    for how in ("", "&immutable=1"):  # the latter reads what stands where nothing can be written
+    for how in ("", "&immutable=1"):  # the latter for read-only folders
         try:
             db = sqlite3.connect(url + how, uri=True)
         except sqlite3.Error as e:
@@ -5172,7 +5177,7 @@ def _open_run(file: str) -> "sqlite3.Connection":
 
 @_usage('coopdyn.read_run("lesson1.run")')
 def read_run(file: Union[str, "os.PathLike[str]"]) -> Run:
-    """Opens a recorded run, NAME.run; also one that is being recorded, or that a crash has left."""
+    """Opens a recorded run, NAME.run, which may still be recorded or stem from a crashed daemon."""
     return Run(file)
 
 
@@ -5183,7 +5188,8 @@ def read_run(file: Union[str, "os.PathLike[str]"]) -> Run:
 def doctor(
     server: Union[str, int, None] = None, token: Optional[str] = None, seat: Optional[str] = None, pin: Optional[str] = None
 ) -> bool:
-    """Walks from the name of the server to a round trip; prints `ok`, or cause and cure, per line. True if all is ok.
+    """Checks the connection from the server's name to a round trip; prints `ok`, or cause and cure, per line. True if all
+    checks pass.
     `server`, `token`, `seat` and `pin` as in connect()."""
 
     def say(ok: bool, text: str) -> bool:

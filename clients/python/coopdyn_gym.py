@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""Worlds of coopdyn for programs that learn: Gymnasium's Env and VectorEnv, PettingZoo's ParallelEnv. Standard library only.
+"""coopdyn as learning environments: Gymnasium's Env and VectorEnv, PettingZoo's ParallelEnv. Standard library only.
 
     import coopdyn_gym
     env = coopdyn_gym.Env("lamps", "moth1", observation=("light",), reward=lambda m: sum(m.reading.light), max_steps=300, repeat=10)
     obs, info = env.reset(seed=7)
     obs, reward, terminated, truncated, info = env.step([0.1, 0.5])          # m/s, rad/s
 
-Each world is a daemon of its own in lockstep (`coopdyn.launch`), which ends with `env.close()` and with the program. Where gymnasium
-or pettingzoo are installed, the classes here are theirs and the spaces are gymnasium's. With numpy, observations are float32
-arrays; without, an array.array("f") of the same numbers. The same seed and the same actions give the same observations to the bit.
+Each world is a private daemon in lockstep (`coopdyn.launch`), which exits on `env.close()` and with the program. If gymnasium or
+pettingzoo are installed, the classes here derive from theirs and the spaces are gymnasium's. With numpy, observations are float32
+arrays; without, an array.array("f") of the same numbers. The same seed and actions yield the same observations, bit for bit.
 """
 from __future__ import annotations
 
@@ -49,12 +49,12 @@ _WRONG, _RANGE, _ORDER = 3, 4, 5  # codes of Error: wrong arguments, value out o
 # --- numbers and spaces -----------------------------------------------------------------------------------------------
 
 def numbers(values: Any) -> Any:
-    """Values as an observation: a float32 array of numpy, or an array.array("f")."""
+    """Converts values to an observation: a float32 array of numpy, or an array.array("f")."""
     return numpy.asarray(values, dtype=numpy.float32) if numpy is not None else array.array("f", values)
 
 
 def _generator(seed: Optional[int]) -> Any:
-    """A random generator: numpy's, as Gymnasium has it, or random.Random."""
+    """A random generator: numpy's, as in Gymnasium, or random.Random."""
     if seed is not None and (isinstance(seed, bool) or not hasattr(seed, "__index__") or operator.index(seed) < 0):
         raise Error(_WRONG, f"a seed is a whole number of at least 0, not {seed!r}: write env.reset(seed=7)")
     if numpy is None:
@@ -63,12 +63,12 @@ def _generator(seed: Optional[int]) -> Any:
 
 
 def _drawn(generator: Any) -> int:
-    """A seed for a world."""
+    """Draws a seed for a world."""
     return int(generator.integers(2**31)) if hasattr(generator, "integers") else generator.randrange(2**31)
 
 
 class _Space:
-    """What Box and Discrete share when gymnasium is not installed."""
+    """Common base of Box and Discrete if gymnasium is not installed."""
 
     def __init__(self, shape: Tuple[int, ...], seed: Optional[int]) -> None:
         self.shape = shape
@@ -82,7 +82,7 @@ class _Space:
         return self._random
 
     def seed(self, seed: Optional[int] = None) -> Optional[int]:
-        """Starts the generator of `sample` anew."""
+        """Reseeds the generator of `sample`."""
         self._random = _generator(seed)
         return seed
 
@@ -95,7 +95,7 @@ class _Space:
 
 
 class _Box(_Space):
-    """Vectors of `shape` (n,), each number within low and high: those are numbers for all, or n of them."""
+    """Vectors of `shape` (n,) within low and high, which are one number for all elements, or n numbers."""
 
     def __init__(self, low: Any, high: Any, shape: Optional[Sequence[int]] = None, dtype: Any = "float32",
                  seed: Optional[int] = None) -> None:
@@ -105,7 +105,7 @@ class _Box(_Space):
         self.dtype = numpy.dtype("float32") if numpy is not None else "float32"
 
     def sample(self) -> Any:
-        """A random vector; where a bound is infinite it is drawn from the normal distribution around the other."""
+        """A random vector; an element with an infinite bound is drawn from the normal distribution around the other bound."""
         draw, out = self.np_random, []
         for low, high in zip(map(float, self.low), map(float, self.high)):
             if math.isfinite(low) and math.isfinite(high):
@@ -129,7 +129,7 @@ class _Box(_Space):
 
 
 class _Discrete(_Space):
-    """The whole numbers 0 to n - 1."""
+    """The integers 0 to n - 1."""
 
     def __init__(self, n: int, seed: Optional[int] = None) -> None:
         super().__init__((), seed)
@@ -137,7 +137,7 @@ class _Discrete(_Space):
         self.dtype = numpy.dtype("int64") if numpy is not None else "int64"
 
     def sample(self) -> Any:
-        """A random one of them."""
+        """A random integer of the space."""
         draw = self.np_random
         return numpy.int64(draw.integers(self.n)) if numpy is not None else draw.randrange(self.n)
 
@@ -167,8 +167,8 @@ _OPERATORS = {">=": operator.ge, "<=": operator.le, ">": operator.gt, "<": opera
 
 
 class _World:
-    """A daemon, what ends its runs, and its picture. The daemon itself would end with `until`, `limit` and `duration`, so they
-    are taken out of the scenario, and looked at here after each step."""
+    """A daemon, the conditions that end its runs, and its picture. `until`, `limit` and `duration` would end the daemon, so they
+    are removed from the scenario and checked here after each step."""
 
     def __init__(self, scenario: str, changes: Optional[Dict[str, Any]], render_mode: Optional[str], size: Tuple[int, int],
                  view: Optional[Tuple[Any, Any]], how: Dict[str, Any]) -> None:
@@ -203,7 +203,7 @@ class _World:
             raise
 
     def _aim(self, until: str, of: List[str], swarms: Dict[str, str]) -> Tuple[Callable[[float, float], bool], float]:
-        """The comparison and the number of `until`."""
+        """The comparison and the threshold of `until`."""
         if until != "all":
             found = re.fullmatch(r"([<>]=?)\s*(\S+)", until)
             if not found:
@@ -219,14 +219,14 @@ class _World:
         return operator.ge, count
 
     def scores(self) -> Dict[str, float]:
-        """The scores now, without the long list of robots."""
+        """The present scores; queries the status without the long list of robots."""
         if not self.scored:
             return {}
         status = json.loads(self.sim.call("/simulation", "get_status", [1, 0]).text)
         return {s["name"]: math.nan if s["value"] is None else float(s["value"]) for s in status["scores"]}
 
     def met(self, scores: Dict[str, float]) -> bool:
-        """Whether one of the scenario's `until` holds."""
+        """True if one of the scenario's `until` holds."""
         return any(compare(scores[name], aim) for name, compare, aim in self.ends)
 
     def picture(self) -> Any:
@@ -245,7 +245,7 @@ def _seconds(text: Optional[str]) -> float:
 
 
 def _text_of(scenario: str, how: Dict[str, Any]) -> str:
-    """The text of a scenario. That of a name is known to the daemon only, and stands in what it records."""
+    """The text of a scenario. For a name, only the daemon knows the text, so this reads it from a recording."""
     if isinstance(scenario, str) and "\n" in scenario:
         return scenario
     if isinstance(scenario, str) and os.path.isfile(scenario):
@@ -255,12 +255,12 @@ def _text_of(scenario: str, how: Dict[str, Any]) -> str:
         record = os.path.join(folder, "text.run")
         how = {**how, "record": record, "options": ["--no-http", "--no-render", "--paused"], "mode": "realtime"}
         with coopdyn.launch(scenario, **how) as sim:
-            sim.call("/simulation", "step", [1])  # a run without a step is not kept
+            sim.call("/simulation", "step", [1])  # a recording without a step is discarded
         return coopdyn.read_run(record).scenario
 
 
 def _sections(text: str) -> Dict[str, Dict[str, str]]:
-    """The keys of the sections of a scenario's text; those of [SET] where they belong."""
+    """The keys of a scenario's sections, with those of [SET] applied to their sections."""
     found: Dict[str, Dict[str, str]] = {}
     here, changes = "", {}
     for line in text.splitlines():
@@ -274,7 +274,7 @@ def _sections(text: str) -> Dict[str, Dict[str, str]]:
 
 
 def _changed(sections: Dict[str, Dict[str, str]], changes: Dict[str, str]) -> Dict[str, Dict[str, str]]:
-    """Sections with other values of keys SECTION.key; an empty value takes the key away."""
+    """Sections with changed values of keys SECTION.key; an empty value removes the key."""
     out = {section: dict(keys) for section, keys in sections.items()}
     for key, value in changes.items():
         section, _, key = key.partition(".")
@@ -283,7 +283,7 @@ def _changed(sections: Dict[str, Dict[str, str]], changes: Dict[str, str]) -> Di
 
 
 def read_png(data: bytes) -> Tuple[int, int, bytes]:
-    """Width, height and the bytes (red, green, blue of each pixel) of a PNG picture with 8 bits for each colour."""
+    """Width, height and the bytes (red, green, blue of each pixel) of a PNG picture with 8 bits per colour."""
     at, packed, width, height, channels = 8, b"", 0, 0, 0
     while at < len(data):
         size, kind = struct.unpack_from(">I4s", data, at)
@@ -307,7 +307,7 @@ def read_png(data: bytes) -> Tuple[int, int, bytes]:
 
 
 def _unfiltered(kind: int, line: bytearray, above: bytearray, step: int) -> bytearray:
-    """A row of a PNG picture without its filter: 0 none, 1 left, 2 above, 3 mean, 4 Paeth's."""
+    """Undoes the filter of a row of a PNG picture: 0 none, 1 left, 2 above, 3 mean, 4 Paeth's."""
     if kind:
         for i in range(len(line)):
             left, up, corner = (line[i - step], above[i], above[i - step]) if i >= step else (0, above[i], 0)
@@ -321,12 +321,12 @@ def _unfiltered(kind: int, line: bytearray, above: bytearray, step: int) -> byte
     return line
 
 
-# --- what functions of the user get -----------------------------------------------------------------------------------
+# --- the argument of the user's functions -----------------------------------------------------------------------------
 
 class Moment:
-    """The state after a step, which `observation`, `reward` and `done` get. `reading`: all that the robot senses (a
-    coopdyn.Reading; in a ParallelEnv the team's, a TeamReading with a row for each robot); `before`: that of the step before;
-    `action`: what was asked for, None after a reset; `scores`: those of the scenario; `step` counts the environment's steps."""
+    """The state after a step, passed to `observation`, `reward` and `done`. `reading`: all readings of the robot (a
+    coopdyn.Reading; in a ParallelEnv a TeamReading with one row per robot); `before`: the previous step's readings; `action`:
+    the requested action, None after a reset; `scores`: of the scenario; `step`: number of the environment's step."""
 
     __slots__ = ("env", "sim", "reading", "before", "action", "step", "_world", "_scores")
 
@@ -341,7 +341,7 @@ class Moment:
 
     @property
     def scores(self) -> Dict[str, float]:
-        """The scores of the scenario; they cost one round trip."""
+        """The scores of the scenario. Costs one round trip."""
         if self._scores is None:
             self._scores = self._world.scores()
         return self._scores
@@ -382,7 +382,7 @@ def _score_of(reward: Any, world: _World) -> Optional[str]:
 
 
 def _row(action: Any, low: Sequence[float], high: Sequence[float], what: str) -> List[float]:
-    """The numbers of an action, limited to the bounds."""
+    """The numbers of an action, clamped to the bounds."""
     try:
         row = list(map(float, action))
         if len(row) == len(low):
@@ -420,11 +420,11 @@ _JOINT_COMMANDS = {"positions": "set_positions", "joint_velocities": "set_veloci
 
 
 class _Actions:
-    """What an action means: a space, and how a robot is told."""
+    """Converts actions to robot commands, and defines their space."""
 
     def __init__(self, action: Any, space: Any, robot: coopdyn.Robot) -> None:
         self.rows: Optional[List[List[float]]] = None
-        self.bounds: Any = None  # of the space, as floats
+        self.bounds: Any = None  # bounds of the space, as floats
         self.function = action if callable(action) else None
         self.kind = action
         if self.function is not None:
@@ -447,7 +447,7 @@ class _Actions:
         elif isinstance(action, str) and action.split("/")[0] in _JOINT_COMMANDS:
             self.kind, _, group = action.partition("/")
             low, high = [], []
-            self.groups: List[Tuple[Any, int]] = []  # how to tell each group, and where its numbers end
+            self.groups: List[Tuple[Any, int]] = []  # command of each group, and the end of its numbers
             for name in [group] if group else list(robot.sense().joints) or [None]:
                 joints = robot.joints(name)
                 limits = joints.get_limits()
@@ -462,7 +462,7 @@ class _Actions:
                                 'robot and action')
 
     def row(self, action: Any, what: str = "the action") -> Any:
-        """The checked action: numbers, or of a function the action itself."""
+        """Checks an action; returns its numbers, or for a function the action itself."""
         if self.rows is not None:
             return self.rows[_index(action, len(self.rows), what)]
         if hasattr(self.space, "n"):
@@ -472,7 +472,7 @@ class _Actions:
         return _row(action, *self.bounds, what)
 
     def tell(self, robot: coopdyn.Robot, row: Any) -> None:
-        """Gives the robot its command for the next step of the world."""
+        """Sends the robot its command for the next step of the world."""
         if self.function is not None:
             self.function(robot, row)
         elif self.kind == "velocity":
@@ -487,7 +487,7 @@ class _Actions:
 
 
 class _Episodes:
-    """What Env and ParallelEnv share: the world, the generator of seeds, the count of steps, the end."""
+    """Common base of Env and ParallelEnv: the world, its seeds, the end of episodes."""
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10, "name": "coopdyn"}
     _world: _World
@@ -505,7 +505,7 @@ class _Episodes:
 
     @property
     def sim(self) -> coopdyn.Simulation:
-        """The simulation, for whatever else it can do."""
+        """The simulation, for direct access."""
         return self._world.sim
 
     def _restart(self, generator: Any) -> None:
@@ -519,7 +519,7 @@ class _Episodes:
             raise Error(_ORDER, "the episode has ended, or has not begun: write obs, info = env.reset()")
 
     def _ended(self, moment: Moment) -> Tuple[bool, bool]:
-        """Whether the scenario's aim is met, and whether time is over."""
+        """Whether an `until` of the scenario is met, and whether the time is over."""
         world = self._world
         over = self._max_steps is not None and moment.step >= self._max_steps or moment.reading.time >= world.limit - 1e-9
         return bool(world.ends) and world.met(moment.scores), over
@@ -535,7 +535,7 @@ class _Episodes:
         return self._world.picture()
 
     def close(self) -> None:
-        """Ends the daemon. Twice does no harm."""
+        """Ends the daemon. May be called twice."""
         self._running = False
         self._world.sim.close()
 
@@ -549,7 +549,7 @@ class _Episodes:
 # --- one robot --------------------------------------------------------------------------------------------------------
 
 class _PlainEnv:
-    """Of gymnasium.Env what is needed without it."""
+    """Replaces gymnasium.Env if gymnasium is not installed."""
 
     spec = None
 
@@ -560,7 +560,7 @@ class _PlainEnv:
 
     @property
     def np_random(self) -> Any:
-        """The generator that reset draws the seeds of the worlds from."""
+        """The generator from which reset draws the worlds' seeds."""
         if self._np_random is None:
             self._np_random = _generator(None)
         return self._np_random
@@ -572,7 +572,7 @@ class _PlainEnv:
     _np_random: Any = None
 
     def reset(self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Any:
-        """Sets the generator anew if a seed is given."""
+        """Reseeds the generator if a seed is given."""
         if seed is not None:
             self._np_random = _generator(seed)
 
@@ -581,20 +581,21 @@ _EnvBase: Any = gymnasium.Env if gymnasium is not None else _PlainEnv
 
 
 class Env(_Episodes, _EnvBase):
-    """A robot in a world of its own, as Gymnasium's Env.
+    """A robot in its own world, as Gymnasium's Env.
 
-    scenario: a file, a name or the text of one; the other robots stand, or are driven by their controllers. robot: its name.
-    observation: words in a row, "distances" (m, at most as far as the sensors reach), "targets" (m, rad; -1: not seen), "pose" (m, m,
+    scenario: a file, a name or the text of a scenario; other robots stand still, or are driven by their controllers. robot: its name.
+    observation: a list of words: "distances" (m, clamped to the sensors' range), "targets" (m, rad; -1: not seen), "pose" (m, m,
       rad), "wheels" (rad/s), "light", "sonar", "infrared", "compass", "imu", "odometry", "joints"; or a function of a Moment that
       returns numbers.
     action: "velocity" (m/s, rad/s), "wheels" (rad/s), "positions", "joint_velocities", "efforts" of the joints, or of one
-      group ("positions/arm"); a list of choices
-      [(0.2, 0), (0, 1)] of velocities, then an action is a number; or a function of robot and action, with action_space.
-    reward: a function of a Moment, or the name of a score, whose rise it is (default: the first score).
+      group ("positions/arm"); a list of velocities [(0.2, 0), (0, 1)] to choose from, by an integer action; or a function of robot
+      and action, with action_space.
+    reward: a function of a Moment, or the name of a score, whose increase is the reward (default: the first score).
     done: a function of a Moment; an episode also terminates when an `until` of the scenario is met.
-    start: a function of sim and generator after each reset, to move things: lambda sim, rng: sim.move("robot1", (rng.uniform(-1, 1), 0)).
-    max_steps: an episode is truncated after so many steps. repeat: steps of the world (10 ms each) in one step of this.
-    set, record, options, program: as in coopdyn.launch; each episode is a run file of its own: best.run, best-2.run …
+    start: a function of sim and generator, called after each reset, e.g. to move things: lambda sim, rng: sim.move("robot1",
+      (rng.uniform(-1, 1), 0)).
+    max_steps: an episode is truncated after max_steps. repeat: steps of the world (10 ms each) per environment step.
+    set, record, options, program: as in coopdyn.launch; each episode has its own run file: best.run, best-2.run …
     """
 
     def __init__(self, scenario: str = "classroom", robot: str = "robot1", *, observation: Any = ("distances",),
@@ -642,16 +643,16 @@ class Env(_Episodes, _EnvBase):
         return lambda m: numbers([value for part in parts for value in part(m.reading)])
 
     def _bounds(self, n: int) -> Tuple[List[float], List[float]]:
-        """The bounds of the n numbers: distances have some, the others none."""
+        """The bounds of the n numbers: distances are bounded, other readings are not."""
         low, high = [-math.inf] * n, [math.inf] * n
         if list(self._words[:1]) == ["distances"]:
             low[: len(self._reach)], high[: len(self._reach)] = [0.0] * len(self._reach), self._reach
         return low, high
 
     def reset(self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[Any, Dict[str, Any]]:
-        """Begins an episode; returns the observation and an info (time [s], seed of the world, scores). With a seed the generator
-        begins anew, without one it goes on."""
-        _generator(seed) if seed is not None else None  # a wrong seed is told in plain words
+        """Begins an episode; returns the observation and an info (time [s], seed of the world, scores). A seed reseeds the
+        generator; without one, the generator continues."""
+        _generator(seed) if seed is not None else None  # raises our own error for a wrong seed
         super().reset(seed=seed, options=options)
         self._restart(self.np_random)
         self._moment = moment = Moment(self, self._world, self._robot.sense(), None, None, 0)
@@ -660,7 +661,7 @@ class Env(_Episodes, _EnvBase):
         return self._observe(moment), self._info(moment)
 
     def step(self, action: Any) -> Tuple[Any, float, bool, bool, Dict[str, Any]]:
-        """One step: observation, reward, terminated, truncated, info."""
+        """Runs a step; returns observation, reward, terminated, truncated, info."""
         self._need_running()
         row = self._actions.row(action)
         before = self._moment
@@ -701,7 +702,7 @@ class _Batch(_Space):
 
 
 def _rows(values: Any, dtype: Any, n: int = 0) -> Any:
-    """A row for each of n robots, as numpy's array or as a list; one value stands for all."""
+    """One row per robot, as a numpy array or a list; a single value is repeated n times."""
     if hasattr(values, "__len__"):
         return numpy.asarray(values, dtype=dtype) if numpy is not None else list(values)
     return numpy.full(n, values, dtype=dtype) if numpy is not None else [values] * n
@@ -722,11 +723,12 @@ _VectorBase: Any = gymnasium.vector.VectorEnv if gymnasium is not None else _Pla
 
 
 class VectorEnv(_VectorBase):
-    """num_envs worlds with a robot each, as Gymnasium's VectorEnv: VectorEnv("lamps", "moth1", num_envs=4, ...), the rest as for Env.
+    """num_envs worlds with one robot each, as Gymnasium's VectorEnv: VectorEnv("lamps", "moth1", num_envs=4, ...); other arguments
+    as for Env.
 
-    Each world is a process, its daemon, and a thread of this program waits for it, so the functions need not be picklable.
-    A world whose episode has ended begins the next one in the next step: that step has its first observation, reward 0, and
-    its action does not count (autoreset mode NextStep). With seed=s, world k has s + k.
+    Each world is a daemon process, and a thread of this program waits for it, so the functions need not be picklable. A world
+    whose episode has ended begins the next episode in the next step: that step returns the first observation and reward 0, and
+    ignores its action (autoreset mode NextStep). With seed=s, world k has seed s + k.
     """
 
     metadata: Dict[str, Any] = {**_Episodes.metadata, "autoreset_mode": "NextStep" if gymnasium is None else
@@ -754,14 +756,14 @@ class VectorEnv(_VectorBase):
         self._begun = False
 
     def _all(self, calls: Sequence[Callable[[], Any]]) -> List[Any]:
-        """Does one thing in each world, side by side; an error is raised when all have ended."""
+        """Runs one call per world concurrently; raises an error after all have finished."""
         done = [thread.submit(call) for thread, call in zip(self._threads, calls)]
         concurrent.futures.wait(done)
         return [call.result() for call in done]
 
     def reset(self, *, seed: Union[int, Sequence[Optional[int]], None] = None,
               options: Optional[Dict[str, Any]] = None) -> Tuple[Any, Dict[str, Any]]:
-        """Begins an episode in every world: observations (num_envs rows), infos."""
+        """Begins an episode in every world; returns observations (num_envs rows) and infos."""
         self._need_open()
         n = self.num_envs
         seeds: List[Optional[int]] = ([None] * n if seed is None else [int(seed) + k for k in range(n)] if hasattr(seed, "__index__")
@@ -773,7 +775,8 @@ class VectorEnv(_VectorBase):
         return _stacked([obs for obs, _ in results]), self._infos([info for _, info in results])
 
     def step(self, actions: Any) -> Tuple[Any, Any, Any, Any, Dict[str, Any]]:
-        """One step of every world; actions are num_envs rows. Observations, rewards, terminations, truncations, infos."""
+        """Runs a step of every world with num_envs rows of actions; returns observations, rewards, terminations, truncations,
+        infos."""
         self._need_open()
         if not self._begun:
             raise Error(_ORDER, "no episode has begun: write obs, infos = envs.reset()")
@@ -791,7 +794,7 @@ class VectorEnv(_VectorBase):
         return _stacked(list(obs)), _stacked(list(rewards)), _stacked(list(terminated)), _stacked(list(truncated)), self._infos(infos)
 
     def _infos(self, infos: Sequence[Dict[str, Any]]) -> Dict[str, Any]:
-        """One dictionary of rows, and under _key which worlds have that key."""
+        """Merges infos into one dictionary of rows; _key says which worlds have `key`."""
         out: Dict[str, Any] = {}
         for key in {key: None for info in infos for key in info}:
             has = [key in info for info in infos]
@@ -813,7 +816,7 @@ class VectorEnv(_VectorBase):
         return tuple(self._all([env.render for env in self.envs]))
 
     def close(self, **_: Any) -> None:
-        """Ends all daemons. Twice does no harm."""
+        """Ends all daemons. May be called twice."""
         if not self.closed:
             self.closed = True
             for env in self.envs:
@@ -843,14 +846,14 @@ class ParallelEnv(_Episodes, _ParallelBase):
     """Many robots in one world, driven together through one connection, as PettingZoo's ParallelEnv.
 
     robots: as in `sim.team`: a swarm, a list of names, or None for all.
-    observation: words in a row, "distances" (m), "pose" (m, m, rad), "targets" (m, rad), "neighbours" (id, m, rad of each, as many as
-      `neighbours`), "wheels", "compass", "support", "joints" (what a robot lacks or does not see is -1); or a function of a Moment and
-      the robot's row. readings: what m.reading has besides.
+    observation: a list of words: "distances" (m), "pose" (m, m, rad), "targets" (m, rad), "neighbours" (id, m, rad of each of the
+      `neighbours` nearest), "wheels", "compass", "support", "joints" (missing or unseen values are -1); or a function of a Moment and
+      the robot's row. readings: further readings of m.reading.
     action: "velocity" (m/s, rad/s), "wheels" (rad/s), or a list of choices, as in Env.
-    reward, done: functions of a Moment, m.reading.pose[i] …, that return one value for all robots, or one for each row; reward also the
-      name of a score, whose rise all get.
-    start, max_steps, repeat, set and the rest: as in Env. A swarm stands where the daemon's seed (seed=7 here) puts it: a reset leaves it
-      there, `start` can move robots.
+    reward, done: functions of a Moment, m.reading.pose[i] …, that return one value for all robots, or one per row; reward may also be
+      the name of a score, whose increase all robots receive.
+    start, max_steps, repeat, set and the rest: as in Env. The daemon's seed (seed=7 here) places a swarm. A reset does not place it
+      anew; `start` can move robots.
     """
 
     def __init__(self, scenario: str, robots: Any = None, *, observation: Any = ("distances",),
@@ -881,7 +884,7 @@ class ParallelEnv(_Episodes, _ParallelBase):
                 self._low, self._high = (numpy.asarray(bound, dtype=float) for bound in (self._actions.space.low, self._actions.space.high))
                 self._shape = (len(self.possible_agents), len(self._low))
             now = self._team.read()
-            self._are_finite = {"distances", "pose"}.issuperset(self._words) and all(  # a robot with fewer sensors than another has nan
+            self._are_finite = {"distances", "pose"}.issuperset(self._words) and all(  # nan for a robot with fewer sensors than another
                 not math.isnan(value) for word in self._words for row in getattr(now, word) for value in row)
             n = len(self._observations(Moment(self, self._world, now, None, None, 0))[0])
             self.observation_spaces = {name: _box([-math.inf] * n, [math.inf] * n) for name in self.possible_agents}
@@ -891,7 +894,7 @@ class ParallelEnv(_Episodes, _ParallelBase):
             raise
 
     def _observations(self, moment: Moment) -> Any:
-        """What each robot observes, a row each."""
+        """The observations, one row per robot."""
         n = len(self.possible_agents)
         if self._function is not None:
             return [numbers(self._function(moment, i)) for i in range(n)]
@@ -909,21 +912,21 @@ class ParallelEnv(_Episodes, _ParallelBase):
         return [numbers(_finite(list(itertools.chain.from_iterable(rows)))) for rows in zip(*parts)]
 
     def observation_space(self, agent: str) -> Any:
-        """What a robot observes."""
+        """The observation space of a robot."""
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> Any:
-        """What a robot can be told."""
+        """The action space of a robot."""
         return self.action_spaces[agent]
 
     @property
     def num_agents(self) -> int:
-        """How many robots still take part."""
+        """The number of robots whose episode has not ended."""
         return len(self.agents)
 
     @property
     def max_num_agents(self) -> int:
-        """How many robots there are."""
+        """The number of robots."""
         return len(self.possible_agents)
 
     def state(self) -> Any:
@@ -940,7 +943,7 @@ class ParallelEnv(_Episodes, _ParallelBase):
 
     def reset(self, seed: Optional[int] = None,
               options: Optional[Dict[str, Any]] = None) -> Tuple[Dict[str, Any], Dict[str, Dict[str, Any]]]:
-        """Begins an episode with all robots; observations and infos by their names."""
+        """Begins an episode with all robots; returns observations and infos by name."""
         if seed is not None or self._np_random is None:
             self._np_random = _generator(seed)
         self._restart(self._np_random)
@@ -954,8 +957,8 @@ class ParallelEnv(_Episodes, _ParallelBase):
 
     def step(self, actions: Dict[str, Any]) -> Tuple[Dict[str, Any], Dict[str, float], Dict[str, bool], Dict[str, bool],
                                                      Dict[str, Dict[str, Any]]]:
-        """One step: observations, rewards, terminations, truncations and infos of the robots that took part in it. A robot that
-        has ended stands from then on, and is not in `agents`."""
+        """Runs a step; returns observations, rewards, terminations, truncations and infos of the robots in `agents` before the
+        step. A robot that has terminated stands still from then on and leaves `agents`."""
         self._need_running()
         acted, n = self.agents, len(self.possible_agents)
         seen, rewards, ended, over, info = self._advance(self._checked(actions))
@@ -968,23 +971,24 @@ class ParallelEnv(_Episodes, _ParallelBase):
                 dict.fromkeys(acted, over), {name: info.copy() for name in acted})
 
     def step_rows(self, actions: Any) -> Tuple[Any, Any, Any, bool, Dict[str, Any]]:
-        """The same without dictionaries, which for a thousand robots take longer than their world: actions are a row for each of
-        possible_agents (numpy's array n x 2, or a list). Returns, in rows again, observations, rewards and terminations; whether time
-        is over; and one info. A robot that has ended stands, whatever its row says."""
+        """Like step(), without dictionaries, which for a thousand robots cost more time than the world. actions has one row for each
+        of possible_agents (a numpy array n x 2, or a list). Returns observations, rewards and terminations in rows; whether the time
+        is over; and one info. Robots that have terminated stand still, and their rows are ignored."""
         self._need_running()
         seen, rewards, ended, over, info = self._advance(self._checked_rows(actions))
         return _rows(seen, None), _rows(rewards, float, len(seen)), _rows(ended, bool, len(seen)), over, info
 
     def _advance(self, rows: Any) -> Tuple[Any, Any, Any, bool, Dict[str, Any]]:
-        """A step with a row for each robot: observations; rewards and ends of each, or of all; whether time is over; info."""
+        """Runs a step with one row per robot; returns observations, rewards and terminations (one per robot, or one for all),
+        whether the time is over, and info."""
         try:
             reading = self._drive(rows)
         except Error:
             for name, row in zip(self.possible_agents, rows if self._shape else ()):
-                self._actions.row(row, f"the action of {name}")  # says whose action holds nan
+                self._actions.row(row, f"the action of {name}")  # reports whose action is nan
             raise
         if self._repeat > 1:
-            self.sim.step(self._repeat - 1)  # with the same commands, and far cheaper than one by one
+            self.sim.step(self._repeat - 1)  # the robots keep their commands; far cheaper than single steps
             reading = self._team.read()
         assert self._moment is not None
         self._moment = moment = Moment(self, self._world, reading, self._moment.reading, rows, self._moment.step + 1)
@@ -1003,7 +1007,7 @@ class ParallelEnv(_Episodes, _ParallelBase):
         return self._observations(moment), rewards, ended, over, self._info(moment)
 
     def _checked(self, actions: Any) -> Any:
-        """A row for each robot of the team, of actions by name."""
+        """Checks actions by name; returns one row per robot of the team."""
         if not hasattr(actions, "items"):
             raise Error(_WRONG, f"actions are a dict by robots' names, not {actions!r}: write "
                                 "{name: env.action_space(name).sample() for name in env.agents}")
@@ -1028,7 +1032,7 @@ class ParallelEnv(_Episodes, _ParallelBase):
         return rows
 
     def _checked_rows(self, actions: Any) -> Any:
-        """A row for each robot of the team, of actions in the order of possible_agents."""
+        """Checks actions in the order of possible_agents; returns one row per robot of the team."""
         n = len(self.possible_agents)
         if not hasattr(actions, "__len__") or len(actions) != n:
             raise Error(_WRONG, f"actions are a row for each of {n} robots, in the order of env.possible_agents, not {actions!r}")
@@ -1043,7 +1047,7 @@ class ParallelEnv(_Episodes, _ParallelBase):
         return rows
 
     def _limited(self, actions: Any) -> Any:
-        """All actions at once as numpy's array within the bounds; None: they must be looked at one by one."""
+        """Clamps all actions at once as a numpy array; None: they must be checked one by one."""
         if self._shape is None:
             return None
         try:
@@ -1052,10 +1056,10 @@ class ParallelEnv(_Episodes, _ParallelBase):
             return None
         if rows.shape != self._shape:
             return None
-        return numpy.minimum(numpy.maximum(rows, self._low, out=rows), self._high, out=rows)  # a nan stays, and is told by the team
+        return numpy.minimum(numpy.maximum(rows, self._low, out=rows), self._high, out=rows)  # nan stays; the team reports it
 
     def _per_robot(self, values: Any, what: str) -> Any:
-        """A value for all robots, or one for each; bools are plain ones."""
+        """Checks a value for all robots, or one per robot."""
         n = len(self.possible_agents)
         if getattr(values, "shape", None) == () or not hasattr(values, "__len__"):
             return bool(values) if what == "done" else float(values)

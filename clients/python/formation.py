@@ -2,9 +2,8 @@
 """Robots keep a formation round obstacles on the way to the red target: python3 formation.py [robot1 robot2 ...]
 
 The first robot leads. Five keep an inverted V, three a triangle (along and across below); near obstacles they break the
-formation and close it again behind. Attractor dynamics (Monteiro, Bicho): a follower's heading turns to where its place,
-carried along by the leader, moves, and away from obstacles. docs/teams.md has the equations. The same algorithm and numbers
-in all languages.
+formation and restore it behind them. Attractor dynamics (Monteiro, Bicho): a follower turns towards its place, which moves
+with the leader, and away from obstacles. docs/teams.md has the equations. All languages use the same algorithm and numbers.
 """
 import math
 import sys
@@ -13,7 +12,7 @@ import coopdyn
 
 ROBOT_RADIUS = 0.18  # [m]
 TARGET_STRENGTH = 1.2  # [rad/s]
-PLACE_STRENGTH = 2.5  # [rad/s] by which a follower turns to its place
+PLACE_STRENGTH = 2.5  # [rad/s] of a follower towards its place
 OBSTACLE_STRENGTH = 10.0  # [1/s]
 OBSTACLE_DECAY = 0.2  # [m]
 BIAS = 0.02  # [rad/s] instead of noise
@@ -25,15 +24,15 @@ TIME_TO_CONTACT = 1.2  # [s]
 RELAXATION = 8.0  # [1/s] of the speed
 AHEAD = 0.873  # [rad]
 REACHED = 0.4  # [m] from the leader to the target
-PULL = 0.8  # [1/s] speed per way to the place
-NEAR = 0.04  # [m] so near to its place a robot is not pulled
-CALM = 0.05  # [m/s] a slower wish turns the robot less
-AWAY = 0.25  # of the wish, when an obstacle has turned the robot away from its place
-PATIENCE = 0.3  # [m] the leader slows down when somebody is so far from its place
-SLOWEST = 0.2  # of its speed, at twice as far
+PULL = 0.8  # [1/s] speed per distance to the place
+NEAR = 0.04  # [m] nearer to its place a robot is not pulled
+CALM = 0.05  # [m/s] a slower wanted velocity turns the robot less
+AWAY = 0.25  # least share of the wanted speed while an obstacle turns the robot away
+PATIENCE = 0.3  # [m] the leader slows down when a robot is farther from its place
+SLOWEST = 0.2  # share of its speed, at twice that distance
 V_ALONG, V_ACROSS = 1.0, 1.0  # [m] from row to row, and from the middle to the first row, of the inverted V
 TRIANGLE_ALONG, TRIANGLE_ACROSS = 1.04, 0.6  # [m] of three robots
-CLOSED = 0.1  # [m] everybody is so near to its place at the end
+CLOSED = 0.1  # [m] largest distance of a robot from its place at the end
 TIME_LIMIT = 240.0  # [s] simulated
 
 
@@ -42,7 +41,7 @@ def clamp(value, low, high):
 
 
 def place_of(number, count):
-    """Where robot `number` is to be in the leader's frame."""
+    """The place of robot `number` in the leader's frame."""
     a, b = (TRIANGLE_ALONG, TRIANGLE_ACROSS) if count == 3 else (V_ALONG, V_ACROSS)
     row = (number + 1) // 2
     return -a * row, b * row if number % 2 == 1 else -b * row
@@ -56,7 +55,7 @@ class Formed:
         self.speed = 0.0
 
     def lead(self, target, worst, distances, dt):
-        """Speed [m/s] and turn rate [rad/s] to the target; `worst`: how far the farthest follower is from its place [m]."""
+        """Speed [m/s] and turn rate [rad/s] to the target; `worst`: the greatest distance of a follower from its place [m]."""
         if target.distance < REACHED:
             self.speed = 0.0
             return 0.0, 0.0
@@ -68,7 +67,7 @@ class Formed:
         return self.speed, clamp(turn, -MAX_TURN, MAX_TURN)
 
     def follow(self, off, carried, distances, dt):
-        """Speed and turn rate to the place, which is `off` from here and moves as `carried`, both in this robot's frame."""
+        """Speed and turn rate to the place, which is at `off` and moves by `carried`, both in this robot's frame."""
         way = math.hypot(*off)
         pull = PULL * (1 - NEAR / way) if way > NEAR else 0.0
         x, y = carried[0] + pull * off[0], carried[1] + pull * off[1]
@@ -79,7 +78,7 @@ class Formed:
         return self.speed, clamp(turn, -MAX_TURN, MAX_TURN)
 
     def obstacles(self, distances):
-        """Turn rate, potential and free way ahead."""
+        """Turn rate, potential and free distance ahead."""
         turn, potential, free = 0.0, 0.0, math.inf
         for d, psi, opening in zip(distances, self.geometry.bearing, self.geometry.opening):
             if d == math.inf:
@@ -104,7 +103,7 @@ def turned(x, y, angle):
 
 
 def way_to_place(place, leader, own):
-    """From a robot to its place, in its own frame; `leader`, `own`: poses."""
+    """The vector from a robot to its place, in the robot's frame; `leader`, `own`: poses."""
     x, y = turned(*place, leader.heading)
     return turned(leader.x + x - own.x, leader.y + y - own.y, -own.heading)
 
@@ -117,7 +116,7 @@ def main(names):
         places = [place_of(number, len(names)) for number in range(len(names))]
         dt = sim.dt
         start = sim.time
-        told = (0.0, 0.0)  # the leader
+        told = (0.0, 0.0)  # the leader's command
         while sim.time - start < TIME_LIMIT:
             seen = [r.sense("red") for r in robots]
             leader = seen[0].pose

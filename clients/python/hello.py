@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# Drives robot1 to the red target past what stands in its way. In real time and in lockstep, unchanged.
+# Drives robot1 to the red target past obstacles. Runs unchanged in real time and in lockstep.
 import coopdyn
 sim = coopdyn.connect()                  # "labserver", "labserver:10100"; default: this machine, or COOPDYN_SERVER
 r = sim.robot("robot1")

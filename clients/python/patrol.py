@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Drives a robot to the red target, back to where it began, and again: what ./start shows.
+"""Drives a robot to the red target, back to its start, and so on: the demo of ./start.
 
-python3 patrol.py [--robot robot1] [--minutes 2]      It ends when the time is over or somebody frees the robot.
+python3 patrol.py [--robot robot1] [--minutes 2]      Ends when the time is over or another client frees the robot.
 """
 import argparse
 import math
@@ -13,7 +13,7 @@ from attractor import REACHED, Attractor
 
 
 def bearing_of(pose, goal):
-    """Distance and bearing of a point (x, y) as the robot would see a target there."""
+    """Distance and bearing of a point (x, y), as for a target there."""
     dx, dy = goal[0] - pose.x, goal[1] - pose.y
     angle = math.atan2(dy, dx) - pose.heading
     return SimpleNamespace(distance=math.hypot(dx, dy), bearing=math.atan2(math.sin(angle), math.cos(angle)))

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""Balances a robot on two wheels by its IMU and drives it a metre forward: python3 pendulum.py [robot1]
+"""Balances a two-wheeled robot by its IMU and drives it one metre forward: python3 pendulum.py [robot1]
 
-Scenario `pendulum`. Its wheels' motors get a torque from a state feedback,
+Scenario `pendulum`. A state feedback sets the torque of the wheels' motors,
 
     tau = kx (x - x_ref) + kv (v - v_ref) + kp pitch + kr rate,
 
-with the pitch and its rate from the IMU, and the way x and its speed v from the wheels' joints, which turn against the body. The
-gains are those of a linear-quadratic regulator for the robot's masses. At first the robot leans on a skid, and gets up.
-The same algorithm and numbers in all three languages.
+with the pitch and its rate from the IMU, and the travelled distance x and its speed v from the wheels' joints, which turn relative
+to the body. The gains are those of a linear-quadratic regulator for the robot's masses. At the start the robot leans on a skid, and
+gets up. All three languages use the same algorithm and numbers.
 """
 import math
 import sys
@@ -19,7 +19,7 @@ POSITION_GAIN = 0.27  # kx [N m/m]
 SPEED_GAIN = 0.36  # kv [N m s/m]
 PITCH_GAIN = 2.12  # kp [N m/rad]
 RATE_GAIN = 0.24  # kr [N m s/rad]
-MAX_TORQUE = 1.0  # [N m] of both wheels
+MAX_TORQUE = 1.0  # [N m] both wheels together
 SPEED = 0.25  # [m/s]
 STAND_UNTIL = 4.0  # [s] simulated, from the start of the program
 DRIVE_UNTIL = 8.0  # [s]

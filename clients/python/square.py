@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Draws a square in the air with a robot's arm: python3 square.py [ROBOT]. In lockstep and in real time."""
+"""Draws a square in the air with a robot's arm: python3 square.py [ROBOT]. Runs in lockstep and in real time."""
 import math
 import sys
 
@@ -10,7 +10,7 @@ SIDE_S = 2.0  # for each side
 
 
 def smooth(s):
-    """From 0 to 1 with least jerk."""
+    """From 0 to 1 with minimum jerk."""
     return s * s * s * (10 - 15 * s + 6 * s * s)
 
 
@@ -23,7 +23,7 @@ def move(sim, arm, q):
 
 
 def distance(x, y, z):
-    """From the outline of the square in the plane x = 0, around 0."""
+    """A point on the outline of the square in the plane x = 0, centred at 0."""
     y, z = abs(y) - SIDE_M / 2, abs(z) - SIDE_M / 2
     outside = math.hypot(max(y, 0), max(z, 0))
     return math.hypot(x, outside if outside > 0 else max(y, z))
@@ -33,12 +33,12 @@ def main(name="robot1"):
     with coopdyn.connect() as sim:
         robot = sim.robot(name)
         arm = robot.joints()
-        # Bent forward, so that the tool can move every way: 0.8 rad about each axis that points to the left.
+        # Bend the arm forward, so that the tool can move in all directions: 0.8 rad about each axis that points left.
         move(sim, arm, [0.8 * round(y) for _, y, _ in arm.get_chain().axes])
         pose = arm.forward()
-        x, y, z = (row[3] for row in pose[:3])  # the middle of the square
+        x, y, z = (row[3] for row in pose[:3])  # the centre of the square
 
-        # The way of the joints: one posture for each step, each found near the one before.
+        # The path of the joints: one posture per step, each found near the previous one.
         dt, half = sim.dt, SIDE_M / 2
         steps = round(SIDE_S / dt)
         corners = [(y - half, z - half), (y + half, z - half), (y + half, z + half), (y - half, z + half)]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""A swarm that spreads: every robot goes ahead and turns away from what its sensors feel. In real time and lockstep.
+"""A swarm that spreads: every robot drives ahead and turns away from near things. Runs in real time and in lockstep.
 
-python3 swarm.py [swarm1]          names of swarms or robots; without any, all that nobody drives: coopdyn serve swarm100
+python3 swarm.py [swarm1]          names of swarms or robots; default: all free robots. Try it with coopdyn serve swarm100
 """
 import math
 import sys
@@ -13,7 +13,7 @@ GAIN = 2.0  # 1/s
 
 
 def away_from(distances, geometry):
-    """Forward speed and turn rate of a robot that feels this."""
+    """Forward speed and turn rate of a robot with these readings."""
     x = y = 0.0
     for distance, bearing, reach in zip(distances, geometry.bearing, geometry.max_range):
         if distance < reach:

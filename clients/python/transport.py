@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Teams of two carry their bars to the targets, past obstacles: python3 transport.py [team1 team2 ...]
+"""Teams of two robots carry bars to the targets, past obstacles: python3 transport.py [team1 team2 ...]
 
-The first team goes to the scenario's first target, the second to the second. Leader and helper are attractor dynamics
-(Bicho, Louro, Soares, Erlhagen): the leader turns to the target and away from obstacles, as fast as its load follows;
-the helper knows no target: its heading turns along the bar, its speed brings the load back to the middle of its
-support. docs/teams.md has the equations. The same algorithm and numbers in all languages.
+The first team goes to the scenario's first target, the second to the second. Leader and helper follow attractor dynamics
+(Bicho, Louro, Soares, Erlhagen): the leader turns to the target and away from obstacles, as fast as its load follows. The
+helper knows no target: its heading turns along the bar, and its speed brings the load back to the middle of its support.
+docs/teams.md has the equations. All languages use the same algorithm and numbers.
 """
 import math
 import sys
@@ -14,7 +14,7 @@ import coopdyn
 ROBOT_RADIUS = 0.18  # [m]
 TEAM_DISTANCE = 1.2  # [m] from leader to helper
 TARGET_STRENGTH = 0.9  # [rad/s]
-BAR_STRENGTH = 2.5  # [rad/s] by which the helper turns along the bar
+BAR_STRENGTH = 2.5  # [rad/s] of the helper's turn along the bar
 LEADER_OBSTACLE = 6.0  # [1/s]
 LEADER_DECAY = 0.45  # [m] the leader keeps room for the bar behind it
 HELPER_OBSTACLE = 4.0  # [1/s]
@@ -31,14 +31,14 @@ AHEAD = 0.873  # [rad]
 REACHED = 0.4  # [m] from the leader to the target
 FOLD = 1.3  # [rad] beyond, a robot turns back towards the bar
 FOLD_STRENGTH = 4.0  # [1/s]
-FOLLOW = 12.0  # [1/s] speed per way of the load along the bar
+FOLLOW = 12.0  # [1/s] speed per displacement of the load along the bar
 FOLLOW_INTEGRAL = 8.0  # [1/s²]
 ACROSS = 5.0  # [rad/s per m] of the load across the bar
-SLACK = 0.055  # [m] the leader stands when the load lags so far behind
-EASE = 0.03  # [m] it slows down from SLACK - EASE on
-MATE_WIDTH = 0.35  # [rad] ranges about the mate's bearing are the mate
-MATE_NEAR = 0.25  # [m] unless they are nearer than it by so much
-SETTLE = 2.0  # [s] the helpers have after the leaders have arrived
+SLACK = 0.055  # [m] lag of the load at which the leader stops
+EASE = 0.03  # [m] the leader slows down from a lag of SLACK - EASE on
+MATE_WIDTH = 0.35  # [rad] ranges this close to the mate's bearing are the mate
+MATE_NEAR = 0.25  # [m] unless they are nearer than the mate by more than this
+SETTLE = 2.0  # [s] for the helpers after the leaders have arrived
 TIME_LIMIT = 180.0  # [s] simulated
 
 
@@ -47,7 +47,7 @@ def clamp(value, low, high):
 
 
 def along(load):
-    """The load's way along the bar."""
+    """The load's displacement along the bar."""
     return load.x * math.cos(load.angle) + load.y * math.sin(load.angle)
 
 
@@ -56,12 +56,12 @@ def across(load):
 
 
 def unfold(angle):
-    """Turns back towards the bar if the heading is too far from it."""
+    """Turn rate back towards the bar if the heading deviates too far from it."""
     return 0.0 if abs(angle) <= FOLD else FOLD_STRENGTH * (angle - math.copysign(FOLD, angle))
 
 
 def obstacles(geometry, distances, strength, decay, mate):
-    """Turn rate, potential and free way ahead; what is seen at the bearing `mate` is the other robot of the team."""
+    """Turn rate, potential and free distance ahead; ranges near the bearing `mate` are the other robot of the team."""
     turn, potential, free = 0.0, 0.0, math.inf
     for d, psi, opening in zip(distances, geometry.bearing, geometry.opening):
         if d == math.inf:
@@ -80,7 +80,7 @@ def obstacles(geometry, distances, strength, decay, mate):
 
 
 class Leader:
-    """Drives to the target past obstacles, as fast as the load follows. Its state is its speed."""
+    """Drives to the target past obstacles, as fast as the load follows. Its state is the speed."""
 
     def __init__(self, geometry):
         self.geometry = geometry
@@ -103,7 +103,7 @@ class Leader:
 
 
 class Helper:
-    """Follows the load. Its state is the speed that the leader seems to have along the bar."""
+    """Follows the load. Its state is the leader's estimated speed along the bar."""
 
     def __init__(self, geometry):
         self.geometry = geometry
@@ -119,13 +119,13 @@ class Helper:
 
 
 class Team:
-    """Leader and helper of one team, and the number of their target."""
+    """Leader and helper of a team, and the number of their target."""
 
     def __init__(self, sim, name, number):
         self.name, self.number = name, number
         self.front, self.back = sim.robot(f"{name}_leader"), sim.robot(f"{name}_helper")
         self.leader, self.helper = Leader(self.front.get_geometry()), Helper(self.back.get_geometry())
-        self.arrived = None  # when
+        self.arrived = None  # time of arrival
 
     def drive(self, dt):
         s = self.front.sense()

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""Follows the wall on the right by a lidar: python3 wall.py [robot1 [SECONDS]]
+"""Follows the wall on the right using a lidar: python3 wall.py [robot1 [SECONDS]]
 
-Scenario `wall`. Two rays see the wall: b to the right, and a, further ahead by the angle theta. They tell how the robot's heading is
-turned away from the wall, its distance (or that of the nearest thing on the right), and what that will be l further on,
+Scenario `wall`. Two rays see the wall: b to the right, and a, turned ahead by the angle theta. They yield the robot's heading
+relative to the wall, its distance from the wall (or from the nearest thing on the right), and this distance after l more metres,
 
     alpha = atan2(a cos(theta) - b, a sin(theta)),   d = b cos(alpha),   d_ahead = d + l sin(alpha).
 
-The turn rate brings d_ahead to the distance wished for; what is near ahead makes the robot slow down and turn left. The same
-algorithm and numbers in all three languages.
+The turn rate controls d_ahead to the desired distance; near things ahead make the robot slow down and turn left. All three languages
+use the same algorithm and numbers.
 """
 import math
 import sys
@@ -15,17 +15,17 @@ import sys
 import coopdyn
 
 WALL_DISTANCE = 0.5  # [m] from the lidar
-SIDE = 1.5707963  # [rad] where b looks, to the right
+SIDE = 1.5707963  # [rad] bearing of b, to the right
 AHEAD_BY = 0.7  # theta [rad]
 LOOK_AHEAD = 0.5  # l [m]
 GAIN = 4.0  # [rad/s/m]
 SPEED = 0.2  # [m/s]
 MAX_TURN = 1.0  # [rad/s]
 MAX_SINE = 0.25  # of alpha
-RIGHT = 1.05  # [rad] to either side of b: where the wall is looked for
-FREE = 0.7  # [m] what is nearer ahead makes it turn
+RIGHT = 1.05  # [rad] to either side of b: the search for the wall
+FREE = 0.7  # [m] the robot turns if something ahead is nearer
 CONE = 0.35  # [rad] to either side of ahead
-SEEN = 2.0  # [m] what is further counts as this far
+SEEN = 2.0  # [m] longer ranges are clamped to this
 
 
 def ray(scan, bearing):
@@ -35,13 +35,13 @@ def ray(scan, bearing):
 
 
 def nearest(scan, bearing, cone):
-    """The least range [m] of the rays within `cone` of a bearing [rad], in the middle row."""
+    """The shortest range [m] of the rays within `cone` of a bearing [rad], in the middle row."""
     row = scan.ranges[len(scan.elevation) // 2]
     return min([SEEN] + [r for azimuth, r in zip(scan.azimuth, row) if abs(math.remainder(azimuth - bearing, 2 * math.pi)) <= cone])
 
 
 def command(scan):
-    """Speed [m/s], turn rate [rad/s], and how far the wall is now [m]."""
+    """Speed [m/s], turn rate [rad/s], and the present distance of the wall [m]."""
     a, b = ray(scan, AHEAD_BY - SIDE), ray(scan, -SIDE)
     alpha = math.atan2(a * math.cos(AHEAD_BY) - b, a * math.sin(AHEAD_BY))
     distance, free = min(b * math.cos(alpha), nearest(scan, -SIDE, RIGHT)), nearest(scan, 0, CONE)

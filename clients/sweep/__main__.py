@@ -81,7 +81,7 @@ def show_conflicts(results):
 def show_older(results):
     if results.older:
         keys = ", ".join(one["key"] for one in results.older[:3]) + (", …" if len(results.older) > 3 else "")
-        print(f"{results.folder}: {len(results.older)} lines of an older coopdyn do not say all that their runs were made of, and do not count: "
+        print(f"{results.folder}: {len(results.older)} lines of an older coopdyn lack some inputs of their runs, and do not count: "
               f"{keys}", file=sys.stderr)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the commands that start runs have in common: how they read options, show how far they are, and end."""
+"""Shared by the commands that start runs: reads options, shows progress, and shuts down on signals."""
 import argparse
 import concurrent.futures
 import json
@@ -29,7 +29,7 @@ class Parser(argparse.ArgumentParser):
 
 
 class Bar:
-    """How far a sweep is, on a terminal; each tenth of it elsewhere."""
+    """The progress of a sweep: a bar on a terminal; elsewhere a line for each tenth."""
 
     def __init__(self, count):
         self._count, self._done, self._failed, self._began, self._told = count, 0, 0, time.monotonic(), 0
@@ -49,7 +49,7 @@ class Bar:
 
 
 def check_one(words):
-    """Does a `coopdyn check --digests`: the digests, and the lines of its warnings. A mistake is told before anything runs."""
+    """Runs `coopdyn check --digests`; returns the digests, and the lines of its warnings. Raises Wrong for a mistake."""
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     if done.returncode == 0:
         return json.loads(done.stdout), done.stderr.splitlines()
@@ -57,7 +57,7 @@ def check_one(words):
 
 
 def look(commands, processes=1):
-    """The digests of each; shows the warnings, each once."""
+    """Runs check commands; returns the digests of each, and prints each warning once."""
     with concurrent.futures.ThreadPoolExecutor(processes) as pool:
         found = list(pool.map(check_one, commands))
     for line in dict.fromkeys(line for _, lines in found for line in lines):
@@ -66,7 +66,7 @@ def look(commands, processes=1):
 
 
 def stop(*_):
-    """Of a signal: ends all in order, and by force if that takes too long. Daemons end with this process."""
+    """Handles a signal: shuts down in order, or exits after kGrace_s. Daemons exit with this process."""
     force = threading.Timer(kGrace_s, os._exit, [130])
     force.daemon = True
     force.start()

@@ -113,7 +113,7 @@ def _command(words):
 
 
 def slurm(jobs, options, folder, wait=True):
-    """Arrays of a Slurm cluster whose nodes see `folder` and the program. `options`: more words for sbatch."""
+    """Arrays of a Slurm cluster whose nodes see `folder` and the program. `options`: further arguments of sbatch."""
     place = os.path.join(os.path.abspath(folder), "slurm")
     answers = os.path.join(place, "results")
     os.makedirs(answers, exist_ok=True)
@@ -151,7 +151,7 @@ def _submit(jobs, options, place, answers):
 
 
 def _running_array(place):
-    """An earlier array that still runs, of a sweep that was killed; None if none."""
+    """A still running array of an earlier, killed sweep; None if none."""
     try:
         with open(os.path.join(place, "array"), encoding="utf-8") as stream:
             array = stream.read().strip()

@@ -257,7 +257,7 @@ def lay_out(given, version, program, folders, look):
     jobs = [job_of({**inputs, "digests": {**digests[check], **own}}, serve_of(program, scenario, inputs), given.record, given.out)
             for inputs, check in zip(chosen_inputs, checks)]
     if len({job["key"] for job in jobs}) < len(jobs):
-        raise Wrong("two runs of this sweep are the same: look for a value that is written twice")
+        raise Wrong("two runs of this sweep are the same: remove the duplicate value")
     return jobs
 
 

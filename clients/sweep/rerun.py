@@ -21,7 +21,7 @@ def line_of(folder, key):
     if found:
         raise Wrong(f"{len(found)} keys of {folder} begin with {key}: write more of it")
     if any(one["key"].startswith(key) for one in results.older):
-        raise Wrong(f"{key} was written by an older coopdyn, which did not say all that its run was made of: run its sweep again")
+        raise Wrong(f"{key} was written by an older coopdyn without all inputs of its run: run its sweep again")
     raise Wrong(f"{folder}/results.jsonl has no result {key}: runs.csv of `coopdyn sweep report` lists the keys")
 
 

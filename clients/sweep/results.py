@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The results of a sweep, or of a grading, on disk: OUT/results.jsonl, a line of JSON for each run, written once. One process writes."""
+"""The results of a sweep or a grading on disk: OUT/results.jsonl, one line of JSON per run, written once. One process writes."""
 import contextlib
 import csv
 import fcntl
@@ -21,7 +21,7 @@ def opened(path, flags):
 
 
 def put(path, text):
-    """Replaces a file, even a link, by a whole new one."""
+    """Atomically replaces a file, even a link, by a new one."""
     part = path + ".part"
     try:
         with contextlib.suppress(FileNotFoundError):
@@ -36,7 +36,7 @@ def put(path, text):
 
 
 def table(rows):
-    """CSV."""
+    """Rows as CSV."""
     text = io.StringIO()
     csv.writer(text).writerows(rows)
     return text.getvalue()

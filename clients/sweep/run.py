@@ -106,7 +106,7 @@ def run_one(job, started=None):
 
 
 def where_and_when(began, started_at):
-    """What of a run is no part of its result: it differs each time."""
+    """The data of a run that differ each time, so are not part of its result."""
     return {"wall_s": round(time.monotonic() - began, 6), "host": socket.gethostname(),
             "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(started_at))}
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The report of `coopdyn check` on one file: its kind, what was mended, what is left out and why that
-// matters, missing files, and how to drive it. Any thread.
+// The report of `coopdyn check` on one file: its format, repairs, ignored parts and their consequences,
+// missing files, and how to drive it. Any thread.
 #pragma once
 
 #include <boost/json/fwd.hpp>
@@ -21,7 +21,7 @@ const char* ToString(CheckVerdict verdict);
 struct Finding {
   SourceLine where;
   std::string what, why;  // `why` may be empty
-  int count = 1;          // number of similar findings
+  int count = 1;
 };
 
 /// Files that a model names and that were not found.
@@ -43,7 +43,7 @@ struct CheckReport {
   std::string file;
   std::string format;     // URDF, xacro, SDF 1.9, scenario, world, experiment
   std::string name;       // in the file
-  bool has_page = false;  // a model or an SDF world gets the text page
+  bool has_page = false;  // true for models and SDF worlds: printed as PageOf()
   CheckVerdict verdict = CheckVerdict::kRuns;
   std::vector<std::string> lines;           // Checked::lines
   std::shared_ptr<const RobotModel> model;  // Checked::model; for a world, of its only robot with sockets
@@ -53,7 +53,7 @@ struct CheckReport {
   std::optional<DriveLines> drive;  // of the first robot to drive, if any
 };
 
-/// `options`: options for `serve` with which the file was read, each preceded by a blank. Reads the file
+/// `options`: options of `serve` with which the file was read, each preceded by a blank. Reads the file
 /// again.
 CheckReport MakeReport(const std::string& file, const Checked& checked, const Diagnostics& diagnostics,
                        const SearchPath& path, const std::string& options);

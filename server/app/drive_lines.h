@@ -16,8 +16,8 @@ struct DriveLines {
   std::string yarp;    // for a shell
 };
 
-/// `file` is served with `options`, each preceded by a blank. `name`, `model`: a robot in it with sockets;
-/// null if there is none. The programs run for about 1 s in steps of `step_s`.
+/// Makes programs for `file`, served with `options`, each preceded by a blank. `name`, `model`: a robot in it
+/// with sockets; null if it has none. The programs run for about 1 s in steps of `step_s`.
 DriveLines DriveLinesFor(const std::string& file, const std::string& options, const std::string& name,
                          const RobotModel* model, double step_s = 0.01);
 

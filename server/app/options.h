@@ -58,7 +58,7 @@ struct ServeOptions {
   std::string yarp_server;            // HOST:PORT; empty: own name server only
   std::string yarp_dialect = "auto";  // of readers: "3", "4", or "auto" to ask each reader
   std::string seat;                   // the socket by which `coopdyn host` passes connections; empty: none
-  bool seat_ports = false;            // it has ports of its own besides, for admitted machines
+  bool seat_ports = false;            // the daemon of a seat also has its own ports, for admitted machines
   std::string seat_url;               // of the page, as the host serves it
   bool private_robots = false;
   bool read_only = false;

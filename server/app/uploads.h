@@ -26,10 +26,10 @@ class Uploads {
   static constexpr std::uint64_t kMaxBytes = std::uint64_t{256} << 20;  // total
   static constexpr std::size_t kMaxName = 63;
 
-  /// A folder name that nobody can guess. The first upload makes the folder.
+  /// Chooses an unguessable folder name. The first upload makes the folder.
   static std::filesystem::path ChooseFolder();
 
-  /// `folder` is the last one of `path`.
+  /// `folder` must be the last one of `path`.
   Uploads(std::filesystem::path folder, SearchPath path)
       : folder_(std::move(folder)), path_(std::move(path)) {}
   /// Removes the folder.

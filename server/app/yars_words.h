@@ -10,7 +10,7 @@ namespace coopdyn {
 struct YarsWords {
   std::vector<std::string> serve;  // arguments of `coopdyn serve`
   std::vector<std::string> notes;  // words without effect here, and what to use instead
-  std::string error;               // what is wrong, and what to write; empty if nothing
+  std::string error;               // the error, and what to write instead; empty: none
   std::string told;                // text to print instead of a run; empty: run
 };
 

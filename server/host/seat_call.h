@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One HTTP request to the page of a seat's daemon, over a pair of sockets of which the daemon gets one. The
-// io_context's thread.
+// Sends an HTTP request to the page of a seat's daemon, over a socket pair whose other end is passed to the
+// daemon. The io_context's thread.
 #pragma once
 
 #include <chrono>
@@ -13,17 +13,17 @@
 
 namespace coopdyn {
 
-/// What the page answered; status 0: nothing came.
+/// The page's reply; status 0: no reply.
 struct SeatAnswer {
   unsigned status = 0;
   std::string body;
 };
 
-/// The longest answer that is read.
+/// Longest accepted reply.
 inline constexpr std::uint64_t kMaxSeatAnswer = std::uint64_t{512} << 20;
 
-/// Sends `body` (none: GET) to `target` of the page of a seat that runs, as the teacher. `done` is called
-/// once.
+/// Sends `body` (empty: GET) to `target` of a running seat's page, as the teacher. Calls `done` once, after
+/// at most `time`.
 void CallSeat(boost::asio::io_context& context, Seat& seat, const std::string& target,
               const std::string& body, std::function<void(SeatAnswer)> done,
               std::chrono::seconds time = std::chrono::seconds(10));

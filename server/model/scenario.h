@@ -115,14 +115,14 @@ struct RandomKey {
   std::string value;
 };
 
-/// [TASK]: what a student is asked to do. Texts are Markdown.
+/// [TASK]: a task for students. Texts are Markdown.
 struct Task {
   static constexpr std::size_t kMaxHints = 20, kMaxTextBytes = 20'000;
 
   std::string title;
-  std::string text;                 // its paragraphs, with an empty line between two
-  std::vector<std::string> hints;   // opened one after the other
-  std::vector<std::string> counts;  // what is worth points
+  std::string text;                 // its paragraphs, separated by empty lines
+  std::vector<std::string> hints;   // opened one after another
+  std::vector<std::string> counts;  // criteria worth points
 
   bool empty() const { return title.empty() && text.empty() && hints.empty() && counts.empty(); }
 };

@@ -26,17 +26,17 @@ enum class NameKind { kModule, kAlias };
 struct NameEntry {
   std::string name;  // "/robot1/motors"
   std::string ip;    // empty: the address at which the name server was asked
-  int port = 0;      // 0: reached through OPEN only
+  int port = 0;      // 0: reachable only through OPEN
   std::string type = "tcp";
   bool external = false;  // registered by another program
   NameKind kind = NameKind::kModule;
-  AdoptFunction adopt = {};                            // hands it a connection; empty if external
+  AdoptFunction adopt = {};                            // passes a connection to it; empty if external
   std::map<std::string, std::string> properties = {};  // `set` key values, of external names
   std::string registrar = {};  // address of the program that registered it; empty: this machine, or our own
-  Nanoseconds used = 0;        // when it was last registered, changed or asked for
+  Nanoseconds used = 0;        // time of the last registration, change or query
 };
 
-/// The port `from` sends to the port `to`, again each time one of them comes back.
+/// The port `from` sends to the port `to`, and reconnects whenever one of them returns.
 struct Subscription {
   std::string from, to;  // "/clock", "/me/clock:i"
   auto operator<=>(const Subscription&) const = default;
@@ -75,7 +75,7 @@ class NameTable {
   // --- the daemon's own names
   /// Adds an own name, replacing an external one. Returns false if the daemon already has that name.
   bool AddOwn(const std::string& name, int port, AdoptFunction adopt, NameKind kind = NameKind::kModule);
-  /// Does nothing unless `name` is our own.
+  /// Does nothing unless `name` is an own name.
   void RemoveOwn(const std::string& name);
 
   // --- look-up

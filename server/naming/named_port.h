@@ -16,7 +16,7 @@ namespace coopdyn {
 /// Built, opened and destroyed on one thread; its connections are served on `io`.
 class NamedPort {
  public:
-  /// All arguments outlive it.
+  /// All references must outlive it.
   NamedPort(std::string name, Endpoint& endpoint, IoThread& io, NetServices& net, NameTable& names,
             NameKind kind = NameKind::kModule)
       : name_(std::move(name)),
@@ -37,8 +37,8 @@ class NamedPort {
   NamedPort(const NamedPort&) = delete;
   NamedPort& operator=(const NamedPort&) = delete;
 
-  /// Listens and lists the name. Without `addresses` the port is reached through OPEN only. Returns an error
-  /// text, or empty on success.
+  /// Listens and registers the name. Without `addresses` the module is reachable only through OPEN. Returns
+  /// an error text, empty on success.
   std::string Open(const std::vector<std::string>& addresses, int port) {
     if (!addresses.empty()) {
       const std::string error = server_->Listen(addresses, port);
@@ -49,7 +49,7 @@ class NamedPort {
   }
   /// Number of open connections. Any thread.
   std::size_t session_count() const { return server_ == nullptr ? 0 : server_->session_count(); }
-  /// 0: reached through OPEN only.
+  /// 0: reachable only through OPEN.
   int port() const { return server_->port(); }
 
  private:

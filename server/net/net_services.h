@@ -27,8 +27,8 @@ inline constexpr const char* kTakenText =
 /// One per daemon; outlives every server. `clock` must outlive it.
 class NetServices {
  public:
-  /// `read_only`: no client may change anything (`--read-only`). `trusts_this_machine`: whoever connects from
-  /// this machine needs no token (not with `--token-for-all`).
+  /// `read_only`: no client may change anything (`--read-only`). `trusts_this_machine`: clients on this
+  /// machine need no token (unless `--token-for-all`).
   NetServices(Logger logger, const Clock& clock, Encodings encodings = StandardEncodings(),
               bool read_only = false, bool trusts_this_machine = true)
       : logger_(std::move(logger)),
@@ -45,11 +45,11 @@ class NetServices {
   /// While the teacher drives, the students of this seat may change nothing.
   bool taken() const { return taken_; }
   void SetTaken(bool taken) { taken_ = taken; }
-  /// From now on only the machines of Admit() may connect to the daemon's ports: those whose users have shown
-  /// the PIN of this seat. They are students of the seat.
+  /// Restricts the daemon's ports to the machines of Admit(), whose users have shown the PIN of this seat and
+  /// count as its students.
   void AdmitOnlyKnown() { admits_only_known_ = true; }
   bool admits_only_known() const { return admits_only_known_; }
-  /// `peer`: ADDRESS:PORT, of which the port does not matter.
+  /// `peer`: ADDRESS:PORT; the port is ignored.
   void Admit(const std::string& peer) EXCLUDES(admitted_mutex_);
   /// Whether `peer` may connect; makes it a student of the seat if only known ones may.
   bool Admits(PeerInfo& peer) const EXCLUDES(admitted_mutex_);
@@ -57,7 +57,7 @@ class NetServices {
   const char* WhyReadOnly(const PeerInfo& peer) const {
     return read_only_ ? kReadOnlyText : peer.yields && taken_ ? kTakenText : nullptr;
   }
-  /// Returns an id that this daemon has given to no other connection.
+  /// Returns a connection id that is unique in this daemon.
   ClientId NextClient() { return ++last_client_; }
   /// Logs that a resource, such as open files, has run out: once, until it has not happened for kOver.
   void LogExhausted(const std::string& what);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A connection that one process has accepted and another serves: `coopdyn host` reads who is calling, then
-// passes the socket to the daemon of that seat (SCM_RIGHTS, unix(7)). One message of a SOCK_SEQPACKET socket
-// for each connection. The codec is pure; any thread.
+// Passes connections between processes: `coopdyn host` accepts a connection, reads its seat, and passes the
+// socket to that seat's daemon (SCM_RIGHTS, unix(7)). One message of a SOCK_SEQPACKET socket per connection.
+// The codec is pure; any thread.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ class io_context;
 
 namespace coopdyn {
 
-/// What the host tells a daemon about a connection, or about all of them.
+/// A message of the host to a daemon, about one connection or all.
 enum class PassedKind : char {
   kNames = 'N',  // a connection to the name server
   kPage = 'P',   // a connection to the page
@@ -30,18 +30,18 @@ enum class PassedKind : char {
 };
 
 struct PassedSocket {
-  /// Longest message: the head of an HTTP request and what was read with it.
+  /// Longest message: the head of an HTTP request and the bytes read with it.
   static constexpr std::size_t kMaxBytes = std::size_t{96} << 10;
 
   PassedKind kind = PassedKind::kNames;
   PeerInfo peer = {};
-  std::string already_read = {};  // by the sender, of the client's bytes
+  std::string already_read = {};  // the client's bytes that the sender has read
   UniqueFd fd = {};               // of kNames and kPage only
 };
 
 /// The bytes of the message, without the socket.
 std::string EncodePassed(const PassedSocket& passed);
-/// Nothing: these are no such bytes. Without the socket.
+/// Decodes the message, without the socket. Nullopt if malformed.
 std::optional<PassedSocket> DecodePassed(std::string_view bytes);
 
 /// Sends a connection without blocking. Returns 0 or an errno code; EAGAIN: later.
@@ -52,15 +52,15 @@ class PassedDoor {
  public:
   using TakeFunction = std::function<void(PassedSocket)>;
 
-  /// `take` is called on the thread of `context`, which outlives the door.
+  /// Calls `take` on the thread of `context`, which must outlive the door.
   PassedDoor(boost::asio::io_context& context, TakeFunction take);
   /// On the thread of `context`, or when that has stopped. Removes the path.
   ~PassedDoor();
   PassedDoor(const PassedDoor&) = delete;
   PassedDoor& operator=(const PassedDoor&) = delete;
 
-  /// Listens at `path`; replaces what a process that has died left there. An error text, empty if it listens.
-  /// Any thread, once.
+  /// Listens at `path`; replaces a socket left there by a dead process. Returns an error text, empty on
+  /// success. Any thread, once.
   std::string Listen(const std::string& path);
 
  private:
@@ -68,7 +68,7 @@ class PassedDoor {
   std::shared_ptr<Impl> impl_;
 };
 
-/// A connected socket to the door at `path`; none, and errno says why.
+/// Returns a socket connected to the door at `path`; on failure an empty one, with errno set.
 UniqueFd ConnectToDoor(const std::string& path);
 
 }  // namespace coopdyn

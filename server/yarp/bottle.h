@@ -64,8 +64,8 @@ std::int32_t VocabCode(std::string_view word);
 
 inline constexpr std::size_t kMaxBottleDepth = 32;
 
-/// Decodes one whole binary Bottle. `dialect`: tried first, and updated if numbers in the Bottle show the
-/// other one. Nullopt if the bytes are no Bottle, are nested too deeply, or have a remainder.
+/// Decodes one complete binary Bottle. `dialect`: tried first, and updated if numbers in the Bottle show the
+/// other one. Nullopt if the bytes are not a Bottle, are nested too deeply, or have a remainder.
 std::optional<Bottle> DecodeBottle(std::string_view bytes, YarpDialect& dialect);
 /// Appends the Bottle's bytes. Omits the tags of items of one primitive type, as YARP does.
 void EncodeBottle(const Bottle& bottle, YarpDialect dialect, std::string& out);

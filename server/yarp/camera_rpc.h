@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A camera as a frame grabber and as an RGB-D sensor of YARP 3 and 4.
+// Translates requests to a camera as a frame grabber and as an RGB-D sensor of YARP 3 and 4.
 #pragma once
 
 #include <memory>

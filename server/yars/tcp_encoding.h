@@ -11,8 +11,8 @@
 namespace coopdyn {
 
 /// The encoding's kind, chosen by the first five bytes of a text or a list: no other encoding begins with
-/// them. Answers invalid input with a text, ERROR and the reason, and closes the connection. `world` outlives
-/// it.
+/// them. Answers invalid input with a text, ERROR and the reason, and closes the connection. `world` must
+/// outlive it.
 EncodingKind YarsTcpEncodingKind(YarsWorld& world);
 
 }  // namespace coopdyn

@@ -25,9 +25,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kHold = 50;  // rounds until the robots get other speeds
+constexpr int kHold = 50;  // rounds before the robots' speeds change
 
-/// Forward [m/s] and turn [rad/s] of robot i in these rounds. The Python program below has the same formulas.
+/// Forward [m/s] and turn [rad/s] of robot i in these rounds. The Python program below uses the same
+/// formulas.
 double Forward(int i, int phase) {
   return 0.05 + 0.05 * ((i * 7 + phase * 3) % 5) / 4.0;
 }
@@ -77,7 +78,7 @@ wall, server_used = time.monotonic() - start, server_cpu() - server_start
 print(wall, server_used, time.process_time() - own_start, sim.hash(), flush=True)
 )";
 
-/// Runs `round(k)` for all rounds and says how long those after the warm-up took.
+/// Runs `round(k)` for all rounds; returns the duration of those after the warm-up.
 std::string Timed(const BenchClientOptions& options, pid_t server, client::Simulation& sim,
                   const std::function<void(int)>& round) {
   using std::chrono::steady_clock;
@@ -122,7 +123,7 @@ std::string DriveEach(const BenchClientOptions& options, pid_t server, client::S
   });
 }
 
-/// In the client's process: drives, and writes the figures to stdout.
+/// Runs in the client's process: drives, and writes the figures to stdout.
 [[noreturn]] void RunCpp(const BenchDaemon& daemon, const BenchClientOptions& options) {
   int code = 1;
   try {
@@ -171,7 +172,7 @@ BenchClientFigures DriveBench(const BenchDaemon& daemon, const BenchClientOption
   const std::string folder = options.python ? PythonClientFolder() : "";
   int out[2];
   if (::pipe2(out, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
-  // This process has one thread: the child may go on in it.
+  // This process has one thread, so the child may continue in it.
   const pid_t child = ::fork();
   if (child == 0) {
     ::dup2(out[1], STDOUT_FILENO);

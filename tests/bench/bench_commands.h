@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The commands of coopdyn-bench: each adds itself to `bench`. Parsing it sets `chosen` to what measures and
-// returns the exit code. Main thread.
+// The commands of coopdyn-bench: each adds itself to `bench`. Parsing sets `chosen` to the function that
+// measures and returns the exit code. Main thread.
 #pragma once
 
 #include <functional>
@@ -11,17 +11,17 @@ class App;
 
 namespace coopdyn {
 
-/// How many robot-steps a second of CPU gives, without sockets, pictures or pacing.
+/// Robot-steps per second of CPU, without sockets, pictures or pacing.
 void AddBenchSwarm(CLI::App& bench, std::function<int()>& chosen);
-/// What a step of one type of robot costs, by phase.
+/// Cost of a step of one type of robot, by phase.
 void AddBenchRobot(CLI::App& bench, std::function<int()>& chosen);
-/// Rounds per second over sockets. A round: every robot gets its command, the step runs, every reply is
-/// there.
+/// Rounds per second over sockets. In a round every robot receives its command, the step runs, and every
+/// reply arrives.
 void AddBenchLockstep(CLI::App& bench, std::function<int()>& chosen);
-/// What recording costs, and how long it takes to find a moment again, to verify the run, and to begin anew.
+/// Cost of recording, and the time to seek in, verify and branch from a run.
 void AddBenchRecording(CLI::App& bench, std::function<int()>& chosen);
 
-/// Pictures and lidar rays per second, µs of each reading, and how long a client waits for a picture.
+/// Pictures and lidar rays per second, µs of each reading, and a client's latency of a picture.
 void AddBenchSensors(CLI::App& bench, std::function<int()>& chosen);
 
 }  // namespace coopdyn

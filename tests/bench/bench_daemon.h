@@ -11,16 +11,17 @@
 namespace coopdyn {
 
 struct BenchDaemonOptions {
-  /// Texts by name, put into the daemon's folder, where it finds robots too. It serves bench.scenario.
+  /// Texts by name, written to the daemon's folder, where it also finds robots. It serves bench.scenario.
   std::map<std::string, std::string> files;
   std::vector<std::string> words = {};  // further options of `coopdyn serve`
-  std::string record = {};              // what of the run is recorded, as --record-what; empty: nothing
+  std::string record = {};              // value of --record-what; empty: no recording
   std::string program = {};             // empty: the coopdyn beside this program
 };
 
 class BenchDaemon {
  public:
-  /// Starts `coopdyn serve`. Returns when it is ready. Throws std::runtime_error with what the daemon said.
+  /// Starts `coopdyn serve`, and returns when it is ready. Throws std::runtime_error with the daemon's
+  /// output.
   explicit BenchDaemon(const BenchDaemonOptions& options);
   /// Ends the daemon and removes its files.
   ~BenchDaemon();
@@ -35,12 +36,12 @@ class BenchDaemon {
   void Start(const BenchDaemonOptions& options);
   void End();
 
-  std::string folder_;  // of its own
+  std::string folder_;  // private
   std::string address_;
   pid_t pid_ = 0;
 };
 
-/// The path of the program `name` in the folder of this one.
+/// The path of the program `name` in this program's folder.
 std::string ProgramBeside(const std::string& name);
 
 }  // namespace coopdyn

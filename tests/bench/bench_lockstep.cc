@@ -35,7 +35,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kStep_s = 0.01;
-/// Without --rounds: this many robot-rounds, within limits.
+/// Without --rounds: this number of robot-rounds, within limits.
 constexpr int kRobotRounds = 50'000, kFewestRounds = 30, kMostRounds = 5'000;
 constexpr int kLeastWarmUp = 5;
 constexpr const char* kWithRays = "bench_robot";  // the type with --rays
@@ -43,11 +43,11 @@ constexpr const char* kWithRays = "bench_robot";  // the type with --rays
 struct LockstepBench {
   int robots = 100;
   std::string robot = "minibot", fidelity = "rolling";
-  int rays = 0;           // single rays all round instead of the robot's sensors; 0: as it has them
+  int rays = 0;           // single rays all round instead of the robot's sensors; 0: its own sensors
   double range_m = 4;     // of those
-  int robot_threads = 0;  // 0: by default
+  int robot_threads = 0;  // 0: the default
   int threads = 1;
-  std::string record;  // what of the run is recorded; empty: nothing
+  std::string record;  // recorded data; empty: none
   BenchClientOptions client;
   std::string clients = "per-robot", language = "cpp";
   int rounds = 0;  // 0: by the number of robots
@@ -56,7 +56,7 @@ struct LockstepBench {
   bool json = false;
 };
 
-/// Of one repeat; times per robot and round in µs.
+/// Figures of one repeat; times per robot and round in µs.
 struct LockstepFigures {
   double rounds_per_s = 0, us = 0, server_cpu_us = 0, client_cpu_us = 0;
 };

@@ -55,7 +55,7 @@ struct RecordingFigures {
   double reset_ms = 0, reset_growth_kb = 0;
 };
 
-/// Seeks at random moments of the run, on a player's own thread; what each takes until its frame is shown.
+/// Seeks to random moments of the run on a player's own thread; times each until its frame is shown.
 std::string MeasureSeeks(const RecordingBench& options, const std::string& file, const SearchPath& path,
                          RecordingFigures& figures) {
   std::string error;

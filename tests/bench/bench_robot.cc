@@ -18,7 +18,7 @@ namespace coopdyn {
 
 namespace {
 
-/// What the shipped robots do, slowly enough that they stay clear of each other for a minute.
+/// Motions of the shipped robots, slow enough that they stay clear of each other for a minute.
 constexpr std::array<std::pair<const char*, const char*>, 7> kUsual = {{{"quadruped", "trot speed=0.05"},
                                                                         {"hexapod", "tripod speed=0.05"},
                                                                         {"humanoid", "squat"},
@@ -27,7 +27,7 @@ constexpr std::array<std::pair<const char*, const char*>, 7> kUsual = {{{"quadru
                                                                         {"mh5", "reach"},
                                                                         {"mobile_arm", "reach z=0.6"}}};
 
-/// µs of each phase of a step of all copies together.
+/// µs of each phase of a step, all copies together.
 BenchSplit StepSplit(const SwarmBenchOptions& options, const BenchSplit& of) {
   const double copies = options.arena.robots;
   return {copies * of.sense_us, copies * of.control_us, copies * of.physics_us, copies * of.publish_us,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `coopdyn bench robot`: what a step of one type of robot costs, however many copies there are.
+// `coopdyn bench robot`: cost of a step of one type of robot, for any number of copies.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace coopdyn {
 
-/// The options of a run of `copies` robots of `type` in fidelity full, each 4 m from the next, without walls.
-/// They do what their kind does: legs walk, arms reach; `controller` replaces that, and none: they stand.
+/// The options of a run of `copies` robots of `type` in fidelity full, 4 m apart, without walls. They act by
+/// their kind: legs walk, arms reach; `controller` replaces that; with none they stand still.
 SwarmBenchOptions RobotBenchOptions(const std::string& type, int copies, const std::string& controller);
 
 /// One JSON object, ended by '\n'; a table for people.

@@ -17,7 +17,7 @@ namespace coopdyn {
 
 namespace {
 
-/// Gives every robot that no controller drives wheel speeds of 0 to 0.1 m/s, which it keeps.
+/// Gives every robot without a controller constant wheel speeds of 0 to 0.1 m/s.
 void DriveAtRandom(const Scene& scene, std::uint64_t seed, CommandBoard& commands) {
   constexpr double kFastest_m_s = 0.1;
   const Client client{.id = 1, .name = "bench", .peer = {}, .input_ended = false};

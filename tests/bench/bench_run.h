@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One repeat of `coopdyn bench swarm`: a world stepped in free mode from start to end, and what that took.
+// One repeat of `coopdyn bench swarm`: a world stepped in free mode from start to end, and its cost.
 #pragma once
 
 #include <cstdint>
@@ -19,9 +19,9 @@ struct BenchRunOptions {
   double seconds = 10;  // simulated
   int threads = 1;
   bool controllers_in_process = false;
-  std::string program = {};  // which becomes the controllers' child; empty: the coopdyn beside this program
+  std::string program = {};       // becomes the controllers' child; empty: the coopdyn beside this program
   RunJournal* journal = nullptr;  // null: the run is not recorded
-  bool sense = false;  // compute all distances after each step; for robots without a controller that does
+  bool sense = false;  // compute all distances after each step; for robots whose controller does not
 };
 
 struct BenchRun {
@@ -31,13 +31,13 @@ struct BenchRun {
   double wall_s = 0;
   PhaseTimes phases;
   std::uint64_t hash = 0;
-  double resident_kb = 0;  // of this process at the end, the world still standing
+  double resident_kb = 0;  // of this process at the end, before the world is destroyed
   std::vector<std::string> frozen;
   std::vector<std::string> problems;
 };
 
-/// Steps `scenario` on the calling thread. Robots without a controller get random wheel speeds once. Nothing,
-/// with errors, if the world cannot be built.
+/// Steps `scenario` on the calling thread. Robots without a controller get random wheel speeds once. Returns
+/// nullopt, with errors, if the world cannot be built.
 std::optional<BenchRun> RunOnce(const std::shared_ptr<const Scenario>& scenario,
                                 const BenchRunOptions& options, Diagnostics& diagnostics);
 

@@ -24,7 +24,7 @@ inline std::string BenchScenarioText(int robots) {
   return text;
 }
 
-/// `made`, or the end of the program with what is wrong.
+/// Returns `made`; on failure prints the errors and exits.
 template <typename T>
 std::shared_ptr<const T> OrExit(std::shared_ptr<const T> made, const Diagnostics& diagnostics) {
   if (made != nullptr) return made;

@@ -34,7 +34,7 @@ struct SensorBench {
   std::vector<std::string> folders;
 };
 
-/// Of one size of pictures; ms of CPU, but for the latencies.
+/// Figures of one picture size; ms of CPU, except for the latencies.
 struct PictureFigures {
   CameraSize size;
   double rgb_ms = 0, jpeg_ms = 0, depth_ms = 0;  // drawn, read back and encoded
@@ -56,11 +56,11 @@ struct SensorFigures {
   std::vector<Row> unread;    // µs of CPU of a robot-step
 };
 
-/// CPU seconds of one call of `once(i)`, the median of the repeats. `before(i)` prepares it and does not
-/// count, unless it takes so long that the measurement ends sooner; i goes round from 0 to `count` - 1.
+/// CPU seconds of one call of `once(i)`, the median of the repeats. `before(i)` prepares it and is not
+/// counted, except that a slow one ends the measurement sooner; i cycles from 0 to `count` - 1.
 template <typename Before, typename Once>
 double OneCall_s(const SensorBench& bench, int count, Before before, Once once) {
-  constexpr double kMostBefore = 4;  // parts of the time that counts
+  constexpr double kMostBefore = 4;  // relative to the counted time
   std::vector<double> all;
   for (int repeat = 0; repeat < bench.repeats; ++repeat) {
     const double start_s = OwnCpu_s();
@@ -97,7 +97,7 @@ double PictureOf_ms(const SensorBench& bench, PictureMaker& maker, const std::sh
   request.shot = CameraShot{nullptr, 0, SensorCalled(*room, size.module)};
   constexpr int kPictures = 20;
   const auto frames = FramesOf(room, kPictures);
-  // Another frame each time: the maker keeps the pictures of the newest.
+  // A new frame each time: the maker caches the pictures of the newest.
   const auto draw = [&](int i) {
     const ImageResult result = maker.Make(*frames[static_cast<std::size_t>(i)], request);
     if (!result.error.empty()) throw std::runtime_error(result.error);
@@ -122,7 +122,7 @@ double ReadBack_ms(const SensorBench& bench, const CameraSize& size) {
                    bench, 20, [] {}, read);
 }
 
-/// The daemon's CPU time and the client's waiting, of a step and a picture after it.
+/// The daemon's CPU time and the client's wait, for a step and a picture after it.
 void Serve(const SensorBench& bench, const std::map<std::string, std::string>& files, PictureFigures& of) {
   using Clock = std::chrono::steady_clock;
   BenchDaemonOptions options;
@@ -156,14 +156,14 @@ void Serve(const SensorBench& bench, const std::map<std::string, std::string>& f
 
 // --- readings
 
-/// CPU seconds of reading a sensor of the first robot, of a frame whose cache is there but for this sensor.
+/// CPU seconds of reading a sensor of the first robot, with a frame whose cache lacks only this sensor.
 double ReadingOf_s(const SensorBench& bench, const std::shared_ptr<const Scene>& scene, std::size_t sensor) {
   const SensorKind& kind = scene->robots.front().entry.model->sensors[sensor].kind;
   const bool is_kept = std::visit([]<typename Kind>(const Kind&) { return IsKept<Kind>; }, kind);
   std::vector<std::unique_ptr<const Frame>> frames;
   std::vector<double> data;
   const auto before = [&] {
-    if (!is_kept && !frames.empty()) return;  // computed each time
+    if (!is_kept && !frames.empty()) return;  // not cached
     frames = FramesOf(scene, kFrames);
     for (const auto& frame : frames) SensingCache::Of(*frame);
   };

@@ -25,7 +25,7 @@ namespace {
 
 BenchFigures FiguresOf(const BenchRun& run, int robots) {
   const double robot_steps = static_cast<double>(run.steps) * robots;
-  constexpr double kTick_s = 1e-6;  // a run so short that it took no time by the kernel's clock
+  constexpr double kTick_s = 1e-6;  // floor for runs too short for the kernel's clock
   const double cpu_s = std::max(run.cpu_s, kTick_s), wall_s = std::max(run.wall_s, kTick_s);
   const auto us = [robot_steps](double seconds) { return seconds * 1e6 / robot_steps; };
   const PhaseTimes& phases = run.phases;
@@ -72,7 +72,7 @@ std::string WithCommas(double value) {
   return text;
 }
 
-/// For JSON: with the digits that mean something.
+/// For JSON: with the significant digits.
 double Rounded(double value, int digits) {
   if (value == 0 || !std::isfinite(value)) return value;
   const double scale = std::pow(10, digits - 1 - std::floor(std::log10(std::abs(value))));
@@ -121,7 +121,7 @@ bool SwarmBenchResult::hashes_agree() const {
 std::optional<SwarmBenchResult> RunSwarmBench(const SwarmBenchOptions& options, RobotLibrary& library,
                                               Diagnostics& diagnostics,
                                               const std::function<void(int)>& tell) {
-  // What is in memory before and has nothing to do with the number of robots: code, and the robot's model.
+  // Memory that does not depend on the number of robots: code, and the robot's model.
   if (library.Get(options.arena.robot, {}, diagnostics) == nullptr) return std::nullopt;
   ::malloc_trim(0);
   const double resident_before_kb = Resident_kb();
@@ -141,7 +141,7 @@ std::optional<SwarmBenchResult> RunSwarmBench(const SwarmBenchOptions& options, 
     if (tell) tell(repeat);
     const std::optional<BenchRun> run = RunOnce(scenario, run_options, diagnostics);
     if (!run) return std::nullopt;
-    // Later repeats use the memory of the first once more.
+    // Later repeats reuse the memory of the first.
     if (repeat == 1) result.kb_per_robot = (run->resident_kb - resident_before_kb) / options.arena.robots;
     result.steps = run->steps;
     result.hashes.push_back(HashText(run->hash));

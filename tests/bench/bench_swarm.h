@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `coopdyn bench swarm`: how many robot-steps a second of CPU gives, without sockets, pictures or pacing.
+// `coopdyn bench swarm`: robot-steps per second of CPU, without sockets, pictures or pacing.
 #pragma once
 
 #include <functional>
@@ -16,10 +16,10 @@ struct SwarmBenchOptions {
   double seconds = 10;  // simulated, of each repeat
   int repeats = 3;
   bool controllers_in_process = false;
-  std::string program = {};  // which becomes the controllers' child; empty: the coopdyn beside this program
+  std::string program = {};  // becomes the controllers' child; empty: the coopdyn beside this program
 };
 
-/// Where the time of a robot-step goes, µs by the wall clock.
+/// Where a robot-step spends its time, µs of wall time.
 struct BenchSplit {
   double sense_us = 0, control_us = 0, physics_us = 0, publish_us = 0, other_us = 0;
 };
@@ -36,22 +36,22 @@ struct SwarmBenchResult {
   BenchFigures median;
   double spread = 0;  // of robot_steps_per_cpu_s: (largest − smallest) / median
   std::uint64_t steps = 0;
-  int rays = 0;             // of one robot
-  double range_m = 0;       // of its first sensor
-  double kb_per_robot = 0;  // what this process grew by in the first repeat, without the robot's model
+  int rays = 0;                       // of one robot
+  double range_m = 0;                 // of its first sensor
+  double kb_per_robot = 0;            // growth of this process in the first repeat, without the robot's model
   std::vector<std::string> hashes;    // of the last frame, by repeat
   std::vector<std::string> frozen;    // bodies that exploded
   std::vector<std::string> problems;  // errors of the run, e.g. controllers that were stopped
   bool hashes_agree() const;
 };
 
-/// Runs it, afresh for each repeat. `tell`: called before each repeat with its number from 1. Nothing, with
-/// errors, if the world cannot be built. The calling thread steps.
+/// Runs the benchmark, with a new world for each repeat. Calls `tell` before each repeat with its number from
+/// 1. Returns nullopt, with errors, if the world cannot be built. The calling thread steps.
 std::optional<SwarmBenchResult> RunSwarmBench(const SwarmBenchOptions& options, RobotLibrary& library,
                                               Diagnostics& diagnostics,
                                               const std::function<void(int)>& tell = {});
 
-/// One JSON object, ended by '\n'; a table for people.
+/// One JSON object, followed by '\n'; or a table for people.
 std::string BenchJson(const SwarmBenchOptions& options, const SwarmBenchResult& result);
 std::string BenchTable(const SwarmBenchOptions& options, const SwarmBenchResult& result);
 

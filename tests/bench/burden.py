@@ -1,8 +1,7 @@
-"""What clients cost the others, one line each: subscribers and queues that are not read, pages that look, edits.
+"""Costs of clients for other clients, one line each: subscribers and queues that are not read, pages, edits.
 
 COOPDYN_BINARY=build/release/coopdyn python3 tests/bench/burden.py [subscribers queues viewers edits]
-For the first two, daemon and client are held on one core, so that what one does the other pays for. Medians and ratios
-count.
+For the first two, daemon and client are pinned to one core, so that one's work delays the other. Medians and ratios count.
 """
 import base64
 import contextlib
@@ -49,7 +48,7 @@ def cpu_per_step(daemon, client, steps=STEPS):
 
 
 def subscribers():
-    """CPU per step with nobody else, in the steps that fill the sockets of those who never read, and once these are full."""
+    """CPU per step without subscribers, in the steps that fill the sockets of subscribers that never read, and with full ones."""
     on_one_core()
     for module in ("/robot1/pose", "/robot1/distance", "/robot2/distance", "/simulation"):
         with Daemon(scenario(2)) as daemon:
@@ -67,7 +66,7 @@ def subscribers():
 
 
 def cpu_and_worst_answer(daemon, busy):
-    """CPU seconds of the daemon, seconds, and the longest that a client waited for an answer, in ms, while busy()."""
+    """CPU seconds of the daemon, seconds, and the longest wait of a client for a reply [ms], during busy()."""
     begin, used, worst = time.monotonic(), cpu_s(daemon.process.pid), 0.0
     bystander = daemon.text("/simulation")
     while True:
@@ -80,7 +79,7 @@ def cpu_and_worst_answer(daemon, busy):
 
 
 def queue(sock, lines):
-    """Sends until nothing more is taken."""
+    """Sends until the socket is full."""
     sock.settimeout(0.3)
     left = memoryview(lines)
     try:
@@ -101,7 +100,7 @@ def read_answers(sock, count):
 
 
 def queues():
-    """Ten peers queue get_status: those that are gone then, and those that read all the answers."""
+    """Ten peers queue get_status: first peers that then disconnect, then peers that read all replies."""
     on_one_core()
     with Daemon(scenario(1)) as daemon:
         port = daemon.module_port("/simulation")
@@ -129,7 +128,7 @@ def queues():
 
 
 def viewer(url):
-    """A WebSocket that asks for poses, as a page does; bytes that have come are counted in its list."""
+    """A WebSocket that requests poses, as a page does; counts the received bytes in its list."""
     place = urllib.parse.urlsplit(url)
     sock = socket.create_connection((place.hostname, place.port))
     key = base64.b64encode(os.urandom(16)).decode()
@@ -149,7 +148,7 @@ def viewer(url):
 
 
 def viewers():
-    """Steps per second of 100 robots without and with ten pages, and what a page is sent."""
+    """Steps per second of 100 robots without and with ten pages, and the bytes sent to a page."""
     with Daemon(None, "--mode", "lockstep", "--paused", "--http", name="diffuse100") as daemon:
         simulation = daemon.text("/simulation")
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// coopdyn-bench: what `coopdyn bench` hands over to. Its messages speak of `coopdyn bench`.
+// coopdyn-bench: executed by `coopdyn bench`, which its messages name.
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <functional>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The yardstick of lockstep: a blocking server of one connection that computes the same step inline (physics,
-// all distances, the target) and answers with as many bytes, with nothing of the daemon's between.
+// all distances, the target) and answers with the same number of bytes, without any part of the daemon.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ namespace coopdyn {
 
 class EchoServer {
  public:
-  /// `spin_us`: how long it polls for the next request before it blocks.
+  /// `spin_us`: polling time for the next request before blocking.
   explicit EchoServer(int spin_us);
   /// Joins the thread; close the connection first.
   ~EchoServer();

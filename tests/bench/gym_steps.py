@@ -90,7 +90,7 @@ def vector_gym(n):
 
 
 def compare(title, bare, gym, count, worlds, rounds):
-    """Rounds in turn, so that what else runs here slows both."""
+    """Alternates rounds, so that other load slows both."""
     (bare_step, close_bare), (gym_step, close_gym) = bare, gym
     rate(bare_step, count // 4 + 1), rate(gym_step, count // 4 + 1)
     pairs = [(rate(bare_step, count), rate(gym_step, count)) for _ in range(rounds)]

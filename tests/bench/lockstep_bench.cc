@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Lockstep rounds per second over sockets. A round: every robot gets its command and answers with all
-// distances and its target. Compared with an echo server that computes the same step inline, in turns within
-// the same run.
+// Lockstep rounds per second over sockets. In a round every robot receives its command and answers with all
+// distances and its target. Compared with an echo server that computes the same step inline, alternately
+// within one run.
 #include <unistd.h>
 
 #include <algorithm>
@@ -37,7 +37,7 @@ std::string CommandBytes() {
   return bytes;
 }
 
-/// Reads one reply; returns its whole size.
+/// Reads one reply; returns its total size.
 std::size_t ReadReply(int fd, std::vector<char>& buffer, int spin_us) {
   buffer.resize(4);
   if (!ReceiveExactly(fd, buffer.data(), 4, spin_us)) std::exit(1);
@@ -48,7 +48,7 @@ std::size_t ReadReply(int fd, std::vector<char>& buffer, int spin_us) {
   return buffer.size();
 }
 
-/// Rounds per second: all commands are written, then all replies read, each in one read of the size known.
+/// Rounds per second: writes all commands, then reads all replies, each in one read of its known size.
 double Rounds(const std::vector<int>& robots, int rounds, int spin_us) {
   const std::string command = CommandBytes();
   std::vector<char> buffer;

@@ -1,7 +1,7 @@
 """Figures of the whole daemon, one line each: start, memory, idle CPU, real time, lockstep from Python and Octave, the end.
 
 COOPDYN_BINARY=build/release/coopdyn python3 tests/bench/measure.py [start memory idle realtime overload python octave end]
-Machines are noisy: medians of several runs, and CPU time where that is meant.
+Machines are noisy: uses medians of several runs, and CPU time where possible.
 """
 import os
 import signal
@@ -97,7 +97,7 @@ while True:
 
 
 def overload():
-    """Fifty Python programs, each drives a robot at 50 Hz beside the daemon: more than two cores can do."""
+    """Fifty Python programs beside the daemon, each driving a robot at 50 Hz: more than two cores can handle."""
     count, seconds = 50, 20
     with Daemon(robots(count).replace("lockstep", "realtime"), "--no-render") as daemon:
         server = f"127.0.0.1:{daemon.names[1]}"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the benchmarks measure with. Any thread.
+// Measuring functions of the benchmarks. Any thread.
 #pragma once
 
 #include <sys/types.h>
@@ -8,7 +8,7 @@
 
 namespace coopdyn {
 
-/// Of an even number of values the mean of the middle two; 0 of none.
+/// For an even number of values the mean of the middle two; 0 for none.
 double Median(std::vector<double> values);
 /// User and system time of all threads of this process, s.
 double OwnCpu_s();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What recording costs the recorder's thread, per step, and what a run takes on the disk (Google Benchmark;
-// CPU time of the writer, poses only unless it says otherwise).
+// CPU time of the recorder's thread per step, and a run's size on disk (Google Benchmark; CPU time of the
+// writer, poses only unless stated otherwise).
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
@@ -18,7 +18,7 @@
 namespace coopdyn {
 namespace {
 
-constexpr int kFrames = 50;            // different ones, used in turn
+constexpr int kFrames = 50;            // different ones, used cyclically
 constexpr std::uint64_t kCommit = 20;  // steps: 200 ms in real time
 constexpr std::uint64_t kKeyframe = 500;
 
@@ -44,7 +44,7 @@ class Swarm {
     }
   }
 
-  /// Step `step` of a run that goes through the frames again and again.
+  /// Step `step` of a run that cycles through the frames.
   const std::shared_ptr<Frame>& At(std::uint64_t step) {
     const std::shared_ptr<Frame>& frame = frames_[step % frames_.size()];
     frame->step = step;
@@ -56,7 +56,7 @@ class Swarm {
   std::vector<std::shared_ptr<Frame>> frames_;
 };
 
-/// All that the recorder's thread does for a step: hash, row, its share of commits and keyframes.
+/// All work of the recorder's thread for a step: hash, row, its share of commits and keyframes.
 void BM_Record(benchmark::State& state, std::size_t page_size, const RecordWhat& what) {
   Swarm swarm(static_cast<int>(state.range(0)));
   const std::string file =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Sensing by itself: everything from a new frame to the readings of all its robots (Google Benchmark; CPU
-// time). One robot per square metre, walls around them.
+// Sensing alone: everything from a new frame to the readings of all its robots (Google Benchmark; CPU time).
+// One robot per square metre, walls around them.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@
 namespace coopdyn {
 namespace {
 
-/// `model` with `rays` sensors of one ray each all round, that reach `range_m`.
+/// `model` with `rays` sensors of one ray each, all round, with range `range_m`.
 RobotModel WithRays(RobotModel model, int rays, double range_m) {
   std::vector<SectorModel>& sectors = SensorOf<DistanceModel>(model).sectors;
   SectorModel sensor = sectors.front();
@@ -36,7 +36,7 @@ RobotModel WithRays(RobotModel model, int rays, double range_m) {
   return model;
 }
 
-/// Frames of a crowd that stands elsewhere in each of them.
+/// Frames of a crowd with different poses in each.
 class Crowd {
  public:
   Crowd(RobotModel model, int robots, Fidelity fidelity) {
@@ -59,7 +59,7 @@ class Crowd {
 
   const std::vector<int>& all() const { return all_; }
 
-  /// The next of them; what it holds goes back to this crowd with Give().
+  /// The next frame; Give() returns its buffers to this crowd.
   std::unique_ptr<Frame> Take() {
     auto frame = std::make_unique<Frame>();
     frame->scene = scene_;
@@ -127,19 +127,19 @@ void BM_Sense(benchmark::State& state) {
   Measure(state, Crowd(model, static_cast<int>(state.range(2)), Fidelity::kRolling));
 }
 
-/// The same with wheels that are bodies of their own.
+/// The same with wheels as separate bodies.
 void BM_SenseFull(benchmark::State& state) {
   const RobotModel model = WithRays(*BenchModel("minibot"), static_cast<int>(state.range(0)),
                                     1e-3 * static_cast<double>(state.range(1)));
   Measure(state, Crowd(model, static_cast<int>(state.range(2)), Fidelity::kFull));
 }
 
-/// Coopbots as they are: 11 sectors of 5 rays of 4 m.
+/// Coopbots unchanged: 11 sectors of 5 rays of 4 m.
 void BM_SenseCoopbot(benchmark::State& state) {
   Measure(state, Crowd(*BenchModel("coopbot"), static_cast<int>(state.range(0)), Fidelity::kRolling));
 }
 
-/// Only where the robots are and who is where.
+/// Only the robots' positions and the grid.
 void BM_Field(benchmark::State& state) {
   Crowd crowd(*BenchModel("minibot"), static_cast<int>(state.range(0)), Fidelity::kRolling);
   WorkerPool pool(1);
@@ -151,7 +151,7 @@ void BM_Field(benchmark::State& state) {
   PerRobot(state, crowd.all().size());
 }
 
-/// Everybody's neighbours within 1 m.
+/// The neighbours of every robot within 1 m.
 void BM_Neighbours(benchmark::State& state) {
   Crowd crowd(*BenchModel("minibot"), static_cast<int>(state.range(0)), Fidelity::kRolling);
   for (auto _ : state) {

@@ -57,7 +57,7 @@ constexpr std::string_view kMeasuredSensors = R"(
     <coopdyn:module type="battery"/>
 )";
 
-/// Three rings of things around the middle, two lamps and a red target.
+/// Three rings of things around the centre, two lamps and a red target.
 std::string Room(int robots) {
   std::string text = "[SIMULATION]\nmode lockstep\n" + WalledSquare(kRoom_m, 1) +
                      "[LIGHT_1]\nposition 2 2 2\npower 3\n[LIGHT_2]\nposition -2 1 2\npower 3\n"
@@ -138,7 +138,7 @@ std::shared_ptr<const Scene> HillsAround(const Scene& room) {
   for (std::uint32_t i = 0; i <= kSide; ++i) {
     for (std::uint32_t k = 0; k <= kSide; ++k) {
       const double x = kSpacing_m * (i - kSide / 2.0), y = kSpacing_m * (k - kSide / 2.0);
-      // A bowl, so that all rays meet something.
+      // A bowl, so that all rays hit something.
       vertices.emplace_back(x, y, 0.2 * std::sin(2 * x) * std::sin(3 * y) + 0.08 * (x * x + y * y));
       if (i == kSide || k == kSide) continue;
       const std::uint32_t at = i * (kSide + 1) + k, next = at + kSide + 1;
@@ -153,7 +153,7 @@ std::shared_ptr<const Scene> HillsAround(const Scene& room) {
   hills.name = "HILLS";
   model->meshes.push_back(
       std::make_shared<MeshData>(MakeMesh(std::move(vertices), std::move(triangles), hills.X_WO.p)));
-  hills.shape = Mesh{model->meshes.back().get()};  // the robot's model keeps it
+  hills.shape = Mesh{model->meshes.back().get()};  // owned by the robot's model
   hills.X_WO.p.z() -= 0.3;
   scenario->robots.front().model = std::move(model);
   scenario->objects.push_back(std::move(hills));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Physics, sensing and rendering by themselves, per step (Google Benchmark; CPU time).
+// Physics, sensing and rendering separately, per step (Google Benchmark; CPU time).
 #include <benchmark/benchmark.h>
 
 #include <array>
@@ -14,7 +14,7 @@
 namespace coopdyn {
 namespace {
 
-/// A world whose robots drive circles of their own.
+/// A world whose robots drive in separate circles.
 class Driven {
  public:
   explicit Driven(int robots) : scene_(MakeScene(BenchScenario(robots))) {
@@ -40,7 +40,7 @@ class Driven {
   std::uint64_t step_ = 0;
 };
 
-/// A swarm of minibots, 1 m² each, that wander at 5 cm/s and turn now and then.
+/// A swarm of minibots, 1 m² each, that wander at 5 cm/s and turn occasionally.
 class Swarm {
  public:
   Swarm(Fidelity fidelity, int robots) {
@@ -93,7 +93,7 @@ void BM_Physics(benchmark::State& state) {
   PerRobot(state);
 }
 
-/// One step and the copy of its state into a frame.
+/// One step, and the copy of its state into a frame.
 void BM_Swarm(benchmark::State& state, Fidelity fidelity) {
   Swarm swarm(fidelity, static_cast<int>(state.range(0)));
   for (int k = 0; k < 100; ++k) swarm.Step();
@@ -101,7 +101,7 @@ void BM_Swarm(benchmark::State& state, Fidelity fidelity) {
   PerRobot(state);
 }
 
-/// A swarm with objects around, and the same with one object less.
+/// A swarm with surrounding objects, and the same with one object fewer.
 struct Changing {
   explicit Changing(int robots) {
     const auto scenario = SwarmScenario(BenchModel("minibot"), Fidelity::kRolling, robots);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a sweep costs beside its daemons: time per empty run, two cores against one, runs/s of each engine.
+"""Overhead of a sweep beyond its daemons: time per empty run, two cores against one, runs/s of each engine.
 
     COOPDYN_BINARY=build/release/coopdyn python3 tests/bench/sweep_runs.py [runs]
 """
@@ -27,7 +27,7 @@ def taken(words, **given):
 
 
 def sweep(folder, scenario, runs, duration, *more, env=None):
-    """Seconds that a sweep takes."""
+    """Duration of a sweep [s]."""
     with tempfile.TemporaryDirectory(dir=folder) as out:
         return taken([BINARY, "sweep", scenario, "--seeds", f"1..{runs}", "--duration", duration, "--out", out, *more], env=env)
 

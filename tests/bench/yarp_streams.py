@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Readers of many ports of YARP by tcp, in real time: what is lost, and the daemon's processor time for each sample.
+"""Readers of many YARP ports by tcp, in real time: lost samples, and the daemon's processor time per sample.
 
     COOPDYN_BINARY=build/release/coopdyn python3 tests/bench/yarp_streams.py [ROBOTS] [SECONDS]
     COOPDYN_BINARY=build/release/coopdyn python3 tests/bench/yarp_streams.py --board [JOINTS] [SECONDS]
 
-Each robot has two ports that are read, /R/pose/state:o and /R/motors/state:o, a hundred times a second. With --board it is one robot
-whose control board has so many joints (40), and state:o and stateExt:o are read a thousand times a second. The same run without readers
-is subtracted.
+Reads two ports of each robot, /R/pose/state:o and /R/motors/state:o, at 100 Hz. With --board, one robot has a control board of JOINTS
+joints (40), whose ports state:o and stateExt:o are read at 1 kHz. Subtracts the cost of the same run without readers.
 """
 import os
 import pathlib
@@ -26,7 +25,7 @@ seconds = float(numbers[1]) if len(numbers) > 1 else 10
 
 
 def comb(joints):
-    """A robot that is fixed to the world, with so many pendulums."""
+    """A robot fixed to the world, with a pendulum per joint."""
     teeth = "".join(f"""<link name="l{i}"><pose>{0.1 * i} 0 0.8 0 0 0</pose><inertial><mass>0.1</mass></inertial></link>
         <joint name="j{i}" type="revolute"><parent>base</parent><child>l{i}</child><axis><xyz>0 1 0</xyz>
         <limit><lower>-1</lower><upper>1</upper><effort>10</effort><velocity>3</velocity></limit></axis></joint>""" for i in range(joints))
@@ -47,7 +46,7 @@ def scenario():
 
 
 def connect(daemon, port, number):
-    """Our port sends to a reader: its connection."""
+    """Makes our port send to a reader; returns the reader's connection."""
     reader = Reader(daemon, f"/reader{number}")
     admin = daemon.keep(Connection(registration(daemon, port)))
     admin.write(f'CONNACK admin\r\na\r\n[add] "tcp:/{reader.name}"\r\n')

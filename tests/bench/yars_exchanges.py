@@ -4,7 +4,7 @@
     build/release/coopdyn serve experiment.xml --mode lockstep --no-render --no-http &
     python3 tests/bench/yars_exchanges.py 4500 [PID]
 
-Its first robot must be driven by clients. With the daemon's PID it tells the processor time that an exchange costs the daemon, too.
+The first robot must be driven by clients. With the daemon's PID, also prints the daemon's processor time per exchange.
 """
 import pathlib
 import socket

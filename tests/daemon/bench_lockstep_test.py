@@ -1,4 +1,4 @@
-"""`coopdyn bench lockstep`: tiny runs; what they say, that every client drives the same run, and what is refused."""
+"""`coopdyn bench lockstep`: output of tiny runs, that every client drives the same run, and refused arguments."""
 import json
 import shutil
 import subprocess

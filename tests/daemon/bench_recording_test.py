@@ -1,4 +1,4 @@
-"""coopdyn bench recording: the figures it promises, of a small run."""
+"""coopdyn bench recording: prints its figures for a small run."""
 import json
 import subprocess
 import unittest

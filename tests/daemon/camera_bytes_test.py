@@ -1,4 +1,4 @@
-"""The pictures of a step are the same bytes whatever the number of threads, in playback, after a branch, by HTTP and as exported."""
+"""The pictures of a step are the same bytes for any number of threads, in playback, after a branch, by HTTP and in exports."""
 import struct
 import tempfile
 import unittest
@@ -80,14 +80,14 @@ def png_pixels(data):
 
 
 class Viewer:
-    """All cameras of one daemon, and what drives it."""
+    """Reads all cameras of a daemon, and drives it."""
 
     def __init__(self, daemon):
         self.cameras = [Camera(daemon, robot) for robot in CAMERAS]
         self.motors = [daemon.text(f"/robot{i}/motors") for i in (1, 2, 3)]
 
     def drive_to(self, step):
-        """Commands that depend on the step alone."""
+        """Drives with commands that depend only on the step."""
         now = self.motors[0].must("get_time").step
         for k in range(now, step):
             for i, robot in enumerate(self.motors):

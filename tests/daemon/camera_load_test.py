@@ -1,4 +1,4 @@
-"""Many who look through cameras, and some who ask and never read: the simulation goes on, and so do all others."""
+"""Many clients that read cameras, and some that request pictures and never read: the simulation and all other clients continue."""
 import socket
 import threading
 import unittest
@@ -21,8 +21,8 @@ def memory_bytes(daemon):
 
 
 class Watcher(threading.Thread):
-    """Asks one camera for pictures without a pause until it is told to end. `seen`: of each picture the step, and the newest step
-    when it came."""
+    """Requests pictures of one camera without pause until told to end. `seen`: the step of each picture, and the newest step at its
+    arrival."""
 
     def __init__(self, daemon, robot, drive=True):
         super().__init__(daemon=True)
@@ -57,7 +57,7 @@ class TwentyCamerasTest(RecordingTestCase):
             for watcher in watchers:
                 watcher.start()
             count = 3 if SANITIZED else 12
-            # Late: physics has stepped on while a picture was drawn.
+            # Late: physics has advanced while a picture was drawn.
             until(lambda: all(watcher.has(count) and watcher.first for watcher in watchers))
             after = daemon.status()
             for watcher in watchers:
@@ -86,11 +86,11 @@ class TwentyCamerasTest(RecordingTestCase):
 
 class DeafTest(unittest.TestCase):
     PICTURES = 20 if SANITIZED else 150
-    # Much less than what is asked for and never read. The address sanitizer keeps 256 MiB of what was freed.
+    # Much less than the requested pictures that are never read. The address sanitizer keeps 256 MiB of freed memory.
     MORE_BYTES = (400 if SANITIZED else 32) << 20
 
     def deaf(self, daemon):
-        """Asks the first robot's camera for more pictures than a day has seconds, and reads none."""
+        """Requests more pictures of the first robot's camera than a day has seconds, and reads none."""
         camera = Camera(daemon, "robot1")
         camera.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
         camera.socket.setblocking(False)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What clients of YARS of 2008 and later count on: they are waited for, answered to the end, and told only what they know."""
+"""The needs of YARS clients of 2008 and later: the daemon waits for them, answers all requests, and sends only what they know."""
 import socket
 import subprocess
 import tempfile
@@ -26,7 +26,7 @@ BALL = """<rosiml version="1.0">
 </rosiml>
 """
 
-# On a post turns a rotor without a motor, and on that a wheel with one, which pushes the rotor the other way round.
+# A rotor without a motor turns on a post; a wheel with a motor on it pushes the rotor in the opposite direction.
 ROTOR = """<rosiml version="1.0">
   <simulator frequency="200" controllerFrequency="20" mode="lockstep"/>
   <environment><ground width="10" depth="10"/></environment>
@@ -147,7 +147,7 @@ class ChannelClientsTest(unittest.TestCase):
         client.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 0)
         client.socket = Pieces(client.socket)
         pieces = min(exchanges(20) for _ in range(3))
-        # Each delayed acknowledgement takes 40 ms, a hundred times as long as an exchange.
+        # A delayed acknowledgement costs 40 ms, a hundred times as long as an exchange.
         self.assertLess(pieces, 20 * whole)
 
     def test_a_hinge_without_a_motor_counts_its_turns(self):
@@ -179,7 +179,7 @@ class ChannelClientsTest(unittest.TestCase):
                 self.assertEqual(client.ask(50, 0, -1), ints(51, 0, -1))
             return count() - before
 
-        until(lambda: read_by_reset() < size)  # once it is older than the stamps of file systems are exact
+        until(lambda: read_by_reset() < size)  # once its age exceeds the resolution of file times
         self.assertLess(read_by_reset(), size)
         self.file.write_text(STILL.replace("<mapping min=\"1\" max=\"0\"/>", "<mapping min=\"3\" max=\"0\"/>"))
         self.assertEqual(client.ask(50, 0, -1), ints(51, 0, -1))

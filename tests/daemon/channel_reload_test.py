@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The file of an experiment is edited while clients of YARS drive its robots: the next reset has it."""
+"""The file of an experiment is edited while YARS clients drive its robots: the next reset loads it."""
 import contextlib
 import itertools
 import socket
@@ -15,7 +15,7 @@ from yars_clients import Tcp, Udp, ints
 
 
 def with_ball(text, name, x=3, more=""):
-    """The experiment with another robot: a ball that a motor turns."""
+    """The experiment with another robot: a ball turned by a motor."""
     return text.replace("</movables>", f"""<movable name="{name}" type="active"><body>
         <object name="ball" mass="1"><pose x="{x}" y="2" z="0.1"/><sphere radius="0.1"/>{more}</object>
         <connector name="spin" type="hinge" source="ball"><drive type="velocity" maxForce="1" maxVelocity="1"/></connector>

@@ -61,7 +61,7 @@ EXPERIMENT = """<rosiml version="1.0">
 """
 STILL = EXPERIMENT % ""
 DRAWN = EXPERIMENT % '<randomise x="0.7 1.8"/>'
-# What a client gets, in the order of the handshake.
+# The values of a client, in the order of the handshake.
 AHEAD, BUMPER, LEFT, WAG, X, Y = range(6)
 
 

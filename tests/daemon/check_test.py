@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What `coopdyn check` says of scenarios and models."""
+"""The output of `coopdyn check` for scenarios and models."""
 import json
 import os
 import re

@@ -1,4 +1,4 @@
-"""Clauses of the contract that the other files here do not try: names and ports, the text form, speeds, deadlines, status."""
+"""Clauses of the contract that no other file here tests: names and ports, the text form, speeds, deadlines, status."""
 import re
 import subprocess
 import unittest
@@ -14,7 +14,7 @@ class NameTest(unittest.TestCase):
     END = b"*** end of message\r\n"
 
     def ask(self, daemon, line):
-        """The whole answer of the name server to one request."""
+        """The name server's complete answer to a request."""
         connection = daemon.raw()
         connection.write(line + "\n")
         answer = b""
@@ -170,10 +170,10 @@ class ReadinessTest(unittest.TestCase):
             with Daemon(scenario(2, robot_extra={1: f"deadline 0.2\non_deadline {what}"})) as daemon:
                 slow, other = daemon.text("/robot1/motors"), daemon.text("/robot2/motors")
                 slow.send("set_velocity 0.3 0")
-                until(lambda: daemon.status()["robots"][0]["owner"])  # it has come, though its deadline may have passed before
+                until(lambda: daemon.status()["robots"][0]["owner"])  # it has arrived, possibly after its deadline
                 other.must("ready")
                 slow.receive()
-                other.must("ready 30")  # the deadline fires once, and not in each step anew
+                other.must("ready 30")  # the deadline fires once, not in each step
                 left, right = slow.must("get_wheels").data[2:4]
                 self.assertLess(max(abs(left), abs(right)), 1e-6, what)
                 self.assertEqual(daemon.awaited(), ["robot2"])

@@ -1,4 +1,4 @@
-"""A recording whose daemon is killed: it opens, is mended, verifies, and has all that was committed."""
+"""A recording whose daemon is killed: it opens, is repaired, verifies, and has all committed data."""
 import os
 import random
 import tempfile
@@ -18,8 +18,8 @@ FAST_STEPS = 5_000 if SANITIZED else 30_000
 
 
 class Victim:
-    """A daemon in lockstep that records, a client that drives it as fast as it can, and what this client has seen. `committed`:
-    the last step that others could read in the file just before the end."""
+    """A daemon in lockstep that records, a client that drives it as fast as possible, and the client's readings. `committed`: the
+    last step that readers could see in the file directly before the end."""
 
     def __init__(self, file, delay_s, seed):
         self.seen, self.file = [], file  # moments and steps of the replies
@@ -47,7 +47,7 @@ class Victim:
 
 class KillTest(unittest.TestCase):
     def kill_once(self, file, delay_s, seed):
-        """The wall time that was lost, s."""
+        """Kills the daemon once; returns the lost wall time [s]."""
         victim = Victim(file, delay_s, seed)
         code, said = tool("info", file)
         self.assertEqual(code, 0, said)
@@ -69,7 +69,7 @@ class KillTest(unittest.TestCase):
         print(f"{KILLS} kills: at most {max(lost):.3f} s of wall time lost, {sum(lost) / KILLS:.3f} s on average")
 
     def kept_after(self, drive, *options):
-        """Drives a robot in lockstep with its `/motors`, kills the daemon at the last answer; the steps answered and kept."""
+        """Drives a robot in lockstep by its `/motors`, kills the daemon at the last reply; returns the steps answered and kept."""
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "lesson.run"
             with Daemon(scenario(1), "--record", file, *options, expect_exit=-9) as daemon:

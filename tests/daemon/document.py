@@ -1,4 +1,4 @@
-"""docs/protocol.md, of which some blocks are played."""
+"""Reads docs/protocol.md, whose examples some tests execute."""
 from pathlib import Path
 
 

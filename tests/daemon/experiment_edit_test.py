@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What counts as an edit of an experiment's file at the reset of a client of YARS, what is told of it, and which seed is then in force."""
+"""Edits of an experiment's file that a YARS client's reset detects, the messages about them, and the seed in force afterwards."""
 import tempfile
 import unittest
 from pathlib import Path
@@ -14,7 +14,7 @@ OLD_SEED = 'seed="5"'
 
 class ExperimentEditTest(unittest.TestCase):
     def serve(self, text, *options):
-        """A client of the robot of this experiment."""
+        """Serves this experiment; returns a client of its robot."""
         folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
         self.file = folder / "vehicle.xml"
         self.file.write_bytes(text if isinstance(text, bytes) else text.encode())
@@ -50,10 +50,10 @@ class ExperimentEditTest(unittest.TestCase):
         self.file.write_text(DRAWN.replace(OLD_SEED, 'seed="6"'))
         self.assertEqual(self.seed_after_reset(client, 9), 9)
 
-    # --- what is no edit
+    # --- no edits
 
     def mode_after_reset(self, client):
-        """That of the file, lockstep, if it is read again."""
+        """The mode after a reset: lockstep, that of the file, if it is read again."""
         self.daemon.text("/simulation").must("set_mode realtime")
         client.reset()
         client.sensors()
@@ -71,7 +71,7 @@ class ExperimentEditTest(unittest.TestCase):
                     self.assertEqual(self.mode_after_reset(client), "lockstep")
                     self.assertEqual(self.mode_after_reset(client), "realtime")
 
-    # --- what cannot be read
+    # --- unreadable files
 
     def test_a_file_that_cannot_be_read_is_told_and_the_old_world_goes_on(self):
         def write(text):

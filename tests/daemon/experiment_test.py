@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Experiments of YARS: one XML file is served, checked, recorded, sent over a socket and converted."""
+"""YARS experiments: an XML file is served, checked, recorded, sent over a socket and converted."""
 import json
 import math
 import re
@@ -15,7 +15,7 @@ NAMES = ("braitenberg", "double_pendulum", "lightseeker")
 EXAMPLES = ("dog", "octavio4", "octavio6", "octavio8", "runbot", "seeker", "soccer")  # yars_examples_test.py runs them
 STEPS = 200  # in 2 s
 
-# A crate and a ball that stand elsewhere with each seed, and a robot that clients drive.
+# A crate and a ball at positions that depend on the seed, and a robot driven by clients.
 EXPERIMENT = """<?xml version="1.0"?>
 <rosiml version="1.0">
   <simulator frequency="100" mode="free" seed="5"/>
@@ -70,7 +70,7 @@ FALL = """<rosiml version="0.8.41">
 """
 
 
-# A box that a joint of two axes holds to the world: it may fall, and turns about the vertical.
+# A box joined to the world by a joint of two axes: it may fall, and turns about the vertical.
 HANGING = """<rosiml version="0.8.41">
   <simulator frequency="100"/>
   <robots>
@@ -103,7 +103,7 @@ class ExperimentTest(RecordingTestCase):
         self.xml.write_text(EXPERIMENT)
 
     def run_hash(self, scenario, *options):
-        """The hash of the state after some steps without anybody."""
+        """The hash of the state after some steps without clients."""
         summary = self.folder / "summary.json"
         with Daemon(None, "--mode", "free", "--duration", "2", "--no-render", "--summary", str(summary), *options,
                     name=str(scenario)) as daemon:
@@ -222,7 +222,7 @@ class ExperimentTest(RecordingTestCase):
         self.assertIn("a DOCTYPE and entities are not read", said)
 
 
-# A wedge that a joint of six axes holds to the world; its mesh lies beside the XML.
+# A wedge joined to the world by a joint of six axes; its mesh is beside the XML.
 WEDGE = """<rosiml version="0.8.41">
   <simulator frequency="100"/>
   <robots>

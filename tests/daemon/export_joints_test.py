@@ -1,4 +1,4 @@
-"""What `coopdyn export` and `info` tell of the joints in a run: of arms, and of robots with wheels and several groups."""
+"""The joints of a run in `coopdyn export` and `info`: of arms, and of robots with wheels and several groups."""
 import csv
 import math
 import subprocess

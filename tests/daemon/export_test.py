@@ -1,4 +1,4 @@
-"""`coopdyn export`: what a live run left in its file, as MATLAB, Octave, spreadsheets and film players get it."""
+"""`coopdyn export`: the recording of a live run for MATLAB, Octave, spreadsheets and film players."""
 import csv
 import math
 import os
@@ -20,7 +20,7 @@ import coopdyn  # noqa: E402
 
 BOX = "[BOX_1]\ntype box\nsize 0.3 0.3 0.3\nposition 0.5 0.1\nmass 1\n"
 
-# Says `equal` if the file's numbers are those of the CSV beside it, bit for bit; else what differs.
+# Prints `equal` if the file's numbers equal those of the CSV beside it, bit for bit; else the difference.
 OCTAVE = r"""
 function same(what, a, b)
   if ! isequal(size(a), size(b)) || ! isequaln(a, b)
@@ -69,7 +69,7 @@ same("note", {note.text, note.step}, {'half way, "there"', 30});
 printf("equal, %d moments, %d commands\n", numel(run.time), rows(run.robots(1).commands));
 """
 
-# In place of ffmpeg, which need not be there: says what it was called with and how many bytes it got.
+# Replaces ffmpeg, which need not be installed: prints its arguments and the number of bytes received.
 FFMPEG = """#!%s
 import json, os, sys
 mode = os.environ.get("FAKE_FFMPEG", "")
@@ -127,7 +127,7 @@ class ExportTest(RecordingTestCase):
             return list(csv.DictReader(file))
 
     def fake_ffmpeg(self):
-        """An environment whose PATH has the stand-in only."""
+        """An environment whose PATH has only the fake ffmpeg."""
         place = self.folder / "bin"
         place.mkdir()
         program = place / "ffmpeg"

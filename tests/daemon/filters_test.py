@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Values of channels that are filtered, and the energy of motors: of an experiment, over a socket, in recordings."""
+"""Filtered values of channels, and the energy of motors: in an experiment, over a socket, in recordings."""
 import math
 import unittest
 
@@ -8,7 +8,7 @@ from recording import RecordingTestCase, equal_steps
 
 TIME_S, STEP_S, STEPS, ACCELERATION_M_S2, NOISE_M = 0.2, 0.01, 100, 2, 0.05
 
-# A ball that is pushed; a bar on a motor of two values.
+# A ball pushed by forces; a bar on a motor of two values.
 EXPERIMENT = f"""<rosiml version="0.8.41">
   <simulator frequency="100"/>
   <environment/>

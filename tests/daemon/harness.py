@@ -1,7 +1,7 @@
-"""Starts the real daemon on free ports and talks exact bytes to it. No client library of ours is used here.
+"""Starts the real daemon on free ports and exchanges exact bytes with it. Uses none of our client libraries.
 
-Nothing waits for a fixed time: every wait is for bytes, for the end of a process, or for a condition asked over and over,
-with a generous limit that only a hang reaches.
+Nothing waits for a fixed time: every wait is for bytes, for the end of a process, or for a condition that is polled, with a
+generous limit that only a hang reaches.
 """
 import fcntl
 import functools
@@ -19,7 +19,7 @@ import time
 from pathlib import Path
 
 BINARY = os.environ.get("COOPDYN_BINARY", "build/release/coopdyn")
-signal.signal(signal.SIGHUP, signal.SIG_DFL)  # for the programs: nohup may run the tests, which send it
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # the tests send it, and nohup would make the programs ignore it
 LIMIT_S = 60
 BOX = "[BOX_1]\ntype box\nsize 0.3 0.3 0.3\nposition 0.9 0.1\nmass 1\n"
 
@@ -47,7 +47,7 @@ _UNESCAPED = {"n": "\n", "r": "\r", "t": "\t", '"': '"', "\\": "\\"}
 
 
 def parse_line(line):
-    """Reads the full form of the text encoding."""
+    """Parses the full form of the text encoding."""
     match = _TEXT.match(line)
     assert match, f"not a full form: {line!r}"
     text = re.sub(r"\\(.)", lambda m: _UNESCAPED[m.group(1)], match.group(2))
@@ -68,7 +68,7 @@ def frame(command, params=(), data=(), text=""):
 
 
 class Connection:
-    """A socket with a buffer. Every read has the limit."""
+    """A socket with a buffer. Every read times out after LIMIT_S."""
 
     def __init__(self, address):
         self.socket = socket.create_connection(address, timeout=LIMIT_S)
@@ -97,7 +97,7 @@ class Connection:
         return line.decode().rstrip("\r")
 
     def read_to_end(self):
-        """All bytes until the daemon closes."""
+        """Reads all bytes until the daemon closes."""
         try:
             while True:
                 self._more()
@@ -105,7 +105,7 @@ class Connection:
             return self.buffer
 
     def has_bytes(self):
-        """True if something can be read at once."""
+        """True if bytes can be read immediately."""
         if self.buffer:
             return True
         self.socket.setblocking(False)
@@ -122,7 +122,7 @@ class Connection:
 
 
 class Text(Connection):
-    """A module's text connection through OPEN on the name port, or straight to its port."""
+    """A text connection to a module through OPEN on the name port, or directly to its port."""
 
     def __init__(self, daemon, module, direct=False):
         if direct:
@@ -137,7 +137,7 @@ class Text(Connection):
         self.write(line + "\n")
 
     def receive(self):
-        """The next message that is no comment."""
+        """The next message that is not a comment."""
         while True:
             line = self.read_line()
             if line and not line.startswith("#"):
@@ -148,7 +148,7 @@ class Text(Connection):
         return self.receive()
 
     def send_to_wait(self, line):
-        """Sends a request that must wait for a robot; returns when it does, so it has arrived and is not answered."""
+        """Sends a request that must wait for a robot; returns once it waits, so it has arrived and is unanswered."""
         self.send("verbose")
         self.send(line)
         said = ""
@@ -196,8 +196,8 @@ def scenario(robots=1, extra="", mode="lockstep", robot_extra=None):
 
 
 class Daemon:
-    """`coopdyn serve` (or another `verb` that serves) on free ports; a context manager that ends it in order and checks its
-    exit code. `name`: instead of the scenario's text; "": neither. `before_exec` is called in the new process."""
+    """`coopdyn serve` (or another `verb` that serves) on free ports; a context manager that shuts it down and checks its exit
+    code. `name`: instead of the scenario's text; "": neither. `before_exec` is called in the new process."""
 
     def __init__(self, text=None, *options, name=None, env=None, expect_exit=0, verb="serve", before_exec=None):
         self.folder = tempfile.TemporaryDirectory()
@@ -240,7 +240,7 @@ class Daemon:
         return self.keep(Binary(self, module))
 
     def raw(self, module=None):
-        """Bytes to a module's own port; without a module, to the name port."""
+        """A raw connection to a module's own port; without a module, to the name port."""
         return self.keep(Connection(("127.0.0.1", self.module_port(module)) if module else self.names))
 
     def module_port(self, module):
@@ -257,7 +257,7 @@ class Daemon:
         return json.loads(reply.text)
 
     def awaited(self, for_s=0):
-        """The robots that lockstep waits for (20 at most), if it has waited for so long."""
+        """The robots that lockstep has waited for (at most 20), for at least for_s."""
         return [robot["robot"] for robot in self.status()["awaiting"] if robot["seconds"] >= for_s]
 
     def open_files(self):
@@ -294,7 +294,7 @@ class Daemon:
 
 
 def set_address(interface, address):
-    """Gives an interface of this network namespace an address and switches it on."""
+    """Sets the address of an interface of this network namespace and brings it up."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as handle:
         name = interface.encode().ljust(16, b"\0")
         packed = struct.pack("=HH4s8x", socket.AF_INET, 0, socket.inet_aton(address))
@@ -303,7 +303,7 @@ def set_address(interface, address):
 
 
 def run_in_new_network(*command, env=None):
-    """Runs a command of Python in a network namespace of its own; returns what it printed. It begins with set_address("lo", …)."""
+    """Runs a Python command in a new network namespace; returns its output. It begins with set_address("lo", …)."""
     unshare = ["unshare", "--net"] if os.geteuid() == 0 else ["unshare", "--net", "--map-root-user"]
     done = subprocess.run([*unshare, sys.executable, *map(str, command)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                           timeout=10 * LIMIT_S, env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1", **(env or {})})
@@ -313,7 +313,7 @@ def run_in_new_network(*command, env=None):
 
 
 def with_own_ports(test):
-    """A test that needs certain ports: it runs in a network of its own, where no other program takes them."""
+    """Decorates a test that needs certain ports: runs it in a new network namespace, where no other program uses them."""
     @functools.wraps(test)
     def run(self):
         if os.environ.get("COOPDYN_TEST_NETWORK") == self.id():
@@ -325,7 +325,7 @@ def with_own_ports(test):
 
 
 def until(condition, limit_s=LIMIT_S):
-    """Asks over and over until the condition gives something true, which is returned."""
+    """Polls until the condition returns a true value, and returns that."""
     end = time.monotonic() + limit_s
     while True:
         value = condition()

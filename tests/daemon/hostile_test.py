@@ -1,4 +1,4 @@
-"""Wrong input of every kind: an error or a closed connection with a reason, and a robot beside it does not notice."""
+"""Wrong input of every kind: an error or a closed connection with a reason, and no effect on another robot."""
 import json
 import random
 import socket
@@ -28,7 +28,7 @@ class HostileTest(unittest.TestCase):
             return drive_steps(daemon)
 
     def check_beside(self, attack):
-        """Runs `attack(daemon)` beside a robot that is driven: its hash must be that of a run on its own."""
+        """Runs `attack(daemon)` while a robot is driven: the hash must equal that of a run without the attack."""
         expected = self.undisturbed()
         with Daemon(scenario(2, robot_extra={2: "sync no"})) as daemon:
             failures = []
@@ -163,7 +163,7 @@ class HostileTest(unittest.TestCase):
                 connection = daemon.raw(("/robot1/pose", "/robot1/motors", None)[k % 3])
                 connection.write((b"get_pose\n", b"CDS1", b"OPEN /robot1/pose\nget_pose\n")[k % 3])
                 connection.close()
-            for module in ("/robot1/pose", "/robot1/motors"):  # whoever came before has been let in by now
+            for module in ("/robot1/pose", "/robot1/motors"):  # earlier connections have been accepted by now
                 last = daemon.text(module, direct=True)
                 last.must("ping")
                 last.close()
@@ -198,7 +198,7 @@ class HostileTest(unittest.TestCase):
 
 
 class ExchangeTest(unittest.TestCase):
-    """docs/protocol.md, played against the classroom scenario."""
+    """Executes the examples of docs/protocol.md on the classroom scenario."""
 
     def test_the_sixty_line_client_drives_the_robot(self):
         source = block("client")

@@ -1,4 +1,4 @@
-"""Reset, load, pause and mode switches while replies of lockstep wait, over raw sockets."""
+"""Reset, load, pause and mode switches while lockstep replies are pending, over raw sockets."""
 import unittest
 
 from harness import Daemon, scenario, until

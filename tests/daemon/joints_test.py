@@ -146,7 +146,7 @@ class JointsTest(unittest.TestCase):
 
 class EncoderTest(unittest.TestCase):
     def arm_with(self, attributes):
-        """A daemon with one arm whose encoders are like this."""
+        """A daemon with one arm whose encoders have these attributes."""
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         text = (Path(__file__).parent / "robots/elbow/model.sdf").read_text()

@@ -1,4 +1,4 @@
-"""While thousands of robots of a load come up, others are served and a stop is obeyed."""
+"""While a load starts thousands of robots, other clients are served and a stop is obeyed."""
 import json
 import resource
 import signal
@@ -49,7 +49,7 @@ class LoadTest(unittest.TestCase):
             self.assertIn("stop", said)
 
     def load_without_files(self, robots):
-        """The lines about it in the log of a daemon that may open 60 files more."""
+        """Loads robots into a daemon that may open 60 more files; returns the log's lines about it."""
         with Daemon() as daemon:
             simulation = daemon.text("/simulation")
             _, hard = resource.prlimit(daemon.process.pid, resource.RLIMIT_NOFILE)

@@ -1,4 +1,4 @@
-"""Programs of the same machine reach the daemon by its unix socket, others and those that want to by TCP."""
+"""Programs on the same machine reach the daemon by its unix socket, or on request by TCP; others by TCP."""
 import json
 import os
 import socket
@@ -23,7 +23,7 @@ with coopdyn.connect(sys.argv[2], name="ana") as sim:
 
 
 class Local(Connection):
-    """A text connection by the unix socket, of the name server until it is opened."""
+    """A text connection over the unix socket: to the name server, and after OPEN to a module."""
 
     def __init__(self, daemon):
         self.socket = socket.socket(socket.AF_UNIX)

@@ -8,7 +8,7 @@ from harness import BOX, Daemon, scenario, until
 
 
 def drive(connection, commands, delays):
-    """Sends each command, waits for its reply, now and then after a random pause; returns the steps of the replies."""
+    """Sends each command after a random pause and waits for its reply; returns the steps of the replies."""
     steps = []
     for (left, right), delay in zip(commands, delays):
         threading.Event().wait(delay)  # a client that thinks

@@ -1,4 +1,4 @@
-"""Numbers that clients log, and runs that they end: in get_status, summaries and recordings."""
+"""Numbers logged and runs ended by clients: in get_status, summaries and recordings."""
 import json
 import sys
 import unittest

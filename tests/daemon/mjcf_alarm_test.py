@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The program that reads MuJoCo's files ends after two minutes, also if its file never comes and nobody ends it."""
+"""The program that reads MuJoCo files exits after two minutes, even if its file never arrives and nobody ends it."""
 import os
 import signal
 import subprocess

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""MuJoCo's model files: one is served, recorded and converted. Skipped where coopdyn-mjcf was not built."""
+"""MuJoCo model files: serves, records and converts one. Skipped if coopdyn-mjcf was not built."""
 import contextlib
 import json
 import os
@@ -49,7 +49,7 @@ class MjcfTest(RecordingTestCase):
         self.model.write_text(MODEL)
 
     def run_hash(self, world, *options):
-        """The hash of the state after a second without anybody."""
+        """The hash of the state after a second without clients."""
         summary = self.folder / "summary.json"
         with Daemon(None, "--mode", "free", "--duration", "1", "--no-render", "--summary", str(summary), *options,
                     name=str(world)) as daemon:

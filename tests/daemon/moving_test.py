@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A movable of type 'moving': clients put forces and torques on its body."""
+"""A movable of type 'moving': clients apply forces and torques to its body."""
 import math
 import unittest
 

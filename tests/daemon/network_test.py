@@ -1,6 +1,6 @@
-"""Strangers and firewalls, in network namespaces of their own: who may do what, and that one open port is enough.
+"""Clients on other machines and firewalls, in separate network namespaces: permissions, and that one open port is enough.
 
-Each test starts this file again inside `unshare --net`, where nothing of the machine's network exists but what the test makes.
+Each test runs this file again inside `unshare --net`, where only the interfaces made by the test exist.
 """
 import json
 import os
@@ -30,7 +30,7 @@ def inside(scene, *arguments):
 
 
 def pump(source, sink):
-    """Passes on what comes until the end, which it passes on too."""
+    """Forwards bytes until the end of the stream, and then closes the sink."""
     try:
         while chunk := source.recv(65536):
             sink.sendall(chunk)
@@ -40,7 +40,7 @@ def pump(source, sink):
 
 
 def relay(listener, onward):
-    """Connects whoever comes to the listener with onward(), in the background."""
+    """Relays each connection to the listener to a new onward(), in the background."""
     def serve():
         while True:
             try:
@@ -84,7 +84,7 @@ class StrangerScenes(unittest.TestCase):
             stranger.must("hello ana chalk-and-board")
             stranger.must("pause")
             self.assertEqual(daemon.status()["state"], "paused")
-            daemon.text("/simulation").must("run")  # from loopback nobody asks
+            daemon.text("/simulation").must("run")  # loopback needs no token
             stranger.close()
 
     def scene_shell(self):
@@ -147,14 +147,14 @@ class StrangerScenes(unittest.TestCase):
         with Daemon(scenario(1, mode="realtime"), "--host", "0.0.0.0", "--token", "chalk-and-board") as daemon:
             stranger = Stranger(daemon, "/simulation")
             guess, right = "hello eve guess\n", "hello eve chalk-and-board\n"
-            stranger.write(3 * guess + right)  # at once: the wait would be over for one that came late
+            stranger.write(3 * guess + right)  # immediately: the penalty may be over later
             for _ in range(3):
                 self.assertIn("wrong token", stranger.receive().text)
             late = stranger.receive()
             self.assertEqual(late.error, 12)
             self.assertRegex(late.text, r"too many wrong tokens .*: wait 1 s")
             again = Stranger(daemon, "/simulation")  # another connection is the same address
-            again.write(guess + right)  # the guess begins another wait if this one is over
+            again.write(guess + right)  # the guess starts another penalty if this one is over
             self.assertEqual([again.receive().error for _ in range(2)], [12, 12])
             daemon.text("/simulation").must("hello ana chalk-and-board")  # this machine needs none
             until(lambda: "a wrong token from " + OUTER in daemon.stderr())
@@ -216,7 +216,7 @@ class StrangerScenes(unittest.TestCase):
                 stranger.close()
 
     def scene_yars(self):
-        """YARS has no word for a token."""
+        """The YARS protocol has no way to send a token."""
         with tempfile.TemporaryDirectory() as folder:
             experiment = Path(folder) / "vehicle.xml"
             experiment.write_text(STILL)
@@ -239,7 +239,7 @@ class StrangerScenes(unittest.TestCase):
                 self.assertEqual(tcp.read_to_end(), b"")
                 simulation.must("get_time")
                 until(lambda: "not change the world" in daemon.stderr())
-                Tcp(port).say("QUIT")  # from loopback nobody asks
+                Tcp(port).say("QUIT")  # loopback needs no token
                 until(lambda: daemon.process.poll() is not None)
 
     def scene_addresses(self):
@@ -254,8 +254,8 @@ class StrangerScenes(unittest.TestCase):
                 socket.create_connection((OUTER, daemon.names[1]), timeout=LIMIT_S)
 
     def scene_one_port(self, relay_path, port, *program):
-        """A client where only the port of names can be reached: a relay over a Unix socket is all there is. Without a program
-        the Python client in this very process."""
+        """Runs a client that can reach only the name port, through a relay over a Unix socket. Without a program, uses the Python
+        client in this process."""
         def onward():
             far = socket.socket(socket.AF_UNIX)
             far.connect(relay_path)

@@ -1,4 +1,4 @@
-"""Who drives a robot in lockstep, and what becomes of it when this client is gone, over raw sockets."""
+"""Owners of robots in lockstep, and the robots' behaviour when a client has gone, over raw sockets."""
 import fcntl
 import os
 import signal
@@ -28,7 +28,7 @@ while True:
 
 @contextmanager
 def client_process(daemon, module):
-    """A client in a process of its own that commands for ever; it owns the module, its first command may be on the way."""
+    """A client in a separate process that sends commands forever; it owns the module, and its first command may be on the way."""
     with subprocess.Popen([sys.executable, "-c", CLIENT, daemon.names[0], str(daemon.names[1]), module],
                           stdout=subprocess.PIPE) as process:
         try:
@@ -39,7 +39,7 @@ def client_process(daemon, module):
 
 
 def stop(process):
-    """Stops a process; it stands when this returns."""
+    """Stops a process; it has stopped on return."""
     process.send_signal(signal.SIGSTOP)
     os.waitid(os.P_PID, process.pid, os.WSTOPPED)
 
@@ -190,7 +190,7 @@ class OwnershipTest(unittest.TestCase):
 
 @contextmanager
 def held(daemon):
-    """Meanwhile the daemon does nothing; what comes waits for it, in order."""
+    """Stops the daemon for a while; arriving bytes wait for it, in order."""
     daemon.process.send_signal(signal.SIGSTOP)
     until(lambda: Path(f"/proc/{daemon.process.pid}/stat").read_text().rsplit(")", 1)[1].split()[0] == "T")
     try:
@@ -200,7 +200,7 @@ def held(daemon):
 
 
 class AtOnceTest(unittest.TestCase):
-    """A program closes its connection, and then the robot is taken on another one, before the daemon has read the end."""
+    """A program closes its connection, and another connection takes the robot before the daemon has read the end."""
 
     def test_a_robot_in_every_mode_and_by_every_connection(self):
         kinds = {"text": lambda d: Text(d, "/robot1/motors"), "direct": lambda d: Text(d, "/robot1/motors", direct=True),

@@ -1,4 +1,4 @@
-"""What tests of cameras share: a connection that reads pictures quickly."""
+"""Shared by tests of cameras: a connection that reads pictures quickly."""
 import struct
 
 from harness import Binary
@@ -7,7 +7,7 @@ GET_TIME, GET_IMAGE, RGB, JPEG, DEPTH, SEGMENTATION = 3, 270, 0, 1, 2, 3
 
 
 class Picture:
-    """What get_image answers: width, height, pixels, legend, time_s, step; or an error with its text."""
+    """The reply to get_image: width, height, pixels, legend, time_s, step; or an error with its text."""
 
     def __init__(self, body):
         self.error, _, t, m, n = struct.unpack("<iiIII", body[:20])

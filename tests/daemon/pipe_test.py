@@ -1,4 +1,4 @@
-"""Scenarios that come through a pipe: serve, check and load."""
+"""Scenarios read from a pipe: serve, check and load."""
 import fcntl
 import os
 import signal

@@ -1,4 +1,4 @@
-"""Recordings played: what reads works as in the run, what drives does not, until it is branched from."""
+"""Playback of recordings: reading works as in the run, driving only after a branch."""
 import math
 import random
 import tempfile
@@ -12,7 +12,7 @@ STEPS = 100
 STEP_S = 0.01
 ROBOTS = ("robot1", "robot2")
 WORLD = scenario(2, extra=BOX)
-# Positions are kept to 1 um, headings to 1.9e-6 rad, speeds are their differences; readings are taken from these poses.
+# Positions are recorded to 1 um, headings to 1.9e-6 rad; speeds are their differences; readings are computed from these poses.
 NEAR_M, NEAR_RAD, NEAR_RANGE_M = 2e-6, 4e-6, 5e-5
 NEAR_M_S, NEAR_RAD_S = 4e-4, 1e-3
 
@@ -24,7 +24,7 @@ def wheels(step, robot):
 
 
 class Client:
-    """All that a test reads of the two robots, over raw sockets."""
+    """Drives and reads the two robots over raw sockets."""
 
     def __init__(self, daemon):
         self.motors = [daemon.text(f"/{robot}/motors") for robot in ROBOTS]
@@ -32,7 +32,7 @@ class Client:
         self.distances = [daemon.text(f"/{robot}/distance") for robot in ROBOTS]
 
     def drive(self, first, last):
-        """Commands steps first … last in lockstep."""
+        """Drives steps first … last in lockstep."""
         for step in range(first, last + 1):
             for robot, motors in enumerate(self.motors):
                 motors.send(wheels(step, robot))
@@ -48,7 +48,7 @@ class Client:
 
 
 class PlaybackTest(unittest.TestCase):
-    """One recorded run, and what its client saw."""
+    """A recorded run, and the readings of its client."""
 
     @classmethod
     def setUpClass(cls):
@@ -66,7 +66,7 @@ class PlaybackTest(unittest.TestCase):
                     cls.hashes[step] = daemon.status()["hash"]
 
     def expect_sight(self, client, step):
-        """That the client sees what was seen after this step."""
+        """Expects the client's readings to equal those of the run after this step."""
         now_step, time_s, poses, distances = client.sees()
         live_step, live_time_s, live_poses, live_distances = self.seen[step]
         self.assertEqual((now_step, time_s), (live_step, live_time_s))
@@ -125,7 +125,7 @@ class ReadingTest(PlaybackTest):
 
 class StatusTest(PlaybackTest):
     def lines(self, daemon):
-        """What `coopdyn status` says of speed and recordings."""
+        """The lines of `coopdyn status` about speed and recordings."""
         code, said = tool("status", "--server", "%s:%d" % daemon.names)
         self.assertEqual(code, 0, said)
         return [line for line in said.splitlines() if line.startswith(("speed", "playing", "recording"))]
@@ -261,7 +261,7 @@ class GrowingTest(unittest.TestCase):
 
 
 class OpenTest(PlaybackTest):
-    """A live daemon shows a recording, while its own run is put aside."""
+    """A live daemon plays a recording while its own run is suspended."""
 
     def live(self):
         """A daemon at step 40 of the same run, whose folder of recordings has lesson.run; and its client."""

@@ -1,4 +1,4 @@
-"""What the commands print of files and peers cannot steer a terminal, stays in its line, and is cut if it is very long."""
+"""Texts of files and peers printed by commands cannot control a terminal, stay in their line, and are cut if very long."""
 import json
 import socket
 import struct
@@ -20,7 +20,7 @@ def run(*arguments, **more):
 
 
 def serve_once(answer):
-    """A peer that is no daemon of ours: `answer(connection)` for each connection. Returns HOST:PORT."""
+    """A peer that is not a coopdyn daemon: runs `answer(connection)` for each connection. Returns HOST:PORT."""
     listener = socket.create_server(("127.0.0.1", 0))
 
     def accept():

@@ -1,4 +1,4 @@
-"""A robot stops when its program ends without a word, in real time and in free mode; over raw sockets."""
+"""A robot stops when its program ends without notice, in real time and in free mode; over raw sockets."""
 import subprocess
 import sys
 import unittest
@@ -24,7 +24,7 @@ sys.stdin.read()
 
 @contextmanager
 def program(daemon, module, *lines):
-    """A process that sends these lines, and then sits there until it is killed."""
+    """A process that sends these lines, and then waits until it is killed."""
     with subprocess.Popen([sys.executable, "-c", CLIENT, daemon.names[0], str(daemon.names[1]), module, *lines],
                           stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
         try:
@@ -35,7 +35,7 @@ def program(daemon, module, *lines):
 
 
 def kill_program(daemon, module, *lines):
-    """Runs one until it drives, kills it, and waits until its robots are free."""
+    """Runs a program until it drives, kills it, and waits until its robots are free."""
     with program(daemon, module, *lines) as process:
         process.kill()
     until(lambda: not any(robot["owner"] for robot in daemon.status()["robots"]))

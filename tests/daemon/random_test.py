@@ -1,4 +1,4 @@
-"""[RANDOM] of scenarios: each seed has a world of its own, at a reset too, in recordings and in what check prints."""
+"""[RANDOM] of scenarios: each seed has its own world, also at a reset, in recordings and in the output of check."""
 import re
 import sys
 import unittest

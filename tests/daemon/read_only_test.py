@@ -1,4 +1,4 @@
-"""A daemon that may be watched and not changed: in every encoding, on the port of names and over HTTP."""
+"""A read-only daemon: in every encoding, on the name port and over HTTP."""
 import json
 import subprocess
 import unittest

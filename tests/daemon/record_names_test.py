@@ -1,4 +1,4 @@
-"""Which files recordings go to: their names, what --force replaces, and where the page has them."""
+"""Files of recordings: their names, replacement by --force, and their URLs on the page."""
 import http.client
 import json
 import shutil

@@ -1,4 +1,4 @@
-"""What must not be overwritten is not, and what cannot be recorded is said at once."""
+"""Existing files are not overwritten, and impossible recordings are reported immediately."""
 import shutil
 import unittest
 

@@ -1,4 +1,4 @@
-"""Recordings of live runs: they verify, keep what happened, and never cost the simulation anything but themselves."""
+"""Recordings of live runs: they verify, keep all events, and their failures never disturb the simulation."""
 import random
 import re
 import resource
@@ -15,7 +15,7 @@ def minibots(mode="lockstep", count=4, more=""):
 
 
 def drive(motors, steps, seed=1):
-    """So many steps of one robot in lockstep; returns the step reached."""
+    """Drives one robot for `steps` steps in lockstep; returns the step reached."""
     chance = random.Random(seed)
     for _ in range(steps):
         step = motors.must(f"set_wheel_speeds {chance.uniform(-5, 5)!r} {chance.uniform(-5, 5)!r}").step
@@ -172,7 +172,7 @@ FULL_BYTES = 2 << 20
 
 
 def small_files():
-    """No file that the process writes can be larger: its disk is full then."""
+    """Limits the size of the process's files, as a full disk does."""
     resource.setrlimit(resource.RLIMIT_FSIZE, (FULL_BYTES, FULL_BYTES))
 
 
@@ -187,7 +187,7 @@ class FullDiskTest(RecordingTestCase):
             event = until(lambda: [event for event in daemon.status()["events"] if "lesson.run" in event["text"]])[0]
             self.assertEqual(event["level"], "error")
             self.assertIn("it goes on by itself when there is room", event["text"])
-            # Not even where SQLite begins its journal anew.
+            # Not even where SQLite restarts its journal.
             resource.prlimit(daemon.process.pid, resource.RLIMIT_FSIZE, (1, 1))
             before = daemon.status()["step"]
             self.assertGreaterEqual(daemon.text("/simulation").must("ready 100").step, before + 100)

@@ -1,4 +1,4 @@
-"""What tests of recordings share: the program's tools, and looks into the file with SQLite alone."""
+"""Shared by tests of recordings: the program's tools, and queries of the file with plain SQLite."""
 import os
 import sqlite3
 import subprocess
@@ -14,14 +14,14 @@ SANITIZED = any(mark in Path(BINARY).read_bytes() for mark in (b"__asan_init", b
 
 
 def tool(*words, cwd=None, env=None):
-    """Runs the program; returns its exit code and all that it says."""
+    """Runs the program; returns its exit code and output."""
     done = subprocess.run([BINARY, *map(str, words)], capture_output=True, text=True, timeout=2 * LIMIT_S, cwd=cwd,
                           env={**os.environ, **(env or {})})
     return done.returncode, done.stdout + done.stderr
 
 
 def verify(*files):
-    """What `coopdyn verify` prints of a recording, which must be equal."""
+    """The output of `coopdyn verify` for a recording, which must be equal."""
     code, said = tool("verify", *files)
     assert code == 0 and said.count("equal, ") == 1, f"exit code {code}\n{said}"
     return said

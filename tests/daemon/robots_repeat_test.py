@@ -1,5 +1,5 @@
-"""All shipped robots with joints, commanded by programs: recorded, verified, branched in motion, reset, with threads and in any order
-of arrival the same bits. Loaded controllers drive them in robots_test.py."""
+"""All shipped robots with joints, driven by programs: bitwise the same when recorded, verified, branched in motion, reset, with threads
+and for any order of arrival. robots_test.py tests them with loaded controllers."""
 import random
 import subprocess
 import sys
@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "clients" / "python"))
 import coopdyn  # noqa: E402
 
-# By type: its modules. Of a control board how many joints it has and how far they may go from 0.
+# Modules by type; for a control board the number of its joints and their range around 0.
 TYPES = {
     "lwa": {"arm": (7, 0.8)},
     "irb120": {"arm": (6, 0.8)},
@@ -45,7 +45,7 @@ def scenario(*kinds, mode="lockstep"):
 
 
 def command(chance, shape, number):
-    """The lines of one round: all modes, profile, compliance and gains."""
+    """The commands of one round: all modes, profile, compliance and gains."""
     if shape is None:
         return [f"set_velocity {chance.uniform(0, 0.4):.3f} {chance.uniform(-0.3, 0.3):.3f}", f"ready {ROUND_STEPS - 1}"]
     count, most = shape
@@ -60,7 +60,7 @@ def command(chance, shape, number):
 
 class RobotsRepeatTest(RecordingTestCase):
     def drive(self, daemon, kinds, backwards=False):
-        """Commands all modules round by round, the last time on the way to far positions."""
+        """Sends commands to all modules round by round; the last ones move to far positions."""
         modules = [(f"/{name}/{module}", shape) for number, kind in enumerate(kinds, 1) for name in names(kind, number)
                    for module, shape in TYPES[kind].items()]
         connections = [daemon.text(module) for module, _ in modules]

@@ -1,4 +1,4 @@
-"""The shipped robots with joints: they stand, hold, walk, squat and drive as their READMEs say, and repeat bit by bit."""
+"""The shipped robots with joints: they stand, hold, walk, squat and drive as their READMEs say, and repeat bit for bit."""
 import math
 import random
 import re
@@ -59,7 +59,7 @@ class RobotsTest(unittest.TestCase):
         return coopdyn.read_run(self.serve(text, seconds, *options))
 
     def loaded(self, arm, payload_kg):
-        """Another type: the arm with a ball of that mass in its tool."""
+        """A new type: the arm with a ball of that mass in its tool."""
         kind = f"{arm}_loaded"
         text = (ROOT / "robots" / arm / "model.sdf").read_text()
         moment = 0.4 * payload_kg * 0.05**2
@@ -85,7 +85,7 @@ class RobotsTest(unittest.TestCase):
                     self.assertLess(abs(position), math.radians(0.2), joint)
 
     def hold(self, arm, kind, most_rad):
-        """Twenty random postures; 2 m above the floor, so that only gravity is in the way."""
+        """Holds twenty random postures, 2 m above the floor, so that only gravity acts."""
         count = ARMS[arm][0]
         chance = random.Random(7)
         with Daemon("[SIMULATION]\nmode lockstep\n" + robots((kind, "position 0 0 2")), "--scenarios", str(self.folder)) as daemon:
@@ -144,7 +144,7 @@ class RobotsTest(unittest.TestCase):
             self.assertAlmostEqual(arm.must("get_joints (1)").data[0], 0.5, delta=0.02)
 
     def driven(self, motors, pose, command, steps=300):
-        """The car after `command` for some seconds: the reply, its speed and its turn rate in the last second."""
+        """Drives the car by `command` for some seconds; returns the reply, and its speed and turn rate in the last second."""
         reply = motors.must(f"{command[0]} ({steps - 100}) {command[1]} {command[2]}")
         x, y, heading = pose.must("get_pose").data[:3]
         way = turned = 0
@@ -228,7 +228,7 @@ class RobotsTest(unittest.TestCase):
                 self.assertAlmostEqual(poses[-1][2], -0.035, delta=0.005)
 
     def pendulum(self, mass_kg):
-        """A ball that falls from level about a post and meets what stands 0.85 m below the pivot."""
+        """A ball that swings down from the horizontal about a post and hits the robot 0.85 m below the pivot."""
         moment = 0.4 * mass_kg * 0.05**2
         folder = self.folder / "robots" / "pendulum"
         folder.mkdir(parents=True, exist_ok=True)
@@ -245,7 +245,7 @@ class RobotsTest(unittest.TestCase):
             '<axis><xyz expressed_in="__model__">0 1 0</xyz></axis></joint><coopdyn:module type="pose"/></model></sdf>')
 
     def pushed(self, mass_kg, lines):
-        """The humanoid for 5 s; the ball meets its chest with 3.8 m/s after half a second."""
+        """Runs the humanoid for 5 s; the ball hits its chest at 3.8 m/s after half a second."""
         self.pendulum(mass_kg)
         run = self.run_to_the_end(robots(("humanoid", "position 0.12 0\n" + lines), ("pendulum", "position 0 0")), 5)
         return run.pose_3d("r1")

@@ -1,4 +1,4 @@
-"""Scores and logged numbers of recordings: each step's, as they were live, in exports, in playback and for the clients."""
+"""Scores and logged numbers of recordings: for each step as live, in exports, in playback and in the clients."""
 import csv
 import json
 import math
@@ -51,7 +51,7 @@ SCORES = ["score.time_s", "score.way_m", "score.reach", "score.coverage_m2", "sc
 # After these steps: names and values.
 LOGS = {10: [("gap", 0.25)], 20: [("gap", -1.5), ("tries", 3)], 35: [("gap", 1), ("gap", 1e-7)]}
 
-# Says `equal` if the numbers of scored.mat are those of the CSV beside it, and how `coopdyn.Run` gives them.
+# Prints `equal` if the numbers of scored.mat equal those of the CSV beside it, and the values of `coopdyn.Run`.
 OCTAVE = r"""
 addpath("%s");
 names = strsplit(fgetl(fopen("scored.csv")), ",");
@@ -78,7 +78,7 @@ if ok; printf("equal"); end
 
 
 class ScoresRecordedTest(unittest.TestCase):
-    """One recorded run, and the scores that its client saw after each step."""
+    """A recorded run, and the scores that its client read after each step."""
 
     @classmethod
     def setUpClass(cls):
@@ -116,7 +116,7 @@ class ScoresRecordedTest(unittest.TestCase):
         return [float(row[column]) for row in table or self.table]
 
     def logged_at(self, name, step):
-        """By hand: the newest value of a name; nan before the first."""
+        """The expected newest value of a name; nan before the first."""
         values = [value for at in sorted(LOGS) if at <= step for one, value in LOGS[at] if one == name]
         return values[-1] if values else math.nan
 

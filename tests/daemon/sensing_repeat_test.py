@@ -1,5 +1,5 @@
-"""Sensors change nothing and are changed by nobody: the same hashes and readings, to the last bit, whoever looks at them, with any number
-of threads, recorded or not, after a branch; and each shows exactly the step that its rate and delay say."""
+"""Sensors have no side effects and are reproducible: bitwise the same hashes and readings for any readers and number of threads, recorded
+or not, after a branch; and each shows exactly the step that its rate and delay determine."""
 import math
 import os
 import unittest
@@ -53,7 +53,7 @@ GETTERS = {"imu": "get_imu", "wrench": "get_wrench", "lidar": "get_scan", "conta
 
 
 class Zoo:
-    """Robots of all kinds in one daemon: drives them by commands that depend on the step alone, and reads their sensors."""
+    """Robots of all kinds in one daemon: drives them by commands that depend only on the step, and reads their sensors."""
 
     def __init__(self, daemon):
         self.daemon = daemon
@@ -78,7 +78,7 @@ class Zoo:
             each()
 
     def reads(self):
-        """What every sensor shows, with its step."""
+        """The reading of every sensor, with its step."""
         seen = {}
         for module, getter in self.sensors:
             self.readers[module].send(getter)
@@ -97,7 +97,7 @@ class ZooTest(RecordingTestCase):
 
     @classmethod
     def setUpClass(cls):
-        """The run that nobody looks at before its end."""
+        """Makes the run that nobody reads before its end."""
         cls.hashes = {}
         with Daemon(ZOO) as daemon:
             zoo = Zoo(daemon)
@@ -150,7 +150,7 @@ class SamplerTest(unittest.TestCase):
     STEPS = 50
 
     def run_steps(self, each):
-        """Drives so many steps and calls each(daemon, ask, step) after every one."""
+        """Drives the steps and calls each(daemon, ask, step) after every one."""
         with Daemon(SAMPLER, env=ENV) as daemon:
             motors, readers = daemon.text("/robot1/motors"), {}
 

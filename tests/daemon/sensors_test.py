@@ -1,4 +1,4 @@
-"""A module that does nothing but read its sensor is served as the others are: the compass of a minibot."""
+"""A module that only reads a sensor is served like any other: the compass of a minibot."""
 import unittest
 
 from harness import Daemon, scenario

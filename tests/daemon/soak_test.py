@@ -1,4 +1,4 @@
-"""A day of use in ten minutes: what a daemon holds does not grow while clients come, drive, load, edit, watch and go."""
+"""A day of use in ten minutes: a daemon's resources do not grow while clients connect, drive, load, edit, watch and disconnect."""
 import os
 import time
 import unittest
@@ -11,14 +11,14 @@ TEXTS = [scenario(robots, extra=BOX).replace("\n", "\\n") for robots in (1, 8, 3
 
 
 def memory_kib(daemon):
-    """What the daemon alone keeps in memory."""
+    """The daemon's private memory."""
     with open(f"/proc/{daemon.process.pid}/smaps_rollup", encoding="ascii") as rollup:
         return sum(int(line.split()[1]) for line in rollup if line.startswith(("Private_Clean", "Private_Dirty")))
 
 
 class SoakTest(unittest.TestCase):
     def use(self, daemon, text):
-        """One lesson: all that is opened is closed again."""
+        """One lesson, which closes everything that it opens."""
         opened = len(daemon.connections)
         simulation, world = daemon.text("/simulation"), daemon.text("/world")
         simulation.must(f'load_scenario "{text}"')

@@ -1,4 +1,4 @@
-"""How the daemon starts, says what is wrong, and ends."""
+"""How the daemon starts, reports errors, and exits."""
 import contextlib
 import json
 import os
@@ -20,7 +20,7 @@ def run(*arguments, **more):
 
 
 class MistakeTest(unittest.TestCase):
-    """One clear line each, and the right exit code."""
+    """Each mistake is one clear line, with the right exit code."""
 
     def refused(self, text, *options):
         with tempfile.TemporaryDirectory() as folder:

@@ -1,4 +1,4 @@
-"""How a run says what happened: the summary, the exit code, and the events of its recording."""
+"""Reports of a run: the summary, the exit code, and the events of its recording."""
 import json
 import os
 import signal
@@ -116,7 +116,7 @@ class SummaryTest(unittest.TestCase):
 
 
 class ControllerFailureTest(unittest.TestCase):
-    """robot2's controller is no shared object at all: its robot stands."""
+    """robot2's controller is not a shared object: its robot stands still."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -156,10 +156,10 @@ class ControllerFailureTest(unittest.TestCase):
 
 
 class SignalledGroupTest(unittest.TestCase):
-    """A batch system signals all processes of a job: those of the controllers, too."""
+    """A batch system signals all processes of a job, including those of the controllers."""
 
     def processes(self, pid):
-        """Those of the controllers: the daemon's child, and its."""
+        """The processes of the controllers: the daemon's child, and its children."""
         children = []
         for stat in Path("/proc").glob("[0-9]*/stat"):
             try:

@@ -1,4 +1,4 @@
-"""Supervisors in whole runs: what they log, move and end stands in summaries, recordings, branches and exports."""
+"""Supervisors in whole runs: their logs, moves and ends in summaries, recordings, branches and exports."""
 import json
 import shutil
 import sys

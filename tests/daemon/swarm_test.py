@@ -177,7 +177,7 @@ class SwarmTest(unittest.TestCase):
 
 
 class DocumentTest(unittest.TestCase):
-    """docs/protocol.md, played."""
+    """Executes the examples of docs/protocol.md."""
 
     def play(self, daemon, marker):
         connection = daemon.raw()

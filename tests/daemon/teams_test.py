@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Teams carry their bars and keep their formations, in ten seeds each; and a team is as repeatable as anything else."""
+"""Teams carry bars and keep formations, with ten seeds each, and repeat bit for bit."""
 import json
 import math
 import subprocess
@@ -23,7 +23,7 @@ class TeamsTestCase(unittest.TestCase):
         self.folder = Path(folder.name)
 
     def run_of(self, scenario, duration_s, *options, name="a.run"):
-        """Runs in simulated time without sockets; the summary."""
+        """Runs a scenario in simulated time without sockets; returns the summary."""
         file = self.folder / "summary.json"
         done = subprocess.run([BINARY, "serve", scenario, "--mode", "free", "--speed", "0", "--no-net", "--no-render", "--duration",
                                str(duration_s), "--summary", str(file), "--record", str(self.folder / name), "--force", *options],
@@ -45,7 +45,7 @@ def number(row, name, what):
 
 
 def errors(row, count):
-    """How far each follower is from its place in the leader's frame."""
+    """The distance of each follower from its place in the leader's frame."""
     along, across = SPACING[count]
     x, y, heading = (number(row, "robot1", what) for what in ("x_m", "y_m", "heading_rad"))
     found = []
@@ -73,7 +73,7 @@ class Transport(TeamsTestCase):
                     self.assertGreater(min(end), 2, team)
 
     def together(self, commands):
-        """Sends each motors module its line, then takes the replies."""
+        """Sends each motors module its line, then reads the replies."""
         for motors, line in commands:
             motors.send(line)
         for motors, _ in commands:
@@ -149,7 +149,7 @@ class Repeatable(TeamsTestCase):
         self.assertEqual(json.loads(file.read_text())["hash"], whole)
 
     def drive(self, daemon, motors, order):
-        """Forty steps in lockstep in which the four robots' commands come in this order; the hash."""
+        """Drives forty steps in lockstep in which the four robots' commands arrive in this order; returns the hash."""
         for step in range(40):
             for name in order:
                 motors[name].send(f"set_velocity 0.2 {0.1 * (step % 3)}")

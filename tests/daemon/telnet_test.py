@@ -1,4 +1,4 @@
-"""Somebody at a keyboard: how a connection is left, opened twice, what an impossible number is answered, an arm in words."""
+"""A user at a keyboard: leaving a connection, opening it twice, impossible numbers, an arm driven in words."""
 import subprocess
 import unittest
 

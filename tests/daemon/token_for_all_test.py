@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A daemon whose programs on the same machine need the token, too: they drive and read, and change nothing else."""
+"""A daemon that requires the token also on its own machine: without it, programs drive and read, and change nothing else."""
 import unittest
 
 from harness import Daemon, scenario

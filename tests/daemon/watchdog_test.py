@@ -1,4 +1,4 @@
-"""In real time a client that lives but says nothing: status says for how long, and its robot's watchdog stops the robot."""
+"""A connected but silent client in real time: the status reports how long, and the robot's watchdog stops the robot."""
 import re
 import time
 import unittest
@@ -30,7 +30,7 @@ def robot(daemon, index=0):
 
 
 def let_pass(daemon, seconds):
-    """Waits for so much simulated time."""
+    """Waits for `seconds` of simulated time."""
     begin = daemon.status()["time_s"]
     until(lambda: daemon.status()["time_s"] > begin + seconds)
 
@@ -43,8 +43,8 @@ class WatchdogTest(unittest.TestCase):
         return client
 
     def keep_talking(self, daemon, talk):
-        """Calls `talk`, which returns the simulated time, for longer than a watchdog of 1 s allows silence. If the robot is
-        stopped all the same, then because this machine held us up."""
+        """Calls `talk`, which returns the simulated time, for longer than the silence that a watchdog of 1 s allows. If the robot is
+        stopped anyway, this machine has delayed us."""
         begin, longest, last = talk(), 0, time.monotonic()
         while talk() < begin + 1.5:
             longest, last = max(longest, time.monotonic() - last), time.monotonic()

@@ -1,4 +1,4 @@
-"""/world over raw sockets: the world is edited live, in order, exactly, and what was done can be repeated and undone."""
+"""/world over raw sockets: live edits are exact and ordered, and can be repeated and undone."""
 import json
 import math
 import random

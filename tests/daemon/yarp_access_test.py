@@ -1,4 +1,4 @@
-"""What programs of YARP make the daemon open: ports that are asked for, connections that it is told to make."""
+"""Ports and connections that YARP programs make the daemon open, and their limits."""
 import re
 import resource
 import socket
@@ -12,7 +12,7 @@ OUTER = "10.9.9.9"  # exists only inside the namespace of a scene
 
 
 def hello(daemon, port, name, carrier="tcp", address=None):
-    """A connection to a port of ours: what its program says first has been said."""
+    """A connection to one of our ports, after the handshake."""
     host, number = registration(daemon, port)
     connection = daemon.keep(Connection((address or host, number)))
     said = name.encode() + b"\0"
@@ -123,7 +123,7 @@ class YarpAccessTest(YarpPorts, unittest.TestCase):
 
 
 class Scenes(YarpPorts, unittest.TestCase):
-    """Run by main below, inside a network of its own."""
+    """Run by main below, inside a new network namespace."""
 
     def names(self, host, port, line):
         connection = Connection((host, port))
@@ -139,7 +139,7 @@ class Scenes(YarpPorts, unittest.TestCase):
         return self.ask(connection, f"[add] {target}")
 
     def inside(self, daemon):
-        """A port that only this machine reaches."""
+        """A port that only this machine can reach."""
         listener = daemon.keep(socket.create_server(("127.0.0.1", 0)))
         return listener, listener.getsockname()[1]
 

@@ -1,4 +1,4 @@
-"""/clock, by which programs of YARP follow simulated time; its requests; subscriptions at the name server."""
+"""/clock, by which YARP programs follow simulated time; its requests; subscriptions at the name server."""
 import struct
 import unittest
 
@@ -20,7 +20,7 @@ class YarpClockTest(unittest.TestCase):
         return answer
 
     def subscribe(self, daemon, reader, source="/clock"):
-        """As YARP's clock does: the name server has the source connect."""
+        """Subscribes like YARP's clock: the name server makes the source connect."""
         names = self.talk(daemon, daemon.names)
         self.assertEqual(self.ask(names, f'subscribe "tcp:/{source}" "tcp:/{reader.name}"'), "[ok]")
         return names

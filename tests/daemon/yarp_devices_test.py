@@ -27,13 +27,13 @@ def numbers(*values):
 
 
 class Program:
-    """A port of a program that is connected to one of ours, by tcp."""
+    """A program's port that is connected to one of ours by tcp."""
 
     def __init__(self, daemon, port, name, peer=None):
         self.connection = daemon.keep(Connection(registration(daemon, port)))
         self.connection.write(HEADER.pack(b"YA", 7777 + 3 + 128, b"RP") + struct.pack("<i", len(name) + 1) + name.encode() + b"\0")
         if peer is not None:
-            peer.answer_probe()  # it is asked for its version first
+            peer.answer_probe()  # the daemon first queries its version
         assert self.connection.read_exactly(8)[:2] == b"YA"
 
     @staticmethod
@@ -46,12 +46,12 @@ class Program:
         self.connection.write(self.message(kind, *items))
 
     def write(self, *items):
-        """A streamed command; returns when it has been acknowledged."""
+        """Sends a streamed command; returns when it is acknowledged."""
         self.send(b"D", *items)
         assert self.connection.read_exactly(8) == ACK
 
     def ask(self, size, *items):
-        """The reply of so many bytes."""
+        """Sends a request; returns the reply of `size` bytes."""
         self.send(b"d", *items)
         reply = self.connection.read_exactly(size)
         assert self.connection.read_exactly(8) == ACK
@@ -60,7 +60,7 @@ class Program:
 
 class YarpDevicesTest(YarpPorts, unittest.TestCase):
     def test_a_program_with_a_name_is_served_on_each_port_that_takes_requests(self):
-        """Its version of YARP is asked before its first request."""
+        """The daemon queries its YARP version before its first request."""
         with Daemon(arm("realtime"), "--read-only", env=ENV) as daemon:
             for port in ("/world_input_port", "/clock/rpc", "/r/arm/rpc:i", "/r/arm/nws/rpc:i", "/r/arm", "/world"):
                 text = daemon.keep(Connection(registration(daemon, port)))
@@ -71,7 +71,7 @@ class YarpDevicesTest(YarpPorts, unittest.TestCase):
             self.assertIn("robots", daemon.text("/simulation").must("get_status").text)
 
     def words(self, daemon, port):
-        """Asks a port by text."""
+        """A text connection to a port."""
         connection = daemon.keep(Connection(registration(daemon, port)))
         connection.write("CONNECT me\r\n")
         self.assertEqual(connection.read_line(), "Welcome me")
@@ -100,7 +100,7 @@ class YarpDevicesTest(YarpPorts, unittest.TestCase):
             self.assertAlmostEqual(positions[3], math.radians(-20), delta=math.radians(0.1))
 
     def test_a_reset_empties_the_integral_of_a_servo(self):
-        """Driven by the integral alone, the joint goes on beyond its reference, and stands when that is empty."""
+        """Driven only by the integral, the joint moves beyond its reference, and stops when the integral is emptied."""
         with Daemon(arm(), env=ENV) as daemon:
             board = self.words(daemon, "/r/arm/rpc:i")
             value = lambda answer: float(answer.split()[2])  # noqa: E731

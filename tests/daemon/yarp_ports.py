@@ -1,4 +1,4 @@
-"""Programs of YARP beside the daemon: ports that are read, administered, written to."""
+"""YARP programs beside the daemon: read, administer and write to its ports."""
 import socket
 import struct
 
@@ -10,7 +10,7 @@ CODES = {"udp": 0, "fast_tcp": 3, "tcp": 3 + 128}
 
 
 def registration(daemon, name):
-    """(host, port) of a name; None if nobody has it."""
+    """(host, port) of a name; None if unregistered."""
     connection = daemon.keep(Connection(daemon.names))
     connection.write(f"NAME_SERVER query {name}\n")
     words = connection.read_line().split()
@@ -19,7 +19,7 @@ def registration(daemon, name):
 
 
 class Accepted(Connection):
-    """A connection that somebody has opened to us."""
+    """A connection opened by a peer."""
 
     def __init__(self, accepted):
         accepted.settimeout(LIMIT_S)
@@ -41,7 +41,7 @@ class Accepted(Connection):
             self.write(f"Welcome {self.hello[1]}\r\n")
 
     def read_sample(self, ack=b""):
-        """The command with its envelope, and the payload, of a binary carrier."""
+        """Reads the command with its envelope, and the payload, of a binary carrier."""
         begin = self.read_exactly(18)
         assert (begin[:8], begin[9:]) == (HEADER.pack(b"YA", 10, b"RP"), b"\1" + b"\xff" * 8), begin
         sizes = struct.unpack(f"<{begin[8] + 1}i", self.read_exactly(4 * (begin[8] + 1)))
@@ -69,7 +69,7 @@ class Reader:
         return self.daemon.keep(Accepted(self.listener.accept()[0]))
 
     def first_sample(self):
-        """Of whoever connects, though others may connect before and be replaced."""
+        """The first sample of a connection; earlier connections may have been replaced."""
         while True:
             connection = self.accept()
             try:
@@ -82,7 +82,7 @@ class Reader:
                 pass
 
     def answer_probe(self, probe=None):
-        """The question which version this is."""
+        """Answers the query of this program's version."""
         probe = probe or self.accept()
         assert probe.read_line() == "CONNACK admin"
         assert (probe.read_line(), probe.read_line()) == ("a", "[pid]")
@@ -92,10 +92,10 @@ class Reader:
 
 
 class YarpPorts:
-    """What tests of ports do; for a TestCase."""
+    """Helpers of tests of ports; a mix-in of TestCase."""
 
     def admin(self, daemon, port):
-        """A connection that administers one of our ports."""
+        """An administrative connection to one of our ports."""
         connection = daemon.keep(Connection(registration(daemon, port)))
         connection.write("CONNACK admin\r\n")
         self.assertEqual(connection.read_line(), "Welcome admin")
@@ -108,7 +108,7 @@ class YarpPorts:
         return lines[0]
 
     def connect(self, daemon, port, reader, carrier="tcp"):
-        """Our port is told to send to the reader: the connection, as the reader sees it."""
+        """Makes our port send to the reader; returns the reader's end of the connection."""
         admin = self.admin(daemon, port)
         admin.write(f'a\r\n[add] "{carrier}:/{reader.name}"\r\n')
         if carrier in CODES:

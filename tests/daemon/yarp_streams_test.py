@@ -1,4 +1,4 @@
-"""Ports that send readings to programs of YARP: opened when asked for, connected when told to, with back-pressure."""
+"""Ports that send readings to YARP programs: opened and connected on request, with back-pressure."""
 import os
 import socket
 import struct
@@ -63,7 +63,7 @@ class YarpStreamsTest(YarpPorts, unittest.TestCase):
                 motors.must("set_velocity 0.2 0")
             self.assertFalse(connection.has_bytes())
             connection.write(ACK)
-            # The newest 64 have waited; the number tells that 36 are lost.
+            # The newest 64 were queued; the number shows that 36 are lost.
             self.assertEqual(connection.read_sample(ACK)[0], "D 37 0.37")
             self.assertEqual(connection.read_sample(ACK)[0], "D 38 0.38")
 
@@ -136,7 +136,7 @@ class YarpStreamsTest(YarpPorts, unittest.TestCase):
             admin.read_line()
             self.assertEqual(self.ask(admin, '[list] [out] "/reader"'), f'(from "{port}") (to "/reader") (carrier udp)')
             self.ask(admin, '[del] "/reader"')
-            farewell = reader.accept()  # as YARP tells the end
+            farewell = reader.accept()  # YARP's notice of the end
             self.assertEqual([farewell.read_line() for _ in range(3)], ["CONNECT admin", "~" + port, "q"])
 
     def test_a_reader_of_datagrams_that_goes_is_forgotten(self):
@@ -152,7 +152,7 @@ class YarpStreamsTest(YarpPorts, unittest.TestCase):
             motors = daemon.text("/robot1/motors")
 
             def is_forgotten():
-                motors.must("set_velocity 0.2 0")  # what is sent tells that nobody takes it
+                motors.must("set_velocity 0.2 0")  # sending reveals that nobody reads
                 return self.links(daemon, "/robot1/pose/state:o") == ""
 
             until(is_forgotten)

@@ -1,4 +1,4 @@
-"""Programs of YARP on the ports of modules: their handshakes, Bottles and acknowledgements, beside other clients."""
+"""YARP programs on the ports of modules: their handshakes, Bottles and acknowledgements, beside other clients."""
 import socket
 import struct
 import unittest

@@ -11,7 +11,7 @@ def ints(*numbers):
 
 
 class Udp:
-    """A client of a robot's UDP port: one datagram asks, one answers."""
+    """A client of a robot's UDP port: one datagram per request and reply."""
 
     def __init__(self, port, robot=0, host="127.0.0.1"):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -32,7 +32,7 @@ class Udp:
         return self.receive()
 
     def handshake(self):
-        """Basic: the tags."""
+        """The basic handshake: returns the tags."""
         reply = self.ask(10, -1)
         tags = struct.unpack(f"<{len(reply) // 4}i", reply)
         assert tags[0] == 11 and tags[-1] == -1, tags
@@ -73,7 +73,7 @@ class Udp:
         return state, list(struct.unpack(f"<{count}f", reply[16:16 + 4 * count]))
 
     def load(self, text, source=1):
-        """A new simulation: True if it stands."""
+        """Loads a new simulation: True on success."""
         raw = text.encode()
         each = 1004
         assert self.ask(93, -1) == ints(94, -1)

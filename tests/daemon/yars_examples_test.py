@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The shipped examples of YARS's paper do what docs/yars.md says: dogs and walkers walk, a biped steps, a lamp is found, goals are
-made; and each run is the same twice."""
+"""The shipped examples of the YARS paper behave as docs/yars.md says: dogs and walkers walk, a biped steps, a lamp is found, goals are
+scored; and each run repeats exactly."""
 import json
 import unittest
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The binary codec: any bytes consume, need more or end; what decodes encodes to the same bytes; a prefix
-// never decides otherwise than the whole.
+// The binary codec: any bytes consume, need more or end; a decoded message encodes to the same bytes; a
+// prefix never decides differently than the whole.
 
 // link: coopdyn_protocol
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The text codec with every module's table: a line consumes itself, errors are clean texts, what decodes to a
-// message prints to a line that reads back the same.
+// The text codec with every module's table: a line consumes itself, errors are clean texts, a decoded message
+// prints to a line that reads back the same.
 
 // link: coopdyn_protocol
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Compares a sound recording with a damaged copy of it, and repeats the copy. Each five bytes are one damage
-// to a row: it is gone, or one of its values is another. Nothing may crash or hang; the report says what
-// differs or why it cannot be done.
+// Compares a valid recording with a damaged copy of it, and repeats the copy. Every five bytes are one damage
+// to a row: the row is deleted, or one of its values is changed. Nothing may crash or hang; the report names
+// the differences or the reason why the comparison is impossible.
 
 // link: coopdyn_replay coopdyn_source_dir PkgConfig::SQLITE3
 
@@ -58,7 +58,7 @@ class Copy {
     for (; bytes.size() >= 5; bytes = bytes.subspan(5)) {
       const Column& column = columns_[bytes[0] % columns_.size()];
       const std::string value = ValueOf(column, bytes[1], static_cast<std::int8_t>(bytes[2]));
-      // The row by its place, as not every table has row numbers.
+      // The row by its index, because not every table has row numbers.
       const std::string row = " WHERE (SELECT count(*) FROM " + column.table + ") > 0 AND " + column.name +
                               " IS (SELECT " + column.name + " FROM " + column.table + " LIMIT 1 OFFSET " +
                               std::to_string(bytes[3] % 32) + ")";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the program that reads meshes and pictures may answer: nothing of it may break us.
+// Replies of the program that reads meshes and pictures: none may crash us.
 // link: coopdyn_files
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// YARS's experiments: any bytes give errors, or texts that know the line of each of their lines.
+// YARS experiments: any bytes give errors, or texts with the line number of each line.
 
 // link: coopdyn_rosiml coopdyn_geometry coopdyn_base
 // max_len: 16384

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Feeds arbitrary bytes to the decoders of what a run file holds: columns of a step, poses, exact states and
-// scenes. Nothing may crash, read past the bytes, or fill memory; what a decoder took it must be able to
-// write.
+// Feeds arbitrary bytes to the decoders of a run file's contents: columns of a step, poses, exact states and
+// scenes. Nothing may crash, read past the bytes, or fill memory; a decoder's result must be encodable.
 
 // link: coopdyn_record
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Reads arbitrary bytes as the file of a recording, everything that is in it. Nothing may crash or hang; what
-// cannot be read has a text.
+// Reads arbitrary bytes as the file of a recording, completely. Nothing may crash or hang; unreadable files
+// give an error text.
 
 // link: coopdyn_record
 
@@ -34,7 +34,7 @@ struct TemporaryFile {
   }
 };
 
-/// Robot models take long to read: most inputs have the same as the one before.
+/// Robot models are slow to read: most inputs have the same as the previous one.
 void LoadScenario(coopdyn::RunReader& reader) {
   static std::string known_text;
   static std::shared_ptr<const coopdyn::Scenario> known;

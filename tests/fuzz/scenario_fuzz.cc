@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The .scenario reader, as for texts that come over a socket: any bytes give errors or a finite scenario.
-// Run from the root of the sources to let it find robots/coopbot; elsewhere every robot type is unknown.
+// The .scenario reader, as for texts received by socket: any bytes give errors or a finite scenario. Run it
+// from the root of the sources so that it finds robots/coopbot; elsewhere every robot type is unknown.
 
 // link: coopdyn_model coopdyn_geometry coopdyn_base
 

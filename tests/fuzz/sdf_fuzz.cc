@@ -16,7 +16,7 @@
 
 namespace {
 
-/// A file of this process, in memory where there is such a place.
+/// A private file of this process, in memory if possible.
 std::filesystem::path ModelFile() {
   std::error_code code;
   const bool shm = std::filesystem::is_directory("/dev/shm", code);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The first byte of an input is the carrier, the rest what a program of YARP sends after its hello. A Bottle
-// that is read must be written and read again with as many values.
+// The first byte of an input is the carrier, the rest the bytes of a YARP program after its hello. A decoded
+// Bottle must be encodable and decode again to the same number of values.
 
 // link: coopdyn_yarp
 
@@ -38,7 +38,7 @@ void CheckBottle(const Bottle& bottle) {
   if (!again || again->size() != bottle.size()) std::abort();
 }
 
-/// A board of two joints, of which one slides. What it sends to its module is as the commands' table says.
+/// A board of two joints, one of which slides. Its requests to its module conform to the commands' table.
 void AskBoard(YarpTranslator& board, const Bottle& bottle) {
   static const CommandTable joints = JointsTable();
   Message reply = ReplyTo(board.Decode(bottle).message.command, "turns slides");
@@ -53,7 +53,7 @@ void AskBoard(YarpTranslator& board, const Bottle& bottle) {
   board.Reply(reply);
 }
 
-/// What a port answers about itself, and that of the clock.
+/// The administrative replies of a port, and of the clock's port.
 void AskPorts(const Bottle& bottle) {
   AnswerYarpAdmin(bottle, {"/robot1/pose", "/x", "tcp", {}});
   LinkChangeIn(bottle);
@@ -68,7 +68,8 @@ void AskPorts(const Bottle& bottle) {
   camera->Reply(view);
 }
 
-/// A whole connection to each kind of port: what it asks the module is answered with little or with an error.
+/// A whole connection to each kind of port: its requests to the module are answered with little data or an
+/// error.
 void Talk(const std::string& bytes, std::uint8_t choice) {
   static const Port ports[] = {
       {"/robot1/motors", MotorsTable()},        {"/world_input_port", WorldTable()},
@@ -104,7 +105,7 @@ void Talk(const std::string& bytes, std::uint8_t choice) {
   }
 }
 
-/// Datagrams of any bytes give no more than these.
+/// Datagrams of any bytes yield at most these requests.
 void CheckDatagrams(std::string_view bytes) {
   DatagramJoiner joiner;
   joiner.Add(bytes);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The first byte of an input chooses the protocol of YARS; the rest are datagrams, each with its length in
-// front, or the bytes of a TCP connection. Whatever comes, a robot's side asks for nothing that it must not,
-// and is never stuck.
+// The first byte of an input chooses the YARS protocol; the rest are datagrams, each after its length, or the
+// bytes of a TCP connection. For any input, a robot's side makes only permitted requests, and never hangs.
 
 // link: coopdyn_yars coopdyn_net coopdyn_base coopdyn_protocol
 

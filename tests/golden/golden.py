@@ -2,8 +2,9 @@
 """The hash of each shipped scenario, experiment and robot after STEPS steps, against hashes.json: one on every machine.
 
 Usage: golden.py PROGRAM [--only NAME] [--write] [--as plain|other] [--under "qemu-x86_64 -cpu Conroe"]
-`plain` is one thread; `other` all that must change nothing: two threads, 64 of robots, a recording, an open page, spectators, and
-a processor that hides what it has from libm. What no loaded controller drives is driven by a client, by what it reads.
+`plain` is one thread; `other` has everything that must not change the hash: two threads, 64 robot threads, a recording, an open
+page, spectators, and a processor that hides its features from libm. A client drives the robots without a loaded controller, by
+their readings.
 """
 import argparse
 import concurrent.futures
@@ -34,7 +35,7 @@ CROWD = 50  # more robots than these are driven as one team
 
 
 def scenario_of(robot):
-    """A robot among things that it meets."""
+    """A robot among things that it runs into."""
     return (f"[SIMULATION]\nmode lockstep\n[FLOOR]\nsize 20 20\n[ROBOT_1]\ntype {robot}\nposition 0 0\n"
             "[TARGET]\nred 2 0.5\n"
             "[OBJECT_1]\ntype box\nsize 0.4 0.4 0.6\nposition 1.2 0.3 0\n"
@@ -42,7 +43,7 @@ def scenario_of(robot):
 
 
 def entries():
-    """{name: what `serve` takes}; of a robot the text of a scenario."""
+    """{name: argument of `serve`}; for a robot the text of a scenario."""
     found = {f"scenarios/{path.name}": str(path) for path in sorted((ROOT / "scenarios").glob("*")) if path.suffix in (".scenario", ".xml")}
     return found | {f"robots/{path.name}": scenario_of(path.name) for path in sorted((ROOT / "robots").iterdir()) if path.is_dir()}
 
@@ -52,7 +53,7 @@ def has_one(name, parts):
 
 
 def numbers(reading):
-    """All that are finite in tuples of tuples."""
+    """All finite numbers in nested tuples."""
     for value in reading:
         if isinstance(value, (int, float)):
             if math.isfinite(value):
@@ -64,7 +65,7 @@ def numbers(reading):
 
 
 def read_hashes(file, names):
-    """{name: hash}, one for each of `names` and no other; or the program ends and says what is wrong."""
+    """{name: hash} for exactly `names`; otherwise exits with a message."""
     try:
         hashes = json.loads(file.read_bytes())
     except (OSError, ValueError) as error:
@@ -85,12 +86,12 @@ def choose(names, only, without):
 
 
 def lean(reading):
-    """Of all that was read: in [0, 1), another one if a bit of it is."""
+    """A number in [0, 1) that depends on every bit of a reading."""
     return sum(numbers(reading)) * 64 % 1
 
 
 class Driver:
-    """Of one robot: moves by what it reads, so that each number of its sensors is in the hash."""
+    """Drives one robot by its readings, so that the hash depends on every number of its sensors."""
 
     def __init__(self, sim, status):
         self.robot = sim.robot(status["name"])
@@ -115,7 +116,7 @@ class Driver:
 
 
 class Crowd:
-    """Of robots with wheels, as one team."""
+    """Drives robots with wheels as one team."""
 
     def __init__(self, sim):
         self.team = sim.team()
@@ -147,7 +148,7 @@ def open_page(url):
 
 
 class Daemon:
-    """That runs one entry, in a folder of its own."""
+    """A daemon that runs one entry, in its own folder."""
 
     def __init__(self, program, given, other, *options):
         self.folder = tempfile.TemporaryDirectory()
@@ -182,7 +183,7 @@ class Daemon:
         return json.loads(self.summary.read_text())["hash"]
 
     def check_recording(self):
-        """Made where features are hidden, it verifies where they are shown."""
+        """Verifies a recording made with hidden features on the full processor."""
         self.stop()
         if self.recording:
             subprocess.run([*self.program, "verify", self.recording], stdout=subprocess.DEVNULL, check=True)
@@ -201,7 +202,7 @@ class Daemon:
 
 
 def driven_hash(sim, robots):
-    """After STEPS steps in which a client drives."""
+    """The hash after STEPS steps driven by a client."""
     crowd = len(robots) > CROWD
     drivers = [Crowd(sim)] if crowd else [Driver(sim, robot) for robot in robots]
     sim.run()
@@ -230,7 +231,7 @@ def hash_of(program, given, other):
     with Daemon(program, given, other, *to_the_end) as daemon:
         result = daemon.end_hash()
         daemon.check_recording()
-        if other:  # it goes on from its middle where features are shown
+        if other:  # continues from the middle on the full processor
             with Daemon(program, "", False, "--from", f"{daemon.recording}@#{STEPS // 2}", *to_the_end) as later:
                 return result if later.end_hash() == result else f"{result}, from the middle another"
         return result

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""golden.py says in one line that its hashes are damaged or not those of what ships, before it starts any program."""
+"""golden.py reports in one line that its hashes are damaged or do not match the shipped entries, before it starts a program."""
 import json
 import pathlib
 import subprocess

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""coopdyn grade from end to end: the example, results, pages, what others' systems read, and appeals."""
+"""coopdyn grade from end to end: the example, results, pages, formats of other systems, and appeals."""
 import csv
 import json
 import os

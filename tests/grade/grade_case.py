@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What tests of grading share: a folder with an assignment that takes little time, and `coopdyn grade` of it."""
+"""Shared by tests of grading: a folder with a fast assignment, and `coopdyn grade` of it."""
 import csv
 import json
 import os

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Submissions that do harm, or try to: each earns nothing, with a sentence, and those around them are graded as if alone."""
+"""Submissions that do harm, or try to: each earns nothing, with a sentence, and other submissions are graded as usual."""
 import os
 import socket
 import subprocess
@@ -8,7 +8,7 @@ import unittest
 
 from grade_case import ASSIGNMENT, BINARY, DRIVE, LIMIT_S, GradeCase
 
-# What must not succeed ends with DRIVE: it would earn points.
+# Attacks that must fail end with DRIVE: on success they would earn points.
 TRY = """
 def refused(*attempts):
     for name, attempt in attempts:

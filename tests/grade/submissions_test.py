@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What is handed in: names, folders, archives, and those that would do harm."""
+"""Submissions: names, folders, archives, and harmful ones."""
 import gzip
 import io
 import os

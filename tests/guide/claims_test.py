@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The tests that docs/yars.md names for the claims of the YARS paper are there; a figure is the same wherever it is told."""
+"""The tests that docs/yars.md names for the claims of the YARS paper exist; a figure is the same wherever it appears."""
 import re
 import unittest
 from pathlib import Path

@@ -24,7 +24,7 @@ def chapters():
 
 
 class Reader:
-    """Somebody in an empty folder with coopdyn on the path and both clients at hand."""
+    """A reader in an empty folder with coopdyn on the path and both clients available."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -49,7 +49,7 @@ class Reader:
         self.env["COOPDYN_SERVER"] = f"127.0.0.1:{match.group(1)}"
 
     def type_text(self, lines):
-        """Each OPEN on a connection of its own; every reply must be without error."""
+        """Sends lines, each OPEN on a new connection; no reply may be an error."""
         port = self.env["COOPDYN_SERVER"].rsplit(":", 1)[1]
         for session in re.findall(r"^OPEN .*\n(?:(?!OPEN).*\n)+", lines, flags=re.M):
             said = self.run(["nc", "-N", "127.0.0.1", port], session).splitlines()

@@ -1,5 +1,5 @@
-"""docs/reference holds what `coopdyn describe` prints; `python3 reference_test.py --write` writes it anew. docs/protocol.md
-names every key of get_status.
+"""docs/reference equals the output of `coopdyn describe`; `python3 reference_test.py --write` updates it. docs/protocol.md names
+every key of get_status.
 """
 import json
 import os
@@ -33,7 +33,7 @@ def pages():
 
 
 def keys(value):
-    """All keys of a JSON value, of the objects in it too."""
+    """All keys of a JSON value, including nested objects."""
     if isinstance(value, dict):
         return set(value) | keys(list(value.values()))
     return set().union(*map(keys, value)) if isinstance(value, list) else set()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The experiments that docs/yars.md shows are right, and the one of the grammar 0.8 moves as the page says."""
+"""The experiments shown in docs/yars.md are valid, and the one in grammar 0.8 moves as the page says."""
 import re
 import subprocess
 import tempfile

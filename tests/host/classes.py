@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Starts a class with `coopdyn host` on free ports and talks exact bytes to it."""
+"""Starts a class with `coopdyn host` on free ports and exchanges exact bytes with it."""
 import csv
 import http.client
 import json
@@ -17,7 +17,7 @@ from harness import BINARY, LIMIT_S, until  # noqa: E402,F401
 
 
 class Seat(harness.Connection):
-    """A connection to the class's port for programs that has said its line."""
+    """A connection to the class's port for programs, after its SEAT line."""
 
     def __init__(self, host, name, pin=None, language="", source=None):
         self.host = host
@@ -27,7 +27,7 @@ class Seat(harness.Connection):
         self.said = self.read_line()
 
     def open(self, module):
-        """Becomes a text connection to the module."""
+        """Makes it a text connection to the module."""
         self.write(f"OPEN {module}\n")
         answer = self.read_line()
         assert answer == "ok", answer
@@ -105,7 +105,7 @@ class Host:
         return {tile["seat"]: tile for tile in json.loads(text)["seats"]}
 
     def tile(self, name, condition):
-        """The tile of a seat once the condition holds of it."""
+        """Waits until the condition holds for a seat's tile; returns the tile."""
         return until(lambda: next((tile for tile in [self.tiles()[name]] if condition(tile)), None))
 
     def me(self, name):
@@ -120,7 +120,7 @@ class Host:
         return status
 
     def daemon(self, name):
-        """The process of a seat's daemon; 0: none."""
+        """The process id of a seat's daemon; 0: none."""
         mine = str(self.folder / "class" / "seats" / name / "door").encode()
         for pid in filter(str.isdigit, os.listdir("/proc")):
             try:
@@ -132,11 +132,11 @@ class Host:
         return 0
 
     def await_other_daemon(self, name, old):
-        """Until the seat has another daemon, to which the host passes connections."""
+        """Waits until the seat has a new daemon to which the host passes connections."""
         until(lambda: self.daemon(name) not in (0, old) and self.tiles()[name]["daemon"] == "running")
 
     def kill(self):
-        """As a power cut would, but for the daemons."""
+        """Kills the host as a power cut would, but not the daemons."""
         self.process.kill()
         self.process.wait()
         self.process.stdout.close()

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a student's program does in a class, for clients_test.py: clients_program SERVER SEAT PIN ACTION...
-// "-" for SEAT and PIN: none is given. An action prints its result, or `error NAME TEXT`, and the next one
-// follows.
+// A student's program in a class, for clients_test.py: clients_program SERVER SEAT PIN ACTION... "-" for SEAT
+// and PIN: none. Each action prints its result, or `error NAME TEXT`, and the next one follows.
 #include <iostream>
 #include <optional>
 #include <string>
@@ -41,7 +40,7 @@ struct Program {
     } else if (action == "doctor") {
       const bool healthy = client::doctor(server, options);
       std::cout << (healthy ? "healthy" : "ill") << std::endl;
-    } else if (action == "wait") {  // for a line
+    } else if (action == "wait") {  // for a line on stdin
       std::string line;
       std::cout << "waits" << std::endl;
       std::getline(std::cin, line);

@@ -1,7 +1,7 @@
 % SPDX-License-Identifier: MIT
 function clients_program(server, seat, pin, varargin)
-%CLIENTS_PROGRAM What a student's program does in a class, for clients_test.py: clients_program(SERVER, SEAT, PIN, ACTION, ...)
-%   '-' for SEAT and PIN: none is given. An action prints its result, or `error NAME TEXT`, and the next one follows.
+%CLIENTS_PROGRAM A student's program in a class, for clients_test.py: clients_program(SERVER, SEAT, PIN, ACTION, ...)
+%   '-' for SEAT and PIN: none. Each action prints its result, or `error NAME TEXT`, and the next one follows.
   options = {};
   if ~strcmp(seat, '-')
     options = [options {'seat', seat}];

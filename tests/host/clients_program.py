@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""What a student's program does in a class, for clients_test.py: clients_program.py SERVER SEAT PIN ACTION...
-"-" for SEAT and PIN: none is given. An action prints its result, or `error NAME TEXT`, and the next one follows."""
+"""A student's program in a class, for clients_test.py: clients_program.py SERVER SEAT PIN ACTION...
+"-" for SEAT and PIN: none. Each action prints its result, or `error NAME TEXT`, and the next one follows."""
 import sys
 
 import coopdyn
@@ -38,7 +38,7 @@ class Program:
         return "healthy" if coopdyn.doctor(self.server, **self.seat) else "ill"
 
     def wait(self):
-        """For a line."""
+        """Waits for a line on stdin."""
         print("waits", flush=True)
         sys.stdin.readline()
         return "goes on"

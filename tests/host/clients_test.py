@@ -43,7 +43,7 @@ class HostTestCase(unittest.TestCase):
 
 
 class Programs:
-    """What each client does; `command()` is how its program runs."""
+    """Tests of every client; `command()` returns the command of its program."""
 
     def start(self, seat, *actions, pin=None, **variables):
         words = self.command(self.variables["COOPDYN_SERVER"], seat, pin or self.pins.get(seat, "-"), *actions)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Seats of a class: who gets in, and that what happens to one daemon or the host costs nobody a run."""
+"""Seats of a class: access, and that failures of one daemon or the host cost nobody a run."""
 import os
 import signal
 import socket

@@ -11,7 +11,7 @@ from pathlib import Path
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
 ROW = re.compile(r"^\|\s*`([a-z_/]+)/`\s*\|([^|]*)\|", re.M)
 
-# Commands print through one place, which makes texts of files and peers harmless.
+# Commands print through one place, which sanitises texts of files and peers.
 PRINTS = re.compile(r"print\.h$")
 WRITES = re.compile(r"std::(cout|cerr|clog)|\b(printf|fprintf|puts|fputs|fwrite|putchar)\(")
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Checks that what computes calls no transcendental function of libm: their bits differ between machines, and are in the hash
-of a run. server/base/portable_math.h has the functions that it may call. And that our programs show their own in place of
-libm's, that foreign libraries and controllers call no others, and that nothing is compiled to a fused multiply-add.
+"""Checks that computing code calls no transcendental function of libm: their bits differ between machines, and affect the hash of
+a run. server/base/portable_math.h has the permitted functions. Also checks that our programs export their own functions in place
+of libm's, that foreign libraries and controllers call no others, and that nothing is compiled to a fused multiply-add.
 
 Usage: check_math.py ROOT PROGRAM LIBRARY…
 """
@@ -22,7 +22,7 @@ DRAW_AND_ANSWER = ("render", "web")  # folders of server/ that no hash depends o
 
 
 def symbols(program, *options):
-    """(file or None, symbol) of each that nm lists."""
+    """(file or None, symbol) for each symbol that nm lists."""
     listed = subprocess.run(["nm", *options, program], capture_output=True, text=True, check=True).stdout
     return {line.split()[-1].split("@")[0] for line in listed.splitlines() if re.search(r" [A-Za-z] ", line)}
 

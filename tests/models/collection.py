@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Loads every model and world of collections, runs 10 s, and prints the tables of docs/models.md.
+"""Loads every model and world of collections, runs each for 10 s, and prints the tables of docs/models.md.
 
-Usage: collection.py [--rows ROWS.jsonl] COOPDYN FOLDER... : each a collection, called OWNER+NAME, which is also its search path.
-A program xacro is on the PATH, or those files count as refused. Of an .xacro without links (macros) nothing is expected.
+Usage: collection.py [--rows ROWS.jsonl] COOPDYN FOLDER... : each FOLDER is a collection, called OWNER+NAME, and its search path.
+Needs the program xacro on the PATH, or .xacro files count as refused. An .xacro without links (macros) is not counted.
 """
 import argparse
 import collections
@@ -22,7 +22,7 @@ RUNS = "loads and runs"
 NO_ROBOT = "holds macros alone"
 LONGEST_S = 120
 POSES_EVERY_S = 0.1
-# Nobody commands a motor. So what has gone further, or moves faster, or is deep in the floor, does not stand.
+# Nobody commands a motor, so a model that moves farther or faster, or sinks deep into the floor, does not stand.
 FAR_M, FAST_M_PER_S, DEEP_M = 20, 5, 0.5
 
 
@@ -32,11 +32,11 @@ def text_of(file):
 
 
 def is_one(file):
-    """Whether a file is a model or world of its own."""
+    """Whether a file is a complete model or world."""
     name = os.path.basename(file)
     if not os.path.exists(file):
         return False
-    if name.endswith(".sdf"):  # not SDF's description of itself
+    if name.endswith(".sdf"):  # except SDF's own schema
         return re.match(r"\s*(<!--.*?-->\s*)*<element\b", text_of(file), re.S) is None
     if name.endswith((".urdf", ".world")):
         return True
@@ -56,14 +56,14 @@ def files(folder):
 
 
 def cause_of(text):
-    """A message without what differs from model to model."""
+    """A message without its model-specific parts."""
     text = re.sub(r"^.*?: error: ", "", text)
     text = re.sub(r"-?\d+(\.\d+)?(e-?\d+)?", "N", re.sub(r"'[^']*'|\[[^\]]*\]", "…", text))
     return re.split(r" \(looked|: add it|; known are|; did you", text)[0].replace("|", "\\|")
 
 
 def positions(blob):
-    """Of each body by place, m (docs/formats.md, run files)."""
+    """The position of each body by index, m (docs/formats.md, run files)."""
     unit_m = 2 ** blob[0] * 1e-6
     for at in range(1, len(blob), 18):
         bits = int.from_bytes(blob[at:at + 18], "little")
@@ -72,7 +72,7 @@ def positions(blob):
 
 
 def links_without_shape(texts):
-    """Nothing can hold them. They fall, in Gazebo too."""
+    """Links without a shape: nothing can support them, so they fall, in Gazebo too."""
     solid, bare = set(), set()
     for text in texts:
         for name, link in re.findall(r'<link\b[^>]*\bname="([^"]*)"(.*?)(?=<link\b|$)', text, re.S):
@@ -81,7 +81,7 @@ def links_without_shape(texts):
 
 
 def unsound(run, has_floor):
-    """Why what was recorded does not stand, or None."""
+    """The reason why the recorded model does not stand, or None."""
     with sqlite3.connect(run) as data:
         names = [name for name, in data.execute("SELECT name FROM body WHERE scene = 1 ORDER BY place")]
         bare = links_without_shape(text for text, in data.execute("SELECT content FROM text"))
@@ -103,7 +103,7 @@ def unsound(run, has_floor):
 
 
 def call(command, environment):
-    """Exit code, what was said, and seconds of processor time. Other programs of the machine do not count."""
+    """Exit code, output, and seconds of processor time, which other programs do not affect."""
     with tempfile.TemporaryFile("w+", errors="replace") as said:
         process = subprocess.Popen(command, stdout=said, stderr=subprocess.STDOUT, env=environment)
         killer = threading.Timer(LONGEST_S, process.kill)
@@ -116,7 +116,7 @@ def call(command, environment):
 
 
 def run(binary, file, folder):
-    """What came of it, the seconds to check it, and what was said."""
+    """The result, the seconds of the check, and the output."""
     is_model = not file.endswith(".xml") and "<world" not in text_of(file)
     with tempfile.TemporaryDirectory() as scratch:
         target, summary, recorded = file, os.path.join(scratch, "summary.json"), os.path.join(scratch, "poses.run")

@@ -11,7 +11,7 @@ import {seatDaemon} from './seat_daemon.js';
 const SEATS = [{seat: 'ana', name: 'Ana Lima', group: '1'}, {seat: 'ben', name: 'Ben Okafor', group: '1'}, {seat: 'cleo', name: 'Cleo Rossi', group: '2'}];
 let host, ana, ben, wall;
 
-/** What the browser says of a request that the host refuses, which is right here. */
+/** The browser's error about a request that the host refuses, as expected here. */
 const refused = (page) => {
   assert.ok(page.mistakes.length > 0 && page.mistakes.every((text) => /status of 403/.test(text)), page.mistakes.join('\n'));
   page.mistakes.length = 0;
@@ -19,7 +19,7 @@ const refused = (page) => {
 /** The seats in the order of the wall. */
 const order = () => wall.$$eval('.tile:not([hidden])', (tiles) => tiles.map((tile) => tile.dataset.seat));
 const tile = (seat) => `.tile[data-seat="${seat}"]`;
-/** Chooses a tile and presses a button of the panel. */
+/** Selects a tile and presses a button of the panel. */
 async function tell(seat, does) {
   if (await wall.isHidden('#panel') || await wall.textContent('#panel h2') !== SEATS.find((one) => one.seat === seat).name) await wall.click(`${tile(seat)} .name`);
   await wall.click(`#panel [data-does="${does}"]`);
@@ -114,7 +114,7 @@ test('a socket for poses alone gets no status and no people', async () => {
     socket.onopen = () => socket.send(JSON.stringify({type: 'poses', rate: 10}));
     socket.onmessage = ({data}) => {
       if (typeof data === 'string') texts.push(JSON.parse(data).type);
-      else if (++poses === 10) { socket.close(); done(texts); }  // a second: five statuses would have come
+      else if (++poses === 10) { socket.close(); done(texts); }  // one second, in which five statuses would have arrived
     };
   }));
   assert.deepEqual(said, ['hello']);
@@ -152,7 +152,7 @@ test('tiles do not move under the pointer', async () => {
 });
 
 test('a raised hand comes first', async () => {
-  await wall.mouse.move(1, 1);  // the order waits for a pointer among the tiles
+  await wall.mouse.move(1, 1);  // the wall keeps its order while the pointer is over the tiles
   assert.deepEqual(await order(), ['ana', 'ben', 'cleo']);
   await ben.click('#class-hand');
   await hasText(ben, '#class-hand', /^Hand is up$/);
@@ -277,7 +277,7 @@ test('a page connects again after the daemon of its seat was killed, and says wh
   await hasText(ana, '#state', /^running$/);
   await ana.click('#class-state button');
   await ana.waitForSelector('#class-state', {state: 'hidden'});
-  ana.mistakes.length = 0;  // the browser reports the connection that broke
+  ana.mistakes.length = 0;  // the browser reports the broken connection
   wall.mistakes.length = 0;
 });
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The console: completion of commands and arguments, replies that can be read, and copies that run in our clients.
+// The console: completion of commands and arguments, readable replies, and copies that run in our clients.
 import assert from 'node:assert/strict';
 import {execFile} from 'node:child_process';
 import {once} from 'node:events';
@@ -22,7 +22,7 @@ before(async () => {
 
 const value = () => page.inputValue('#console-line');
 
-/** Begins a line to a module whose commands are known. */
+/** Begins a line to a module with known commands. */
 async function type(module, line) {
   await page.evaluate(() => { document.getElementById('console-hint').textContent = ''; });  // of another module
   await page.selectOption('#console-module', module);
@@ -38,7 +38,7 @@ async function send(module, line) {
   await page.waitForFunction(() => document.querySelector('#console-log').lastElementChild.classList.contains('reply'));
 }
 
-/** What the button of the last command copies. */
+/** The text copied by the button of the last command. */
 async function copyOf(language) {
   await page.locator(`#console-log > .sent [data-copy="${language}"]`).last().click();
   await hasText(page, '#message', new RegExp(`^copied as ${language.replaceAll('+', '\\+')}$`));
@@ -47,7 +47,7 @@ async function copyOf(language) {
 
 const names = () => Number(daemon.names.slice(daemon.names.lastIndexOf(':') + 1));
 
-/** Runs lines after those that connect; returns what the program prints. */
+/** Runs lines after the lines that connect; returns the program's output. */
 async function python(lines) {
   const code = programOf('Python', '127.0.0.1', names(), lines);
   return (await run('python3', ['-c', code], {env: {...process.env, PYTHONPATH: `${SOURCE}/clients/python`}})).stdout;
@@ -127,7 +127,7 @@ test('the log is copied as a program that runs', async () => {
   assert.match(stdout, /^\(?array|^\(|^\[/);
 });
 
-/** Commands of all kinds: with words, texts with quotes and line ends, lists, numbers that are not finite. */
+/** Commands of all kinds: with words, texts with quotes and line ends, lists, non-finite numbers. */
 const LINES = [
   ['/robot1/pose', 'get_pose'], ['/robot1/target', 'get_target red'], ['/simulation', 'ping (1 2) 0.5 inf'],
   ['/world', 'insert "[BOX_*]\\n# it\'s \\"one\\"\\ntype box\\nsize 0.2 0.2 0.2\\nposition 3 3"'], ['/world', 'list'],
@@ -145,7 +145,7 @@ async function resolved() {
   return table;
 }
 
-/** Each line of `out` begins with the command of the table that was sent; that of ping has these values. */
+/** Each line of `out` begins with the sent command of the table; that of ping has these values. */
 function runAsSent(table, out, pinged) {
   const lines = out.trim().split('\n');
   assert.equal(lines.length, table.length, out);
@@ -154,7 +154,7 @@ function runAsSent(table, out, pinged) {
   assert.equal(lines[at].trim(), `${table[at].command} ${pinged}`);
 }
 
-/** The box that the lines have inserted, which then goes. */
+/** The box inserted by the lines, which is then removed. */
 async function boxIsThere() {
   const things = async () => (await call(daemon.url, {module: '/world', command: 'list'})).text;
   const before = await things();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The run, its time, its scenario and its lockstep, changed on the page as a person does it.
+// The run, its time, its scenario and its lockstep, changed on the page as by a user.
 import assert from 'node:assert/strict';
 import {afterEach, beforeEach, test} from 'node:test';
 import {call, endAll, enterNumber, eventually, hasText, moreStatuses, openClassroom, openModule} from './harness.js';

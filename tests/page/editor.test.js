@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The tab Text: mistakes by line as one types, completion, load, and a draft that stays.
+// The tab Text: mistakes shown while typing, completion, load, and a persistent draft.
 import assert from 'node:assert/strict';
 import {readFile} from 'node:fs/promises';
 import {before, test} from 'node:test';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures and films of what is seen, and the line of the real-time factor.
+// Pictures and films of the view, and the line of the real-time factor.
 import assert from 'node:assert/strict';
 import {readFile} from 'node:fs/promises';
 import {before, test} from 'node:test';
@@ -26,12 +26,12 @@ async function download(act) {
   return {name: file.suggestedFilename(), bytes: await readFile(await file.path())};
 }
 
-/** Waits until the browser has made so many bytes of the film that runs. */
+/** Waits until the browser has recorded this number of bytes of the running film. */
 const filmed = (bytes) => page.waitForFunction((wanted) => globalThis.filmed > wanted, bytes);
 
 test('a picture is a PNG of the view', async () => {
   const viewSize = () => page.evaluate(() => { const {width, height} = document.getElementById('view'); return {width, height}; });
-  // A slow view is drawn with fewer points from some moment on.
+  // A slow view is drawn with fewer pixels after a while.
   let before, after, name, bytes;
   do {
     before = await viewSize();
@@ -84,7 +84,7 @@ test('a browser that cannot film says so', async () => {
 test('the line of the real-time factor follows it, tells the hash, and opens the plots', async () => {
   await page.waitForFunction(() => document.querySelector('#rtf-history polyline').getAttribute('points').split(' ').length > 5);
   await call(daemon.url, {module: '/simulation', line: 'pause'});
-  // The bottom: it stands.
+  // The bottom of the picture: it does not move.
   await page.waitForFunction(() => document.querySelector('#rtf-history polyline').getAttribute('points').endsWith(',20.0'));
   const {step, hash} = await daemon.status();
   assert.ok((await page.getAttribute('#rtf-history', 'title')).includes(`after step ${step}: ${hash}`));

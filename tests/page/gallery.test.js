@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The tab Arena, files that are dropped, and links.
+// The tab Arena, dropped files, and links.
 import assert from 'node:assert/strict';
 import {before, test} from 'node:test';
 import {call, eventually, hasText, openClassroom, openPage, startDaemon} from './harness.js';
@@ -16,7 +16,7 @@ before(async () => {
 
 const world = async () => JSON.parse((await call(daemon.url, {module: '/world', line: 'list'})).text);
 
-/** Drops files with these texts onto the view, so far down. */
+/** Drops files with these texts onto the view, at this height. */
 const drop = (files, height = 0.6) => page.evaluate(([named, down]) => {
   const data = new DataTransfer();
   for (const [name, text] of Object.entries(named)) data.items.add(new File([text], name));

@@ -12,22 +12,22 @@ import {setTimeout as sleep} from 'node:timers/promises';
 import {chromium} from 'playwright-core';
 
 const SOURCE_DIR = new URL('../..', import.meta.url).pathname;
-const LIMIT_MS = 120000;  // only what hangs takes so long
+const LIMIT_MS = 120000;  // only a hang reaches it
 const SIZE = {width: 1024, height: 768};  // a projector's
 const daemons = new Set(), pages = new Set(), folders = new Set();
-const kept = [];  // pages that were used: another costs three times as much as an address that one of them goes to
+const kept = [];  // used pages: a new one costs three times as much as another address on a used one
 let browser;
 
 /** A daemon on free ports: {url, names, process, status(), stop()}. `scenario`: a name or path. */
 export const startDaemon = (scenario = 'classroom', ...flags) => start({}, 'serve', scenario, ...flags);
 
-/** As startDaemon(), in another environment. */
+/** Like startDaemon(), in another environment. */
 export const startDaemonIn = (environment, scenario, ...flags) => start(environment, 'serve', scenario, ...flags);
 
-/** Plays a recording on free ports; as startDaemon(). */
+/** Plays a recording on free ports; like startDaemon(). */
 export const startPlayer = (file, ...flags) => start({}, 'play', file, ...flags);
 
-/** A class with these seats ({seat, name, group}; the PIN of each is 7305), as startDaemon(); it has `folder` and `token`, too. */
+/** A class with these seats ({seat, name, group}; the PIN of each is 7305), like startDaemon(); also has `folder` and `token`. */
 export async function startClass(seats, ...lessons) {
   const folder = newFolder(), list = join(folder, 'list.csv');
   writeFileSync(list, ['seat,name,group,pin', ...seats.map(({seat, name, group = ''}) => `${seat},${name},${group},7305`)].join('\n'));
@@ -61,8 +61,8 @@ async function start(environment, ...words) {
   throw new Error(`the daemon ended before it was ready:\n${log}`);
 }
 
-/** An empty page. Errors on it are collected in `page.mistakes`. `webgl`: it can draw the view itself. Software draws it on the
- *  processor, which takes most of a test's time; without, the page shows the daemon's pictures. */
+/** An empty page that collects its errors in `page.mistakes`. `webgl`: it can draw the view itself, by software rendering, which takes
+ *  most of a test's time; otherwise it shows the daemon's pictures. */
 export async function newPage({webgl = false} = {}) {
   const at = kept.findIndex((page) => page.webgl === webgl);
   const page = at >= 0 ? kept.splice(at, 1)[0] : await makePage(webgl);
@@ -71,7 +71,7 @@ export async function newPage({webgl = false} = {}) {
   return page;
 }
 
-/** The one browser. */
+/** The browser shared by all tests. */
 export const startBrowser = () => (browser ??= chromium.launch({
   executablePath: process.env.COOPDYN_CHROMIUM ?? '/usr/bin/chromium',
   args: ['--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run',
@@ -92,7 +92,7 @@ async function makePage(webgl) {
       return kind.startsWith('webgl') ? null : getContext.call(this, kind, ...more);
     };
   }, [150, webgl]);
-  // By a timer: pictures come late where they are drawn slowly.
+  // By a timer, because software rendering delays animation frames.
   const waitForFunction = page.waitForFunction.bind(page);
   page.waitForFunction = (condition, arg) => waitForFunction(condition, arg, {polling: 40});
   page.on('pageerror', (error) => page.mistakes.push(String(error)));
@@ -100,7 +100,7 @@ async function makePage(webgl) {
   return page;
 }
 
-/** A page, as newPage() makes it, that has the daemon's status. */
+/** A page as of newPage() that has received the daemon's status. */
 export async function openPage(url, options) {
   const page = await newPage(options);
   await page.goto(url);
@@ -108,7 +108,7 @@ export async function openPage(url, options) {
   return page;
 }
 
-/** A daemon draws where its page cannot, which takes most of its time: only where a test looks at that, `pictures`. */
+/** Without WebGL the daemon draws for its page, which takes most of its time: only on request, `pictures`. */
 const drawing = ({webgl, pictures} = {}) => (webgl || pictures ? [] : ['--no-render']);
 
 /** A daemon with the classroom, and its page. */
@@ -117,7 +117,7 @@ export async function openClassroom(options) {
   return {daemon, page: await openPage(daemon.url, options)};
 }
 
-/** A daemon with the scenario of this text, which finds `files` (texts by path) too, and its page. */
+/** A daemon with the scenario of this text, which also finds `files` (texts by path), and its page. */
 export async function openScenario(text, {files = {}, ...options} = {}) {
   const folder = newFolder();
   for (const [name, content] of Object.entries({...files, 'page.scenario': text})) {
@@ -128,7 +128,7 @@ export async function openScenario(text, {files = {}, ...options} = {}) {
   return {daemon, page: await openPage(daemon.url, options)};
 }
 
-/** Loads this text into a daemon, and waits until the page, which draws it, shows that scene. */
+/** Loads this text into a daemon, and waits until the page has drawn the new scene. */
 export async function loadAnew(daemon, page, text) {
   await page.waitForFunction(() => window.coopdyn.view.scene);
   const last = await page.evaluate(() => window.coopdyn.view.scene.number);
@@ -137,15 +137,15 @@ export async function loadAnew(daemon, page, text) {
   await page.waitForFunction((old) => window.coopdyn.view.scene.number !== old, last);
 }
 
-/** A folder that goes with the daemons. */
+/** A temporary folder, removed with the daemons. */
 export function newFolder() {
   const folder = mkdtempSync(join(tmpdir(), 'coopdyn_page_'));
   folders.add(folder);
   return folder;
 }
 
-/** Ends what tests have begun, after each test or after all of a file; there were no errors on the pages that are still open.
- *  Who changes more of a page than is set back here closes it. */
+/** Ends everything that tests have started, after each test or after all tests of a file; expects no errors on open pages. Tests that
+ *  change more of a page than is reset here must close it. */
 export async function endAll() {
   const mistakes = [...pages].flatMap((page) => page.mistakes);
   for (const page of pages) {
@@ -164,7 +164,7 @@ export async function endAll() {
 
 export const closeBrowser = async () => (await browser)?.close();
 
-/** Waits until the page was told its status `count` times more, and has shown it. */
+/** Waits until the page has received and shown `count` more statuses. */
 export const moreStatuses = (page, count) => page.evaluate((more) => new Promise((done) => {
   let left = more;
   window.coopdyn.connection.addEventListener('status', () => { if (--left === 0) done(); });
@@ -175,17 +175,17 @@ export const hasText = (page, selector, pattern) => page.waitForFunction(
   ([where, source]) => new RegExp(source).test(document.querySelector(where)?.textContent ?? ''),
   [selector, pattern.source]);
 
-/** Writes a number into a field and waits for its answer, when the page leaves the field. */
+/** Types a number into a field, leaves it, and waits for the reply. */
 export async function enterNumber(page, field, number) {
   await page.fill(field, number);
   await page.press(field, 'Enter');
   await page.waitForFunction((of) => !document.activeElement.matches(of), field);
 }
 
-/** Shows the console, which is folded at first. */
+/** Unfolds the console. */
 export const openConsole = (page) => page.evaluate(() => { document.getElementById('console-box').open = true; });
 
-/** The message with which `command` of a module is answered, by HTTP. */
+/** The reply to `command` of a module, by HTTP. */
 export async function call(url, request) {
   const response = await fetch(new URL('api/call', url), {
     method: 'POST', headers: {'Content-Type': 'application/json'}, body: JSON.stringify(request)});
@@ -193,14 +193,14 @@ export async function call(url, request) {
   return response.json();
 }
 
-/** As call(), of a line, which must not fail. */
+/** Like call() with a line of the text form; must not fail. */
 export async function order(url, module, line) {
   const reply = await call(url, {module, line});
   assert.equal(reply.error, 0, `${line}: ${reply.text}`);
   return reply;
 }
 
-/** A text connection to a module, through the port of the names. */
+/** A text connection to a module, through the name port. */
 export async function openModule(names, module) {
   const separator = names.lastIndexOf(':');
   const client = connect(Number(names.slice(separator + 1)), names.slice(0, separator));
@@ -210,7 +210,7 @@ export async function openModule(names, module) {
   return client;
 }
 
-/** Asks until `condition` resolves to true; in between others have the processor. */
+/** Polls until `condition` resolves to true; yields the processor in between. */
 export async function eventually(condition) {
   const end = performance.now() + LIMIT_MS;
   while (!(await condition())) {
@@ -219,7 +219,7 @@ export async function eventually(condition) {
   }
 }
 
-/** Waits until a picture of this or a later moment than now is shown, and returns the pixels as a data URL. */
+/** Waits until the page shows a picture of the present or a later moment; returns the pixels as a data URL. */
 export async function nextPicture(page) {
   const before = await page.evaluate(() => Number(document.getElementById('view').dataset.shown ?? 0));
   await page.waitForFunction((count) => Number(document.getElementById('view').dataset.shown ?? 0) > count, before);

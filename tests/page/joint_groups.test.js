@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Robots with several groups of joints on the page, and joints in a recording that is played.
+// Robots with several groups of joints on the page, and joints in a playback.
 import assert from 'node:assert/strict';
 import {writeFileSync} from 'node:fs';
 import {join} from 'node:path';
@@ -44,7 +44,7 @@ test('in a recording that is played joints show where they were, and cannot be m
   const daemon = await startDaemon(write('arm.scenario', scenario('realtime', 'lwa')), '--record', run, '--no-render');
   const moved = await call(daemon.url, {module: '/robot1/arm', line: 'set_positions (2) 0.5'});
   assert.equal(moved.error, 0);
-  // Not get_motion, which may answer before a step has taken the command; the shown three digits are 0.500.
+  // Not get_motion, which may answer before a step has processed the command; the page shows the three digits 0.500.
   await eventually(async () => {
     const {data} = await call(daemon.url, {module: '/robot1/arm', line: 'get_joints (2)'});
     return Math.abs(data[0] - 0.5) < 0.0004;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The joints of an arm on the page: what they are, and moving them by sliders.
+// The joints of an arm on the page: their data, and moving them by sliders.
 import assert from 'node:assert/strict';
 import {afterEach, beforeEach, test} from 'node:test';
 import {call, endAll, eventually, openScenario, order} from './harness.js';
@@ -19,7 +19,7 @@ afterEach(endAll);
 
 const joint = async (id) => (await call(daemon.url, {module: '/arm1/arm', command: 'get_joints', params: [id]})).data[0];
 
-/** Moves the slider of a joint, as a hand would. */
+/** Moves the slider of a joint as by hand. */
 const slide = (index, value) => page.evaluate(([at, to]) => {
   const slider = document.querySelectorAll('.card[open] .joints input')[at];
   slider.value = to;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The panel Drive: mouse, touch and keys drive a robot, and it stops when they are let go.
+// The panel Drive: mouse, touch and keys drive a robot, which stops on release.
 import assert from 'node:assert/strict';
 import {afterEach, beforeEach, test} from 'node:test';
 import {call, endAll, eventually, hasText, openClassroom, openModule, openPage} from './harness.js';
@@ -19,7 +19,7 @@ const stands = () => eventually(async () => (await speeds()).every((speed) => Ma
 const owner = async () => (await daemon.status()).robots[0].owner;
 const free = () => eventually(async () => (await owner()) === null);
 
-/** Presses the pad at a place: x to the right, y up, from −1 to 1. */
+/** Presses the pad at a point: x to the right, y up, from −1 to 1. */
 async function press(x, y) {
   const box = await page.locator('#joystick-pad').boundingBox();
   const at = (u, v) => [box.x + box.width * (1 + u) / 2, box.y + box.height * (1 - v) / 2];
@@ -119,7 +119,7 @@ test('who drives already is said, and the robot is left alone', async () => {
 test('at most twenty commands a second are sent, and the newest wins', async () => {
   await page.evaluate(() => {
     globalThis.sent = [];
-    // The moment that the page itself reads for a command: one that is read later may be late by any time.
+    // The time that the page itself reads for a command: a later reading may be late by any time.
     let read = 0;
     const now = performance.now.bind(performance);
     performance.now = () => (read = now());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the page shows of a run and its robots, in a real browser against a real daemon.
+// The page's display of a run and its robots, in a real browser with a real daemon.
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import {join} from 'node:path';
@@ -10,7 +10,7 @@ import {
 } from './harness.js';
 
 const WEBGL = {webgl: true};
-// Of daemons that come back: no port that another program is given meanwhile.
+// For daemons that restart: a port that no other program is given meanwhile.
 const PORT = String(20000 + process.pid % 10000);
 let daemon, page;
 
@@ -69,7 +69,7 @@ describe('the page and its view', () => {
   test('dragging, moving and the wheel change the picture of a world that stands still', async () => {
     await page.click('#pause');
     await hasText(page, '#state', /^paused$/);
-    // The picture that replaces `before`, once no more come: some may have been on their way.
+    // The picture that replaces `before`, once no more arrive: some may have been on their way.
     const settled = async (before) => {
       await eventually(async () => (await picture(page)) !== before);
       let last;
@@ -105,7 +105,7 @@ describe('the page and its view', () => {
     const {step} = await daemon.status();
     await page.waitForFunction((last) => document.getElementById('view').dataset.step === String(last), step);
     const shown = () => page.evaluate(() => document.getElementById('view').dataset.shown);
-    // The last pictures are those of the way to where it stands.
+    // The last pictures show the way to its final position.
     await eventually(async () => {
       const before = await shown();
       await moreStatuses(page, 10);  // two seconds
@@ -202,7 +202,7 @@ describe('the page', () => {
   test('a card that was closed stays closed, whatever closed it', async () => {
     await page.waitForSelector('.card[open] .readings dd');
     await page.evaluate(() => { document.querySelector('.card').open = false; });
-    /** How many cards were open at most while the page was told so many statuses. */
+    /** The greatest number of open cards while the page received this number of statuses. */
     const opened = (statuses) => page.evaluate((more) => new Promise((done) => {
       let left = more, seen = 0;
       window.coopdyn.connection.addEventListener('status', () => {
@@ -322,7 +322,7 @@ test('a daemon that comes back with another scenario: the view shows its world, 
   await page.close();
 });
 
-/** A page of the classroom whose status says of the robot what `robot` has. Who opens it closes it: the route stays. */
+/** A page of the classroom whose status of the robot is overridden by `robot`. The caller closes it, because the route stays. */
 async function openWithRobot(robot) {
   daemon = await startDaemon('classroom');
   page = await newPage();

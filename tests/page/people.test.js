@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Several people at one daemon see who is there.
+// Several people at one daemon see each other.
 import assert from 'node:assert/strict';
 import {before, test} from 'node:test';
 import {eventually, openClassroom, openPage} from './harness.js';

@@ -11,7 +11,7 @@ const NAMES = ['Ana Lima', 'Ben Okafor', 'Chiara Rossi', 'Dario Conti', 'Elif Yi
 const LANGUAGES = ['python', 'python', 'matlab', 'python', 'telnet'];
 const SEATS = NAMES.map((name, i) => ({seat: name.split(' ')[0].toLowerCase(), name, group: String(1 + i % 4)}));
 const ASLEEP = ['omar', 'tara'];
-const WAY_S = 12;  // that the robots have driven
+const WAY_S = 12;  // driving time of the robots before the picture
 
 const host = await startClass(SEATS, 'classroom', 'corridor', 'maze');
 const port = Number(host.names.split(':').at(-1));
@@ -19,7 +19,7 @@ const post = (path, body, credential) => fetch(new URL(path, host.url), {method:
   headers: {'Content-Type': 'application/json', Authorization: `Bearer ${credential}`}});
 const tell = (name, seats, text) => post('wall/class/do', {do: name, seats, text}, host.token);
 
-/** A program of a student that drives. */
+/** A student's program that drives. */
 function drive({seat}, i) {
   const program = connect(port, '127.0.0.1');
   program.on('error', () => {});
@@ -28,7 +28,7 @@ function drive({seat}, i) {
 }
 const programs = SEATS.filter(({seat}) => !ASLEEP.includes(seat)).map(drive);
 
-/** Writes what a page shows as a WebP. */
+/** Writes a screenshot of a page as WebP. */
 async function picture(page, name, quality) {
   const png = (await page.screenshot()).toString('base64');
   const blank = await (await page.context().browser().newContext()).newPage();

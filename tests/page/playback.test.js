@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Recordings played from the page: scrubbed, reversed, stepped, branched from, laid over one another.
+// Recordings played on the page: scrubbed, reversed, stepped, branched, overlaid.
 import assert from 'node:assert/strict';
 import {createInterface} from 'node:readline';
 import {before, test} from 'node:test';

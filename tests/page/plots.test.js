@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Values against simulated time: live, of a recording, as CSV and PNG.
+// Values against simulated time: live, from a recording, as CSV and PNG.
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import {readFileSync} from 'node:fs';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A run is recorded from the page, copied from it, and played.
+// A run is recorded on the page, downloaded from it, and played.
 import assert from 'node:assert/strict';
 import {readFile, writeFile} from 'node:fs/promises';
 import {join} from 'node:path';
@@ -12,7 +12,7 @@ const WEBGL = {webgl: true};
 
 afterEach(endAll);
 
-/** Records the classroom for so many steps at least, and plays that. */
+/** Records the classroom for at least this number of steps, and plays the recording. */
 async function play(name, steps, ...flags) {
   const file = join(newFolder(), name);
   const live = await startDaemon('classroom', '--record', file, '--no-render');
@@ -72,7 +72,7 @@ test('a run is recorded by a button, copied, and played', async () => {
   }
 });
 
-/** Downloads what the link of the list that ends with `extension` leads to. */
+/** Downloads the target of the list's link that ends with `extension`. */
 async function download(page, extension) {
   const [{suggestedFilename, path}] = await Promise.all([
     page.waitForEvent('download').then((event) => ({suggestedFilename: event.suggestedFilename(), path: event.path()})),

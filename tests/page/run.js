@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Runs the files of tests that are named, or all, in this process and one browser.
+// Runs the named test files, or all, in this process and one browser.
 import {readdirSync} from 'node:fs';
 import {after, describe} from 'node:test';
 import {closeBrowser, endAll} from './harness.js';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Scores and logged numbers: shown under Run and plotted, live and of a recording.
+// Scores and logged numbers: shown under Run and plotted, live and from a recording.
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import {readFileSync, writeFileSync} from 'node:fs';
@@ -32,7 +32,7 @@ let folder, daemon, page;
 
 const order = (module, line) => orderAt(daemon.url, module, line);
 const drive = () => page.evaluate(() => window.coopdyn.connection.call({module: '/eva/motors', line: 'set_velocity 0.3 0.4'}));
-/** The rows that are shown: [name, value, note]. */
+/** The displayed rows: [name, value, note]. */
 const rows = () => page.$$eval('#scores tr', (all) => all.map((row) => [...row.cells].map(({textContent}) => textContent)));
 const points = () => page.evaluate(() => {
   const {plots} = window.coopdyn;

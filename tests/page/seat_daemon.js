@@ -3,7 +3,7 @@
 import {readdirSync, readFileSync} from 'node:fs';
 import {join} from 'node:path';
 
-/** Its id. `folder`: of the class. */
+/** The process id. `folder`: of the class. */
 export function seatDaemon(folder, seat) {
   const door = join(folder, 'seats', seat, 'door');
   return readdirSync('/proc').filter((name) => /^\d+$/.test(name)).map(Number).find((id) => {

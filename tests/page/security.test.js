@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What others try to do to the page and through it.
+// Attacks on the page and through it.
 import assert from 'node:assert/strict';
 import {once} from 'node:events';
 import {createServer} from 'node:http';
@@ -117,7 +117,7 @@ test('who has no token sends no large bodies', async () => {
   assert.match(await announce('Authorization: Bearer a-long-enough-token'), /^HTTP\/1\.1 100 /);
 });
 
-/** The page as another machine has it: its daemon wants a token. */
+/** The page as seen from another machine: its daemon requires a token. */
 async function openFromOutside() {
   const outer = Object.values(networkInterfaces()).flat().find(({internal, family}) => !internal && family === 'IPv4');
   assert.ok(outer, 'this test needs a network address besides loopback');

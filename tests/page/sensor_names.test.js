@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A robot with several lidars and cameras on the page, each by its module's name; and what sensors see in the view.
+// A robot with several lidars and cameras on the page, each by its module's name; and sensor marks in the view.
 import assert from 'node:assert/strict';
 import {readFileSync} from 'node:fs';
 import {before, test} from 'node:test';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a robot sees, on the page: the picture of its camera and the scan of its lidar.
+// A robot's sensors on the page: the picture of its camera and the scan of its lidar.
 import assert from 'node:assert/strict';
 import {afterEach, beforeEach, test} from 'node:test';
 import {call, endAll, eventually, hasText, openScenario} from './harness.js';
@@ -20,8 +20,8 @@ beforeEach(async () => {
 
 afterEach(endAll);
 
-/** What an image or a canvas shows: its width, the mean column of its red pixels (null without any), whether all of it is grey, and
- *  how opaque each pixel of a canvas is. */
+/** The content of an image or a canvas: its width, the mean column of its red pixels (null without any), whether all of it is grey,
+ *  and the opacity of each pixel of a canvas. */
 const shown = (selector) => page.evaluate((where) => {
   const element = document.querySelector(where);
   const width = element.naturalWidth ?? element.width, height = element.naturalHeight ?? element.height;
@@ -41,7 +41,7 @@ const shown = (selector) => page.evaluate((where) => {
   return {width, height, red: count > 0 ? columns / count : null, grey, painted: element.getContext ? [...data.filter((_, i) => i % 4 === 3)] : []};
 }, selector);
 
-/** Asks what the camera's tile shows until it is so. */
+/** Polls the content of the camera's tile until the condition holds. */
 async function untilTile(condition) {
   let seen;
   await eventually(async () => {

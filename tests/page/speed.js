@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Measures the page, a line each: from first load to a moving picture, pictures per second with a crowd, and an edit from
-// click to seen. Never a pass or fail. COOPDYN_BINARY=build/release/coopdyn node tests/page/speed.js
+// Measures the page, a line each: from first load to a moving picture, pictures per second with a crowd, and the delay of an edit from
+// click to picture. Never a pass or fail. COOPDYN_BINARY=build/release/coopdyn node tests/page/speed.js
 import {closeBrowser, startBrowser, startDaemon} from './harness.js';
 
 const REPEATS = 9;
@@ -47,7 +47,7 @@ async function crowd() {
   });
 }
 
-/** A click on Box in the palette until a picture shows the box. */
+/** From a click on Box in the palette until a picture shows the box. */
 async function edit() {
   await onPage(['classroom'], async (page, url) => {
     await page.goto(url);

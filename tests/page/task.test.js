@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The task of a scenario: text, hints that open one after the other, and what counts.
+// The task of a scenario: text, hints that open one after another, and scores.
 import assert from 'node:assert/strict';
 import {writeFileSync} from 'node:fs';
 import {join} from 'node:path';

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The view that the page draws itself: what stands where, how it moves, what a click means, and what takes its place without WebGL.
+// The view drawn by the page itself: objects, motion, clicks, and its substitute without WebGL.
 import assert from 'node:assert/strict';
 import {before, beforeEach, test} from 'node:test';
 import {eventually, loadAnew, openPage, openScenario, order} from './harness.js';
@@ -32,7 +32,7 @@ beforeEach(async () => {
   await order(daemon.url, '/simulation', 'run');
 });
 
-/** Where a thing is in the view: x, y, z. */
+/** The position of a thing in the view: x, y, z. */
 const placeOf = (name) => page.evaluate((which) => {
   const {scene} = window.coopdyn.view;
   return scene.pose(scene.find(which))[0].toArray();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the view shows besides the world.
+// Marks in the view besides the world's objects.
 import assert from 'node:assert/strict';
 import {before, test} from 'node:test';
 import {call, eventually, openScenario} from './harness.js';

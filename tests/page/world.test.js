@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The panel World: what stands there is inserted, moved, changed and removed by mouse, form and keys.
+// The panel World: objects are inserted, moved, changed and removed by mouse, form and keys.
 import assert from 'node:assert/strict';
 import {readFileSync} from 'node:fs';
 import {before, beforeEach, test} from 'node:test';
@@ -46,7 +46,7 @@ const thing = async (name) => {
   const {things, robots, targets} = await world();
   return [...things, ...robots, ...targets].find((one) => one.name === name);
 };
-/** The place of the window where a point of the world is shown. */
+/** The point of the window that shows a point of the world. */
 const windowAt = (x, y, z = 0) => page.evaluate(([px, py, pz]) => {
   const {view} = window.coopdyn;
   view.renderNow();
@@ -148,16 +148,16 @@ test('an arrow is dragged with the mouse, and moves what is selected', async () 
   await page.waitForFunction(() => window.coopdyn.view.selected?.name === 'BOX_1');
   await page.click('#whole');
   const before = (await thing('BOX_1')).position;
-  // Where the x arrow of the handles is: a place whose hover the handles notice.
+  // The position of the handles' x arrow: a point where the handles react to the pointer.
   const at = await page.evaluate(() => {
     const {view} = window.coopdyn, {camera} = view;
-    view.renderNow();  // the arrows are where they were drawn last
+    view.renderNow();  // makes the arrows' positions up to date
     const box = view.canvas.getBoundingClientRect(), [p] = view.scene.pose(view.selected);
     const onScreen = (point) => {
       const q = point.clone().project(view.camera);
       return [box.left + (q.x + 1) / 2 * box.width, box.top + (1 - q.y) / 2 * box.height];
     };
-    // TransformControls draws its arrows at one size on the screen; this is 0.7 of their length.
+    // TransformControls draws its arrows at a fixed size on the screen; this is 0.7 of their length.
     const away = p.distanceTo(camera.position), tip = p.clone();
     tip.x += 0.7 * 0.45 * away * Math.min(1.9 * Math.tan(Math.PI * camera.fov / 360), 7) / 4;
     return {from: onScreen(tip), to: onScreen(tip.clone().setX(tip.x + 1))};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// docs/protocol.md against the command tables and codecs: what it says cannot drift from what the daemon
-// does.
+// docs/protocol.md against the command tables and codecs: the document cannot deviate from the daemon.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -103,8 +102,7 @@ TEST(ProtocolDoc, ListsTheCommandsOfEachModule) {
     const std::string name = (is_global ? "/" : "/R/") + table.module();
     std::vector<std::string> expected;
     for (const CommandSpec& spec : table.commands()) {
-      // Of the common commands those that this module declares in its own way; what can be subscribed to
-      // differs everywhere.
+      // Common commands that this module declares differently; subscribe differs everywhere.
       const bool is_common = spec.id < static_cast<std::int32_t>(kCommonCommandCount);
       if (is_common && (spec.name.ends_with("subscribe") || Row(spec) == Row(common.at(spec.id)))) continue;
       expected.push_back(Row(spec));

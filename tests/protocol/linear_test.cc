@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Requests that are eight times as long take about eight times as long to read and to write.
+// Requests eight times as long take about eight times as long to read and to write.
 #include <gtest/gtest.h>
 
 #include <string>

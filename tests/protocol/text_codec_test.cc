@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the vectors cannot show: streams, limits, random bytes, help and verbose.
+// Complements the vectors: streams, limits, random bytes, help and verbose.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -61,7 +61,7 @@ TEST(TextCodec, ALongerLineIsFatalEvenBeforeItsEnd) {
 
 TEST(TextCodec, RandomLinesConsumeThemselves) {
   const std::vector<CommandTable> tables = AllModuleTables();
-  // Mostly what the grammar is made of, so that all of its branches are met.
+  // Mostly characters of the grammar, so that all of its branches are reached.
   const std::string alphabet =
       "set_velocity get_target 0123456789..--++ee\"\"\\\\()()  \t#,;\xff\xfa\xfb\x08\x7f\x00\r";
   std::mt19937_64 random(5);

@@ -24,7 +24,7 @@ struct BadBinaryVector {
   std::int32_t error = 0;
   std::int32_t command = 0;
   bool fatal = false;
-  std::size_t needs = 0;  // how many of the bytes are enough to know
+  std::size_t needs = 0;  // number of bytes that suffice to decide
 };
 
 struct TextLineVector {
@@ -34,7 +34,7 @@ struct TextLineVector {
   std::string line;  // with LF
   DecodeStatus outcome = DecodeStatus::kNothing;
   Message message;
-  std::string says;  // part of the text of an error
+  std::string says;  // part of the error text
 };
 
 struct FirstBytesVector {

@@ -1,4 +1,4 @@
-"""./start as a newcomer runs it: it ends with a driving robot and an address that shows it."""
+"""./start as a newcomer runs it: it results in a driving robot, and prints the address of its page."""
 import json
 import os
 import re
@@ -110,7 +110,7 @@ class StartTest(unittest.TestCase):
                 busy.bind(("127.0.0.1", 10000))
                 busy.listen()
             except OSError:
-                pass  # somebody else is there: as good
+                pass  # another program listens: equally good
             process, url, said = self.start()
             self.assertIn("Port 10000 is busy", said)
             self.assertNotIn(":10001/", url)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A Dask cluster and a Slurm of one machine, started for a test and ended with it."""
+"""A Dask cluster and a Slurm cluster of one machine, started and ended by a test."""
 import contextlib
 import os
 import shutil
@@ -9,13 +9,13 @@ import subprocess
 import time
 
 
-HELD = []  # sockets that keep other programs from ports until these tests end
+HELD = []  # sockets that reserve ports until these tests end
 
 
 def held_port():
-    """A port on which nobody listens and that only a program takes that asks for it."""
+    """A port without a listener that only a program that asks for it can use."""
     holder = socket.socket()
-    holder.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # so the one who asks may listen
+    holder.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # so that this program may listen
     holder.bind(("127.0.0.1", 0))
     HELD.append(holder)
     return holder.getsockname()[1]
@@ -35,7 +35,7 @@ def answers(words, **given):
 
 
 def children(pid):
-    """The processes that `pid` has started."""
+    """The child processes of `pid`."""
     found = set()
     for task in os.listdir(f"/proc/{pid}/task"):
         with contextlib.suppress(OSError), open(f"/proc/{pid}/task/{task}/children", encoding="ascii") as stream:
@@ -45,7 +45,7 @@ def children(pid):
 
 @contextlib.contextmanager
 def processes():
-    """A list of processes that are ended with their children's groups."""
+    """A list of processes; ends them and their children's groups at exit."""
     every = []
     try:
         yield every
@@ -88,7 +88,7 @@ class Dask:
 
 
 def start_slurm(folder, every):
-    """munged, slurmctld and slurmd in `folder`; the environment that its commands need."""
+    """Starts munged, slurmctld and slurmd in `folder`; returns the environment that Slurm's commands need."""
     def path(name):
         return os.path.join(folder, name)
 

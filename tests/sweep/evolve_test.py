@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""coopdyn sweep evolve: a gait becomes better, the same way each time, and nothing is run twice."""
+"""coopdyn sweep evolve: a gait improves, reproducibly, and nothing runs twice."""
 import csv
 import os
 import tempfile

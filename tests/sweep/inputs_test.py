@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""coopdyn sweep: a key is made of all inputs, a cell has one kind of runs, and a line can be repeated."""
+"""coopdyn sweep: a key depends on all inputs, a cell has one kind of runs, and a line can be repeated."""
 import csv
 import json
 import os
@@ -257,7 +257,7 @@ class InputsTest(SweepCase):
         self.assertIn("n = 2, 1 failed", svg)
 
     def test_a_client_that_fails_after_the_end_of_its_run_leaves_a_result(self):
-        """The daemon closes its files still when the client, which has lost it, fails."""
+        """The daemon is still closing its files when the client, which has lost it, fails."""
         daemon = self.write("daemon.py", "import json, signal\nprint('ready names=x', flush=True)\nsignal.sigwait([signal.SIGTERM])\n"
                             "print(json.dumps({'ended': 'duration', 'steps': 30, 'time_s': 0.3, 'hash': 'h', 'cpu': 'c', 'logged': [], 'digests': {},\n"
                             "  'scores': [{'name': 'way', 'value': 1.5, 'unit': 'm', 'met': None, 'met_s': None, 'until': None}]}))\n")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What tests of sweeps share: a scenario, and `coopdyn sweep` of it."""
+"""Shared by tests of sweeps: a scenario, and `coopdyn sweep` of it."""
 import json
 import os
 import tempfile
@@ -30,7 +30,7 @@ TABLE = ["--set", "SWARM_1.count=2,4", "--controller", "diffuse speed=0.1,0.2", 
 
 
 class SweepCase(unittest.TestCase):
-    """A folder with a scenario, and what a sweep of it writes there."""
+    """A folder with a scenario, and the files that a sweep of it writes."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""coopdyn sweep: what it lays out, what it writes, and that it finishes after every loss."""
+"""coopdyn sweep: its plan, its files, and that it finishes after every failure."""
 import contextlib
 import csv
 import json

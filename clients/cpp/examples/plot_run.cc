@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Draws where a robot went: client_plot_run lesson1.run robot1 > path.svg
+// Draws the path of a robot: client_plot_run lesson1.run robot1 > path.svg
 #include <cstdio>
 
 #include "clients/cpp/run_file.h"

@@ -2,10 +2,10 @@
 classdef Chain
 %CHAIN Forward and inverse kinematics of a serial chain of joints, from a base to a tool. Needs no daemon.
 %   The chain as product of exponentials: X(q) = exp([S1] q1) ... exp([Sn] qn) X(0) (Lynch and Park, Modern Robotics,
-%   4.1). arm.get_chain() is that of a robot's arm; a chain of one's own:
+%   4.1). arm.get_chain() returns that of a robot's arm. Your own chain:
 %     chain = coopdyn.Chain(kinds, points, axes, tool, lower, upper)
-%   kinds: 0 hinge or 1 slider, per joint; points: n x 3, a point of each axis [m]; axes: n x 3, its direction, both in the
-%   frame of the base with all joints at 0; tool: the tool's pose there, a 4 x 4 matrix; lower, upper: limits [rad, m].
+%   kinds: 0 hinge or 1 slider, per joint; points: n x 3, a point on each axis [m]; axes: n x 3, its direction, both in the
+%   base frame with all joints at 0; tool: the tool's pose in this frame, a 4 x 4 matrix; lower, upper: limits [rad, m].
   properties (SetAccess = private)
     kinds
     points  % 3 x n, as axes
@@ -35,16 +35,16 @@ classdef Chain
     end
 
     function X = forward(c, q)
-    %FORWARD The pose of the tool in the frame of the base, a 4 x 4 matrix, with the joints at q [rad, m].
+    %FORWARD The tool's pose in the base frame, a 4 x 4 matrix, with the joints at q [rad, m].
       coopdyn.internal.need(nargin, 2, 'chain.forward([0.1 0.2])');
       [R, p] = c.at(c.posture(q, 'q'));
       X = [R p; 0 0 0 1];
     end
 
     function q = inverse(c, pose, q0)
-    %INVERSE A posture within the limits that brings the tool to this pose, a 4 x 4 matrix as forward returns it, or to this
-    %   position only, [x y z] in m; the one found first from q0 on. Error if there is none. Damped least squares on the
-    %   chain's Jacobian, with further starts at random postures, the same ones each time.
+    %INVERSE A posture within the limits that brings the tool to a pose, a 4 x 4 matrix as of forward, or only to a position
+    %   [x y z] in m: the first found, starting at q0. Error if none is found. Damped least squares on the chain's Jacobian,
+    %   restarted at random postures, the same on each call.
       coopdyn.internal.need(nargin, 2, 'chain.inverse(pose) or chain.inverse([0.3 0 0.5], q0)');
       if isnumeric(pose) && numel(pose) == 3
         R_T = [];
@@ -130,7 +130,7 @@ classdef Chain
     end
 
     function [q, off] = descend(c, R_T, p_T, q)
-    % From q down to where the error `off` is least.
+    % Moves from q to a local minimum of the error `off`.
       for round = 1:100
         [R, p, J] = c.at(q);
         off = p_T - p;
@@ -142,7 +142,7 @@ classdef Chain
         end
         J = J(1:numel(off), :);
         slope = (J' * off)';
-        J(:, (q >= c.upper & slope > 0) | (q <= c.lower & slope < 0)) = 0;  % one that would leave its limits stays
+        J(:, (q >= c.upper & slope > 0) | (q <= c.lower & slope < 0)) = 0;  % freeze joints that would leave their limits
         step = (J' * ((J * J' + (off' * off / 2 + 1e-12) * eye(numel(off))) \ off))';
         longest = max([abs(step) 0]);
         if longest < 1e-14

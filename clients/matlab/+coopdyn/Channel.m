@@ -3,14 +3,14 @@ classdef Channel < handle
 %CHANNEL All motors and values that a robot's model maps (docs/yars.md), in one exchange. Made by r.channel().
 %     c = r.channel();
 %     {c.motors.name}, {c.values.name}
-%     c.set([0.5 0.5]);                   % of all motors
-%     c.set(0.2, 'left_motor');           % one of them, by its name or its number from 1; the others as they were set
+% all motors
+% one motor, by its name or its number from 1; the others keep their values
 %     sim.step(c.steps);                  % one exchange
 %     c.get(), c.get('right_motor_velocity')
-%   What is set goes with the next sim.step() in lockstep, and at once in real time. Rows are 1 x n.
+%   In lockstep, values are sent with the next sim.step(); in real time, immediately. Rows are 1 x n.
   properties (SetAccess = private)
-    motors     % a 1 x n struct: name, internal_min, internal_max: the range in the robot [SI units] that is external_min,
-    values     % external_max here (Inf = not mapped), auxiliary: for the experimenter alone
+    motors     % a 1 x n struct: name; internal_min, internal_max: range in the robot [SI units], mapped to external_min,
+    values     % external_max here (Inf = not mapped); auxiliary: only for the experimenter
     steps = 1  % of one exchange
   end
   properties (Access = private)
@@ -37,7 +37,7 @@ classdef Channel < handle
     end
 
     function set(c, values, motors)
-    %SET Sets motors, mapped: a value for each, or one for all. Motors that are not named stay as they were set.
+    %SET Sets motors in external units: one value for each, or one for all. Motors that are not named keep their values.
       coopdyn.internal.need(nargin, 2, 'c.set([0.5 0.2]) or c.set(0.5, ''left_motor'')');
       if nargin < 3, motors = []; end
       n = numel(c.motors);
@@ -51,12 +51,12 @@ classdef Channel < handle
       end
       now = c.told;
       now(ids) = values;
-      c.link.command(c.session, 351, now, 1);  % for one step; then they stay
+      c.link.command(c.session, 351, now, 1);  % for one step; the values then hold
       c.told = now;
     end
 
     function v = get(c, values)
-    %GET The values, mapped; of all that are called alike.
+    %GET Values in external units; a name returns all values of that name.
       if nargin < 2, values = []; end
       ids = coopdyn.internal.chosen(values, {c.values.name}, 'value', c.link.label);
       reply = c.session.read(c.link, c.link.actuator, 350, [], '');
@@ -64,7 +64,7 @@ classdef Channel < handle
     end
 
     function yes = aborted(c)
-    %ABORTED True if the try is to end: a contact that the model says to end it is pressed.
+    %ABORTED True if the trial must end: a contact that the model declares as terminating is pressed.
       reply = c.session.read(c.link, c.link.actuator, 350, [], '');
       yes = strcmp(reply.text, 'aborted');
     end

@@ -1,13 +1,13 @@
 % SPDX-License-Identifier: MIT
 classdef Joints < coopdyn.internal.Parts
-%JOINTS A group of joints that are driven together, as an arm. Made by r.joints('arm').
+%JOINTS A group of joints that are driven together, such as an arm. Made by r.joints('arm').
 %     arm = r.joints('arm');
 %     arm.set_positions([0.5 -0.3 0 1.2 0 0.4 0]);     % rad, or m of a slider: a smooth move within the profile
 %     while ~arm.arrived(), sim.step(); end
 %     arm.set_positions(0.5, 'elbow');                 % one joint, by its name or its number from 1
-%   Commands: set_positions, set_positions_direct, set_velocities, set_efforts, set_pwm, set_modes, hold. They take a value for each
-%   joint that is named (none: for all), or one value for all of them; joints are a name, {'elbow', 'wrist'} or [1 3]. As
-%   set_velocity of a robot, they go with the next sim.step() in lockstep, and at once in real time.
+%   Commands: set_positions, set_positions_direct, set_velocities, set_efforts, set_pwm, set_modes, hold. They accept one value
+%   per named joint (none named: all), or one value for all of them; joints are a name, {'elbow', 'wrist'} or [1 3]. Like
+%   set_velocity of a robot, they are sent with the next sim.step() in lockstep, and immediately in real time.
 %   How joints are driven: set_compliance, set_profile, set_gains. Readings: get, get_modes, get_compliance, get_profile,
 %   get_gains, get_limits, get_motion, arrived, get_references, get_drive_trains. Kinematics: get_chain, forward, inverse.
 %   Units: rad, rad/s, N m; m, m/s, N of sliders. Rows are 1 x n.
@@ -29,7 +29,7 @@ classdef Joints < coopdyn.internal.Parts
     end
 
     function set_positions_direct(j, positions, joints)
-    %SET_POSITIONS_DIRECT Where joints are to be at the end of the step [rad, m]: for trajectories of one's own.
+    %SET_POSITIONS_DIRECT Sets positions for the end of the step [rad, m], for your own trajectories.
       coopdyn.internal.need(nargin, 2, 'arm.set_positions_direct([0.5 0.2])');
       if nargin < 3, joints = []; end
       j.command(205, positions, joints);
@@ -57,8 +57,8 @@ classdef Joints < coopdyn.internal.Parts
     end
 
     function set_modes(j, modes, joints)
-    %SET_MODES How joints are driven: 'idle', 'position', 'direct', 'velocity', 'effort' or, of a drive train, 'pwm', or a cell
-    %   array of these. Each keeps still where it is (idle and effort: without effort; pwm: braked) until its next command.
+    %SET_MODES Sets control modes: 'idle', 'position', 'direct', 'velocity', 'effort' or, with a drive train, 'pwm', or a cell
+    %   array of these. Each joint stays where it is (idle and effort: without effort; pwm: braked) until its next command.
       coopdyn.internal.need(nargin, 2, 'arm.set_modes(''idle'')');
       if nargin < 3, joints = []; end
       modes = cellstr(modes);
@@ -74,15 +74,15 @@ classdef Joints < coopdyn.internal.Parts
     end
 
     function hold(j, joints)
-    %HOLD Holds joints where they are.
+    %HOLD Holds joints at their present positions.
       if nargin < 2, joints = []; end
       j.link.command(j.session, 219, [], j.ids_of(joints));
     end
 
     % --- how joints are driven
     function set_compliance(j, k, d, offset, joints)
-    %SET_COMPLIANCE Makes joints springs in the modes 'position' and 'direct': effort = k (reference - position) - d velocity +
-    %   offset; k [N m/rad], d [N m s/rad], offset [N m]. k = Inf: a servo again.
+    %SET_COMPLIANCE Turns joints into springs in the modes 'position' and 'direct': effort = k (reference - position) - d velocity
+    %   + offset; k [N m/rad], d [N m s/rad], offset [N m]. k = Inf: a servo again.
       coopdyn.internal.need(nargin, 2, 'arm.set_compliance(50, 2) or arm.set_compliance(50, 2, 0, [1 2])');
       if nargin < 3, d = 0; end
       if nargin < 4, offset = 0; end
@@ -91,7 +91,7 @@ classdef Joints < coopdyn.internal.Parts
     end
 
     function set_profile(j, speed, acceleration, joints)
-    %SET_PROFILE How fast set_positions moves joints: speed [rad/s, m/s] and acceleration [rad/s2, m/s2].
+    %SET_PROFILE Sets speed [rad/s, m/s] and acceleration [rad/s2, m/s2] of the moves of set_positions.
       coopdyn.internal.need(nargin, 3, 'arm.set_profile(0.5, 2) or arm.set_profile(0.5, 2, [1 2])');
       if nargin < 4, joints = []; end
       j.tune(212, {speed, acceleration}, joints);
@@ -106,14 +106,14 @@ classdef Joints < coopdyn.internal.Parts
       j.tune(214, {p, i, d}, joints);
     end
 
-    % --- readings: of all joints, or of those named
+    % --- readings: of all joints, or of the named ones
     function v = get(j, varargin)
     %GET position [rad, m], velocity and effort of joints, a struct of rows; effort is NaN before the first step.
       v = j.reading(203, varargin{:});
     end
 
     function modes = get_modes(j, varargin)
-    %GET_MODES How joints are driven, a cell array of words as of set_modes.
+    %GET_MODES The control modes of joints, a cell array of words as for set_modes.
       modes = j.reading(209, varargin{:});
     end
 
@@ -123,7 +123,7 @@ classdef Joints < coopdyn.internal.Parts
     end
 
     function v = get_profile(j, varargin)
-    %GET_PROFILE speed and acceleration of joints on their way to a position.
+    %GET_PROFILE speed and acceleration with which joints move to a position.
       v = j.reading(213, varargin{:});
     end
 
@@ -138,12 +138,12 @@ classdef Joints < coopdyn.internal.Parts
     end
 
     function v = get_motion(j, varargin)
-    %GET_MOTION arrived: which joints have ended the motion of set_positions; target: where they go.
+    %GET_MOTION arrived: which joints have completed the motion of set_positions; target: their targets.
       v = j.reading(217, varargin{:});
     end
 
     function yes = arrived(j, varargin)
-    %ARRIVED True if joints are where set_positions sent them; false until a step has run since.
+    %ARRIVED True if the joints have reached the targets of set_positions; false until a step has run since.
       yes = false;
       if isempty(j.link.kept)
         motion = j.get_motion(varargin{:});
@@ -152,13 +152,13 @@ classdef Joints < coopdyn.internal.Parts
     end
 
     function v = get_references(j, varargin)
-    %GET_REFERENCES The reference in force: position, velocity, effort or duty by the mode.
+    %GET_REFERENCES The active references: position, velocity, effort or duty, by mode.
       v = j.reading(218, varargin{:});
     end
 
     function v = get_drive_trains(j, varargin)
-    %GET_DRIVE_TRAINS Of drive trains: rotor_position [rad, as the joint counts], rotor_velocity [rad/s], current [A] and energy
-    %   that the motor has drawn [J]; NaN of joints without one.
+    %GET_DRIVE_TRAINS rotor_position [rad] and rotor_velocity [rad/s] of drive trains, on the joint side, current [A] and energy
+    %   drawn by the motor [J]; NaN for joints without a drive train.
       v = j.reading(223, varargin{:});
     end
 
@@ -183,8 +183,8 @@ classdef Joints < coopdyn.internal.Parts
     end
 
     function X = forward(j, q)
-    %FORWARD The pose of the tool in the robot's frame R, a 4 x 4 matrix, with all joints of the group at q [rad, m]; without
-    %   q where they are.
+    %FORWARD The tool's pose in the robot's frame R, a 4 x 4 matrix, with all joints of the group at q [rad, m]; without q, at
+    %   their present positions.
       if nargin < 2, q = []; end
       chain = j.get_chain();
       q = j.posture(q);
@@ -192,8 +192,8 @@ classdef Joints < coopdyn.internal.Parts
     end
 
     function q = inverse(j, pose, q0)
-    %INVERSE Positions of all joints within their limits that bring the tool to this pose in R (a 4 x 4 matrix as of forward, or
-    %   only a position [x y z] in m), near q0 if it can be; without q0 near where they are. Error if there are none.
+    %INVERSE Positions of all joints, within their limits, that bring the tool to a pose in R (a 4 x 4 matrix as of forward, or
+    %   only a position [x y z] in m); near q0 if possible (default: the present positions). Error if none are found.
       coopdyn.internal.need(nargin, 2, 'arm.inverse(pose) or arm.inverse([0.3 0 0.5], q0)');
       if nargin < 3, q0 = []; end
       chain = j.get_chain();

@@ -1,8 +1,8 @@
 % SPDX-License-Identifier: MIT
 classdef Robot < coopdyn.internal.SensorCalls
-%ROBOT One robot of a simulation. Readings are always those of the newest step.
-%   Commands: set_velocity, set_wheel_speeds, stop, send_message; joints: its arm and what else has motors; muscles,
-%   thrusters, channel: of robots that have these. Readings:
+%ROBOT One robot of a simulation. Readings always belong to the newest step.
+%   Commands: set_velocity, set_wheel_speeds, stop, send_message; joints: its arm or other groups of joints; muscles,
+%   thrusters, channel: if the robot has them. Readings:
 %   get_pose, get_pose_3d, get_distances, get_geometry, get_targets, get_target, get_robots, get_neighbours, get_messages,
 %   get_compass, get_support, get_wheels, get_limits; sense: all of one step at once. Of robots with such sensors: get_imu,
 %   get_wrench, get_scan, get_contacts, get_bumper, get_sonar, get_infrared, get_light, get_battery, get_odometry; of their
@@ -38,7 +38,7 @@ classdef Robot < coopdyn.internal.SensorCalls
       end
       link = r.link;
       if link.drives && r.session.mode == 1 && isempty(link.kept) && strcmp(link.actuator, 'motors')
-        link.kept = {11, command, []};  % lockstep: what Link.command does
+        link.kept = {11, command, []};  % lockstep: the same as Link.command
       else
         link.command(r.session, 11, command);
       end
@@ -60,8 +60,8 @@ classdef Robot < coopdyn.internal.SensorCalls
     end
 
     function send_message(r, values)
-    %SEND_MESSAGE Broadcasts one to eight numbers with the next step, to the robots within range; the last message before
-    %   the step counts. For robots with a module neighbours.
+    %SEND_MESSAGE Broadcasts one to eight numbers with the next step to the robots within range. The last message before the
+    %   step wins. For robots with a module neighbours.
       coopdyn.internal.need(nargin, 2, 'r.send_message([1 0.5])');
       if ~isnumeric(values) || isempty(values) || numel(values) > 8
         coopdyn.internal.fail(3, ['a message is a row of 1 to 8 numbers, not ' coopdyn.internal.show(values)]);
@@ -92,8 +92,8 @@ classdef Robot < coopdyn.internal.SensorCalls
     end
 
     function heading = get_compass(r, module)
-    %GET_COMPASS Where its front points [rad]: 0 along the world's x, left positive. For robots with a module compass;
-    %   another compass is read by its module's name: r.get_compass('left_compass').
+    %GET_COMPASS The robot's heading [rad]: 0 along the world's x, left positive. For robots with a module compass; pass the
+    %   module's name for another compass: r.get_compass('left_compass').
       if nargin < 2
         module = 'compass';
       end
@@ -101,8 +101,8 @@ classdef Robot < coopdyn.internal.SensorCalls
     end
 
     function s = get_support(r, module)
-    %GET_SUPPORT x, y [m] and angle [rad] by which the load has moved the support that carries it, in the robot's frame. For
-    %   robots with a module support.
+    %GET_SUPPORT x, y [m] and angle [rad] by which the load has displaced its support, in the robot's frame. For robots with a
+    %   module support.
       if nargin < 2
         module = 'support';
       end
@@ -149,8 +149,8 @@ classdef Robot < coopdyn.internal.SensorCalls
     end
 
     function m = get_messages(r)
-    %GET_MESSAGES What is heard in this step, a 1 x n struct: id, distance [m] and bearing [rad] of the sender, and the
-    %   values that it sent. For robots with a module neighbours.
+    %GET_MESSAGES The messages received in this step, a 1 x n struct: id, distance [m] and bearing [rad] of the sender, and its
+    %   values. For robots with a module neighbours.
       m = r.get('neighbours', 202, [], '');
     end
 
@@ -167,9 +167,9 @@ classdef Robot < coopdyn.internal.SensorCalls
     function s = sense(r, x)
     %SENSE All readings of one step in one round trip: time, step, distances, targets, target, pose, wheels, compass,
     %   support, joints; imu, wrench, scan, contacts (id -1, no name), sonar, infrared, light, battery, odometry, each of the
-    %   first sensor of its kind; read the others by name: r.get_scan('rear_lidar').
+    %   first sensor of its type; read others by name: r.get_scan('rear_lidar').
     %   s = r.sense('red'): s.target is the nearest target of that colour (or with that id); error if there is none.
-    %   In lockstep, right after sim.step(), the readings that came with its reply, without any round trip.
+    %   In lockstep, directly after sim.step(), it needs no round trip, because the step's reply carried the readings.
       link = r.link;
       link.require_here();
       attached = link.attached;
@@ -188,7 +188,7 @@ classdef Robot < coopdyn.internal.SensorCalls
         s.scan = r.scan('lidar', s.scan);
       end
       seen = s.targets;
-      % Ids and colours change with a reset, load or edit only: asked for again when the step did not go on, when their
+      % Ids and colours change only with a reset, load or edit: query them again if the step did not advance, if their
       % number changed, or after half a second.
       labels = link.labels;
       if ~isempty(seen) && (s.step <= labels.step || 2 * numel(labels.ids) ~= numel(seen) || toc(labels.when) > 0.5)
@@ -211,8 +211,8 @@ classdef Robot < coopdyn.internal.SensorCalls
     end
 
     function j = joints(r, name)
-    %JOINTS Its joints of this name, a coopdyn.Joints: a group of <coopdyn:group> in its model, 'joints' if it names none.
-    %   Without a name the only group.
+    %JOINTS A group of joints, a coopdyn.Joints: a <coopdyn:group> of the robot's model, or 'joints' if the model names none.
+    %   Without a name, the only group.
       if nargin < 2
         name = '';
       end
@@ -220,25 +220,25 @@ classdef Robot < coopdyn.internal.SensorCalls
     end
 
     function m = muscles(r)
-    %MUSCLES Its muscles, a coopdyn.Muscles.
+    %MUSCLES The robot's muscles, a coopdyn.Muscles.
       m = coopdyn.Muscles(r.session, coopdyn.internal.actuator(r.session, r.link, 'muscles'));
     end
 
     function t = thrusters(r)
-    %THRUSTERS Its thrusters, a coopdyn.Thrusters.
+    %THRUSTERS The robot's thrusters, a coopdyn.Thrusters.
       t = coopdyn.Thrusters(r.session, coopdyn.internal.actuator(r.session, r.link, 'thrusters'));
     end
 
     function c = channel(r)
-    %CHANNEL Its channel, a coopdyn.Channel: all motors and values that its model maps. From then on it drives the robot alone:
-    %   what is told its wheels, joints, muscles or thrusters is an error.
+    %CHANNEL The robot's channel, a coopdyn.Channel: exchanges all motors and values that the model maps. From then on only the
+    %   channel drives the robot: commands to its wheels, joints, muscles or thrusters are errors.
       c = coopdyn.Channel(r.session, coopdyn.internal.actuator(r.session, r.link, 'channel'));
     end
 
     % --- pushed readings
     function subscribe(r, module, n)
-    %SUBSCRIBE Has the first reading of 'distance', 'target', 'pose' or 'motors' sent every n steps (default 1); next
-    %   takes them. n = 0 ends it. What is not taken in time is dropped, the oldest first (64 are kept).
+    %SUBSCRIBE Subscribes to the first reading of 'distance', 'target', 'pose' or 'motors' every n steps (default 1); next
+    %   returns them. n = 0 unsubscribes. Up to 64 readings are queued; then the oldest is dropped.
       coopdyn.internal.need(nargin, 2, 'r.subscribe(''distance'')');
       if nargin < 3
         n = 1;
@@ -269,9 +269,9 @@ classdef Robot < coopdyn.internal.SensorCalls
     end
 
     function u = next(r, varargin)
-    %NEXT Waits for the next pushed reading: module, time, step, value (what the get-command returns), text.
-    %   r.next() of any module that was subscribed to, r.next('pose') of one; r.next('timeout', 2) waits 2 s at most.
-    %   If the world is held up for more than 2 s it says once by which robots.
+    %NEXT Waits for the next pushed reading: module, time, step, value (the result of the get command), text.
+    %   r.next() of any subscription, r.next('pose') of one module; r.next('timeout', 2) waits at most 2 s.
+    %   If robots hold the world up for more than 2 s, reports them once.
       chosen = fieldnames(r.link.pushers)';
       if mod(numel(varargin), 2) == 1
         chosen = {char(varargin{1})};
@@ -312,7 +312,7 @@ classdef Robot < coopdyn.internal.SensorCalls
     end
 
     function reply = call(r, module, command, params, data, text, varargin)
-    %CALL The raw message to one of this robot's modules, e.g. r.call('motors', 'set_velocity', [], [0.2 0]).
+    %CALL Sends a raw message to one of this robot's modules, e.g. r.call('motors', 'set_velocity', [], [0.2 0]).
       coopdyn.internal.need(nargin, 3, 'r.call(''motors'', ''set_velocity'', [], [0.2 0])');
       if nargin < 6, text = ''; end
       if nargin < 5, data = []; end

@@ -3,17 +3,17 @@ classdef Run
 %RUN A recorded run, made by coopdyn.read_run.
 %     run = coopdyn.read_run('lesson1.mat');
 %     p = run.pose('robot1');  plot(p(:, 1), p(:, 2))    % a path
-%   k is the number of recorded moments: the first is the state that recording began with. What was not there, or not
-%   recorded at a moment, is nan. Methods: pose, pose_3d, reading, joints, commands, score, scores, logged.
+%   k is the number of recorded moments; the first is the state at the recording's start. Values that did not exist or were
+%   not recorded at a moment are nan. Methods: pose, pose_3d, reading, joints, commands, score, scores, logged.
   properties (SetAccess = private)
-    file      % its name
-    info      % struct: what is known of the run as a whole, version and seed
+    file      % the file's name
+    info      % struct: properties of the whole run, version and seed
     scenario  % the text of the scenario
     names     % of all robots, 1 x n cell
     time      % simulated times [s], k x 1
     steps     % numbers of the steps, k x 1
     hash      % of the exact state at each moment, 16 hexadecimal digits, k x 1 cell: equal runs have equal hashes
-    events    % what happened, in order: 1 x n struct with step, time [s], level, text; notes have the level 'note'
+    events    % all events in order: 1 x n struct with step, time [s], level, text; notes have the level 'note'
   end
   properties (Access = private)
     robots
@@ -42,7 +42,7 @@ classdef Run
     end
 
     function p = pose(run, name)
-    %POSE x, y [m] and heading [rad] of a robot, k x 3; also of an object that moves.
+    %POSE x, y [m] and heading [rad] of a robot or a moving object, k x 3.
       coopdyn.internal.need(nargin, 2, 'run.pose(''robot1'')');
       i = find_name(run.robots, name);
       if i > 0
@@ -58,7 +58,7 @@ classdef Run
     end
 
     function p = score(run, name)
-    %SCORE Time [s] and value of a score, k x 2; nan if it cannot be told.
+    %SCORE Time [s] and value of a score, k x 2; nan: undefined.
       coopdyn.internal.need(nargin, 2, 'run.score(''distance'')');
       i = find_name(run.values, name);
       if i == 0
@@ -70,7 +70,7 @@ classdef Run
     end
 
     function s = scores(run)
-    %SCORES What the run was worth at its last moment, a field for each of the scenario's [SCORE_n].
+    %SCORES The scores at the last moment, a field for each of the scenario's [SCORE_n].
       s = struct();
       for i = 1:numel(run.values)
         s.(run.values(i).name) = run.values(i).value(end);
@@ -78,7 +78,7 @@ classdef Run
     end
 
     function p = logged(run, name)
-    %LOGGED Time [s] and value of each number that was logged under a name, n x 2.
+    %LOGGED Time [s] and value of each number logged under a name, n x 2.
       coopdyn.internal.need(nargin, 2, 'run.logged(''energy'')');
       p = zeros(0, 2);
       others = {};
@@ -116,9 +116,9 @@ classdef Run
     end
 
     function r = reading(run, name, what)
-    %READING What a robot read, a row for each moment: 'distances' [m], right to left, inf = nothing there; 'targets':
-    %   distance [m] and bearing [rad] of each, nan = not seen; 'channels': positions [rad], not wrapped, then velocities
-    %   [rad/s] of the m channels that run.joints(name) names (of a sliding joint [m], [m/s]), k x 2m.
+    %READING A robot's readings, one row per moment: 'distances' [m], right to left, inf = nothing there; 'targets': distance
+    %   [m] and bearing [rad] of each, nan = not seen; 'channels': positions [rad], not wrapped, then velocities [rad/s]
+    %   (sliding joints: [m], [m/s]) of the m channels in the order of run.joints(name), k x 2m.
       coopdyn.internal.need(nargin, 3, 'run.reading(''robot1'', ''distances'')');
       known = {'distances', 'targets', 'channels'};
       what = char(what);
@@ -140,10 +140,10 @@ classdef Run
     end
 
     function c = commands(run, name)
-    %COMMANDS The set-points of a robot, a row for each time that some came in force: the step in which they did, time [s],
-    %   the set-points of its m channels, and their control modes: 1 position [rad], 3 velocity [rad/s], 4 effort [N m]
-    %   (0 idle, 2 direct), so 2 + 2m columns. The first row is what was in force when recording began. None if a loaded
-    %   controller drove it and its commands were not recorded.
+    %COMMANDS The set-points of a robot, one row per change: the step of the change, time [s], the set-points of its m channels,
+    %   and their control modes: 1 position [rad], 3 velocity [rad/s], 4 effort [N m] (0 idle, 2 direct), so 2 + 2m columns. The
+    %   first row is in force at the recording's start. Empty if a loaded controller drove the robot and its commands were not
+    %   recorded.
       coopdyn.internal.need(nargin, 2, 'run.commands(''robot1'')');
       robot = run.robot(name);
       c = robot.commands;
@@ -161,7 +161,7 @@ classdef Run
 end
 
 function i = find_name(list, name)
-% Its index; 0 if there is none.
+% The index of a name; 0 if unknown.
   i = 0;
   if ~isempty(list)
     found = find(strcmp({list.name}, char(name)), 1);

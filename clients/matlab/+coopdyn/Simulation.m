@@ -1,18 +1,19 @@
 % SPDX-License-Identifier: MIT
 classdef Simulation < coopdyn.internal.RunCalls
-%SIMULATION A connection to a daemon: its time and its robots. Made by coopdyn.connect.
+%SIMULATION A connection to a daemon: controls its time and its robots. Made by coopdyn.connect and coopdyn.launch.
 %   robot, team, robots, step; time, steps, mode, dt; run, pause, stop_all, reset, reload, load_scenario, set_mode, set_step,
 %   set_speed, set_participants, release_robot; status, hash, scores, log, logged, end_run, waiting, snapshot, describe, modules, call, close.
-%   What stands in the world: insert, remove, move, change, rename, undo, redo, world, save_scenario, pick.
+%   Live edits of the world: insert, remove, move, change, rename, undo, redo, world, save_scenario, pick.
 %   Saved states: save_state, restore_state, saved_states. Recording: record, stop_recording, note, recording, recordings,
 %   fetch_run. Playing a recording: playback, seek, play, set_play_speed, skip, set_loop, branch, open_run, close_run.
-%   In lockstep set_velocity does not wait: it is kept (the last wins) until sim.step(), which sends the commands of all
-%   robots of this sim and waits for the step. In real time it is sent at once, and sim.step() waits for the next step.
+%   In lockstep, set_velocity does not wait: the command is kept (the last wins) until sim.step(), which sends the commands
+%   of all robots of this sim and waits for the step. In real time, the command is sent immediately, and sim.step() waits for
+%   the next step.
   properties (Dependent)
     time   % simulated time [s] of the newest reply
     steps  % step number of the newest reply
-    mode   % 'realtime', 'lockstep' or 'free', asked now
-    dt     % length of a step [s], asked now
+    mode   % 'realtime', 'lockstep' or 'free'; queries the daemon
+    dt     % length of a step [s]; queries the daemon
   end
   methods
     function sim = Simulation(options)
@@ -20,14 +21,14 @@ classdef Simulation < coopdyn.internal.RunCalls
                                          options.seat, options.pin);
       session = coopdyn.internal.Session(address, options.watch);
       if isfield(options, 'process')
-        session.process = options.process;  % coopdyn.launch has started it
+        session.process = options.process;  % started by coopdyn.launch
       end
       reply = session.control(100, [], [], '', address.timeout);
       try
         status = jsondecode(reply.text);
         protocol = status.protocol;
       catch
-        coopdyn.internal.fail(7, ['what listens at ' address.text ' gave a status that cannot be read']);
+        coopdyn.internal.fail(7, ['what listens at ' address.text ' sent a status that cannot be read']);
       end
       if ~isequal(protocol, 1)
         coopdyn.internal.fail(5, sprintf(['the daemon at %s (version %s) speaks protocol %d, this +coopdyn speaks 1: ' ...
@@ -42,8 +43,8 @@ classdef Simulation < coopdyn.internal.RunCalls
 
     % --- robots
     function r = robot(sim, which)
-    %ROBOT Takes a robot, by name or number (from 1), to be driven by this sim. Error if another client owns it. While a
-    %   recording is played it can only be read; after a branch the first step or command takes it, if it is free.
+    %ROBOT Claims a robot, by name or number (from 1), for this sim to drive. Error if another client owns it. While a
+    %   recording is played, the robot can only be read; after a branch, the first step or command claims it if it is free.
       coopdyn.internal.need(nargin, 2, 'sim.robot(''robot1'') or sim.robot(1)');
       if isnumeric(which)
         number = coopdyn.internal.count(which, 'the number of a robot');
@@ -70,9 +71,9 @@ classdef Simulation < coopdyn.internal.RunCalls
     end
 
     function t = team(sim, names)
-    %TEAM Takes robots to be driven together, through one connection: the name of a swarm or robot, a cell array of such,
-    %   or without names all that are free, in the order of the scenario. Error if another client owns one of them, or this
-    %   sim has driven one singly; then none is taken.
+    %TEAM Claims robots to be driven together through one connection: the name of a swarm or robot, a cell array of names, or
+    %   without names all free robots, in the order of the scenario. Error if another client owns one of them, or if this sim
+    %   has driven one singly; then no robot is claimed.
       text = '';
       if nargin > 1
         names = joined(names, ['sim.team(''swarm1''), sim.team({''robot1'', ''robot2''}), or sim.team() ' ...
@@ -95,9 +96,9 @@ classdef Simulation < coopdyn.internal.RunCalls
 
     % --- time
     function step(sim, varargin)
-    %STEP Advances by one step, or by n: sim.step(n). In lockstep: sends the commands of this sim's robots and waits until
-    %   the steps have run; otherwise waits for the n-th next step. Teams keep their speeds. sim.step(1, 'timeout', 5):
-    %   error after 5 s. After 2 s it says once which robots the world waits for.
+    %STEP Runs one step, or n: sim.step(n). In lockstep: sends the commands of this sim's robots and waits until the steps have
+    %   run; otherwise waits for the n-th next step. Teams keep their speeds. sim.step(1, 'timeout', 5): error after 5 s. After
+    %   2 s of waiting, reports once which robots the world waits for.
       n = 1;
       limit = Inf;
       if nargin > 1
@@ -136,23 +137,23 @@ classdef Simulation < coopdyn.internal.RunCalls
 
     % --- control
     function run(sim)
-    %RUN Lets time go on.
+    %RUN Runs the simulation after a pause.
       sim.session.control(101);
     end
 
     function pause(sim)
-    %PAUSE Holds time.
+    %PAUSE Pauses the simulation.
       sim.session.control(102);
     end
 
     function stop_all(sim)
-    %STOP_ALL Stops every robot, also those of others.
+    %STOP_ALL Stops all robots, including those of other clients.
       sim.session.control(190);
       sim.session.forget_commands();
     end
 
     function reset(sim, seed)
-    %RESET Starts again at step 0, with a new seed if one is given, by which [RANDOM] is drawn anew.
+    %RESET Restarts at step 0; with a seed, also draws [RANDOM] anew from it.
       if nargin < 2
         seed = [];
       elseif ~isnumeric(seed) || numel(seed) ~= 1 || seed ~= round(seed) || abs(seed) > 2147483647
@@ -165,13 +166,13 @@ classdef Simulation < coopdyn.internal.RunCalls
     end
 
     function reload(sim)
-    %RELOAD Loads the same scenario file again from disk.
+    %RELOAD Reloads the scenario file from disk.
       sim.session.control(192, [], [], '', 60);
       coopdyn.internal.loaded(sim.session);
     end
 
     function load_scenario(sim, x)
-    %LOAD_SCENARIO Loads a scenario: a name on the daemon's search path, a file here, or the text of one.
+    %LOAD_SCENARIO Loads a scenario: a name on the daemon's search path, a local file, or the text of a scenario.
       coopdyn.internal.need(nargin, 2, 'sim.load_scenario(''corridor'')');
       if ~coopdyn.internal.is_text(x) || isempty(char(x))
         coopdyn.internal.fail(3, ['a scenario is a text, not ' coopdyn.internal.show(x) ': write ' ...
@@ -180,7 +181,7 @@ classdef Simulation < coopdyn.internal.RunCalls
       x = char(x);
       if ~any(x == char(10)) && isfile(x)  % exist() finds formation.m, too
         [~, name, extension] = fileparts(x);
-        x = [fileread(x) char(10) '# file: ' name extension char(10)];  % the last line tells the daemon its name
+        x = [fileread(x) char(10) '# file: ' name extension char(10)];  % the last line tells the daemon the file's name
       end
       sim.session.control(108, [], [], x, 60);
       coopdyn.internal.loaded(sim.session);
@@ -215,13 +216,14 @@ classdef Simulation < coopdyn.internal.RunCalls
     end
 
     function set_speed(sim, x)
-    %SET_SPEED How fast time goes against the wall clock; 0 or less: no limit.
+    %SET_SPEED Sets the real-time factor; 0 or less: no limit.
       coopdyn.internal.need(nargin, 2, 'sim.set_speed(2)');
       sim.session.control(107, [], coopdyn.internal.number(x, 'the speed factor'));
     end
 
     function set_participants(sim, names)
-    %SET_PARTICIPANTS The robots that lockstep waits for, a cell array of names; empty: as the scenario says.
+    %SET_PARTICIPANTS Sets the participants, the robots that lockstep waits for, a cell array of names; empty: those of the
+    %   scenario.
       if nargin < 2
         names = '';
       end
@@ -230,20 +232,20 @@ classdef Simulation < coopdyn.internal.RunCalls
     end
 
     function release_robot(sim, name)
-    %RELEASE_ROBOT Takes a robot from its driver: closes that program's connection, or unloads its controller.
+    %RELEASE_ROBOT Frees a robot: closes the connection of the program that drives it, or unloads its controller.
       coopdyn.internal.need(nargin, 2, 'sim.release_robot(''robot1'')');
       sim.session.control(193, [], [], coopdyn.internal.word(name, 'the name of a robot'));
     end
 
-    % --- looking
+    % --- status
     function s = status(sim)
-    %STATUS The whole state of the simulation (docs/protocol.md lists the fields).
+    %STATUS The status of the simulation (docs/protocol.md lists the fields).
       reply = sim.session.control(100);
       s = jsondecode(reply.text);
     end
 
     function s = scores(sim)
-    %SCORES What the run is worth so far: a field for each [SCORE_n] of the scenario; NaN if it cannot be told.
+    %SCORES The present scores of the run, a field for each [SCORE_n] of the scenario; NaN: undefined.
       s = struct();
       all = sim.status().scores;
       for i = 1:numel(all)
@@ -255,7 +257,7 @@ classdef Simulation < coopdyn.internal.RunCalls
     end
 
     function log(sim, name, value)
-    %LOG Logs a number under a name: sim.logged(), --summary and the recording have it; run.logged(name) reads it there.
+    %LOG Logs a number under a name: appears in sim.logged(), in --summary and in the recording (run.logged(name)).
       coopdyn.internal.need(nargin, 3, 'sim.log(''energy'', 3.5)');
       if ~coopdyn.internal.is_text(name) || ~isnumeric(value) || ~isscalar(value)
         coopdyn.internal.fail(3, 'a name and a number: write sim.log(''energy'', 3.5)');
@@ -264,7 +266,7 @@ classdef Simulation < coopdyn.internal.RunCalls
     end
 
     function s = logged(sim)
-    %LOGGED The newest number of each name that was logged, a field each.
+    %LOGGED The newest logged number of each name, a field each.
       s = struct();
       all = sim.status().logged;
       for i = 1:numel(all)
@@ -273,7 +275,7 @@ classdef Simulation < coopdyn.internal.RunCalls
     end
 
     function end_run(sim, why)
-    %END_RUN Ends the run, which has reached what it was for; a daemon that was started for one run ends with it.
+    %END_RUN Ends the run because its purpose is achieved; a daemon that was started for one run exits.
       if nargin < 2; why = ''; end
       sim.session.tell('/simulation', 198, [], [], char(why));
     end
@@ -314,20 +316,20 @@ classdef Simulation < coopdyn.internal.RunCalls
     end
 
     function d = describe(sim, name)
-    %DESCRIBE The commands of a module, e.g. '/robot1/motors', with their values and units.
+    %DESCRIBE The description of a module's commands, e.g. of '/robot1/motors', with values and units.
       coopdyn.internal.need(nargin, 2, 'sim.describe(''/robot1/motors'')');
       d = coopdyn.internal.describe(sim.session, name);
     end
 
     function m = modules(sim)
-    %MODULES Every name of the daemon with its address: a 1 x n struct with name, host, port.
+    %MODULES All names registered at the daemon, with their addresses: a 1 x n struct with name, host, port.
       sim.session.require_open();
       m = coopdyn.internal.ask_names(sim.session.address);
     end
 
     function reply = call(sim, name, command, params, data, text, varargin)
-    %CALL The raw message: sim.call('/robot1/motors', 'set_velocity', params, data, text, 'timeout', s) with text,
-    %   command, params, data, time, step in the reply. In lockstep an actuator command is answered after the step.
+    %CALL Sends a raw message: sim.call('/robot1/motors', 'set_velocity', params, data, text, 'timeout', s) returns text,
+    %   command, params, data, time, step of the reply. In lockstep, the reply to an actuator command arrives after the step.
       coopdyn.internal.need(nargin, 3, 'sim.call(''/robot1/motors'', ''set_velocity'', [], [0.2 0.5])');
       if nargin < 6, text = ''; end
       if nargin < 5, data = []; end
@@ -346,7 +348,7 @@ classdef Simulation < coopdyn.internal.RunCalls
 end
 
 function text = joined(names, example)
-% Names of robots, one text or a cell array of texts, with spaces between them; anything else is an error.
+% Joins names of robots, given as one text or a cell array of texts, by spaces; anything else is an error.
   if isa(names, 'string')
     names = cellstr(names);
   elseif isempty(names)

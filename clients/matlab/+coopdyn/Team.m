@@ -1,24 +1,24 @@
 % SPDX-License-Identifier: MIT
 classdef Team < handle
-%TEAM Robots that are driven together, through one connection: five of them or five thousand. Made by sim.team.
+%TEAM Drives any number of robots together through one connection. Made by sim.team.
 %     team = sim.team('swarm1');
 %     s = team.read();
 %     for k = 1:1000
-%       V = [0.1 * ones(team.n, 1), 0.5 * (min(s.distances, [], 2) < 0.05)];   % forward [m/s], turn [rad/s] of each
+% forward [m/s], turn [rad/s] for each
 %       s = team.step(V);
 %     end
 %     team.close();
-%   While a recording is played a team can only read; driving it is an error.
+%   While a recording is played, a team can only be read; driving it is an error.
 %   names, ids, n; step, step_wheels, read, select, stop, release, close.
-%   Readings are a struct with time, step, text (says if speeds were limited, who was taken away) and, of those chosen
-%   with select, matrices with a row for each robot in the order of team.names: pose (x, y [m], heading [rad]), distances
-%   [m], targets (distance [m], bearing [rad] of each), neighbours (id, distance, bearing of each; 0, inf, nan: none),
-%   wheels (as get_wheels), compass (heading [rad]; nan without one), support (x, y [m], angle [rad] of the load; nan
-%   without one), joints (position, velocity, effort of each; nan: no more).
+%   Readings are a struct with time, step, text (reports limited speeds and robots taken from the team) and the matrices
+%   that select chose, one row per robot in the order of team.names: pose (x, y [m], heading [rad]), distances [m], targets
+%   (distance [m], bearing [rad] of each), neighbours (id, distance, bearing of each; 0, inf, nan: no more), wheels (as
+%   get_wheels), compass (heading [rad]; nan without one), support (x, y [m], angle [rad] of the load; nan without one),
+%   joints (position, velocity, effort of each; nan: no more).
   properties (Dependent)
-    n      % how many robots
+    n      % number of robots
     names  % their names, in the order of the rows
-    ids    % their ids, in the same order, as get_neighbours tells them
+    ids    % their ids in the same order, as get_neighbours returns them
   end
   properties (Access = private)
     session
@@ -43,16 +43,16 @@ classdef Team < handle
     end
 
     function s = step(t, V, varargin)
-    %STEP One step of the world: gives each robot its forward speed [m/s] and turn rate [rad/s], waits until the step has
-    %   run, in every mode, and returns the readings after it. V is n x 2, or 1 x 2 for all; without V they keep
-    %   their speeds. In lockstep the other robots of this sim step too, with what they were told.
+    %STEP Runs one step of the world: sets each robot's forward speed [m/s] and turn rate [rad/s], waits until the step has
+    %   run, in every mode, and returns the readings after it. V is n x 2, or 1 x 2 for all; without V the robots keep their
+    %   speeds. In lockstep the other robots of this sim step, too, with their kept commands.
     %   team.step(V, 'timeout', 5), team.step('timeout', 5): error after 5 s.
-    %   Joints, and several kinds of commands in one step, by their names:
+    %   Commands for joints, and several kinds of commands in one step, have names:
     %     team.step('velocities', V, 'positions', Q)
     %     team.step('positions/legs', [0 0.6 -1.2], 'joint_velocities/head', 0.1)   % one row for all
     %   The names: velocities (forward, turn), wheels (left, right [rad/s]); positions, positions_direct,
     %   joint_velocities, efforts of all joints, or after a / of one group, with one value for each joint [rad, rad/s,
-    %   N m; m, m/s, N]. nan: this joint goes on as it does, or the robot has fewer.
+    %   N m; m, m/s, N]. nan: this joint keeps its command, or the robot has fewer joints.
       if nargin < 2
         V = [];
       elseif ~isnumeric(V) && coopdyn.internal.is_text(V)  % names
@@ -84,11 +84,10 @@ classdef Team < handle
     end
 
     function select(t, varargin)
-    %SELECT Chooses what step and read return, among 'pose', 'distances', 'targets', 'neighbours', 'wheels', 'compass',
-    %   'support', 'joints', and the names of sensors' modules, as 'lidar': s.lidar is what its first get-command answers;
-    %   NaN where a robot has less;
-    %   pose and distances to begin with. What is not chosen costs nothing. team.select('pose', 'neighbours', 4): the 4 nearest
-    %   (otherwise 8).
+    %SELECT Selects the readings that step and read return: 'pose', 'distances', 'targets', 'neighbours', 'wheels', 'compass',
+    %   'support', 'joints', and names of sensor modules such as 'lidar': s.lidar is the module's first get command; NaN where
+    %   a robot has fewer values. Default: pose and distances. Other readings cost nothing. team.select('pose', 'neighbours',
+    %   4): the 4 nearest (default 8).
       known = {'pose', 'distances', 'targets', 'neighbours', 'wheels', 'compass', 'support', 'joints'};
       modules = ', and sensors'' modules by name';
       words = {};
@@ -124,13 +123,13 @@ classdef Team < handle
     end
 
     function release(t)
-    %RELEASE Gives the robots up to others; they go on as they were told last.
+    %RELEASE Releases the robots; they keep executing their last commands.
       t.link.give_up(false);
       t.session.drop_lost_teams();
     end
 
     function close(t)
-    %CLOSE Stops the robots and gives them up.
+    %CLOSE Stops and releases the robots.
       t.link.give_up(true);
       t.session.drop_lost_teams();
     end
@@ -154,7 +153,7 @@ classdef Team < handle
           if ~isempty(V) || ~coopdyn.internal.is_playing(cause)
             rethrow(cause);
           end
-          session.step(1, limit);  % the next moment that is shown
+          session.step(1, limit);  % to the playback's next step
           s = t.read();
           return
         end
@@ -181,9 +180,9 @@ classdef Team < handle
 end
 
 function bytes = frame(link, n, V, what, columns, text)
-% The request to step.
+% Encodes the request to step.
   data = [];
-  if iscell(V)  % of each word of `columns`
+  if iscell(V)  % for each word of `columns`
     for k = 1:numel(V)
       V{k} = rows(link, n, V{k}, columns{k});
     end
@@ -195,7 +194,7 @@ function bytes = frame(link, n, V, what, columns, text)
   raw = uint8(text);
   letters = numel(raw);
   head = typecast(int32([20 + letters + 8 * count, 0, 110, letters, 0, count]), 'uint8');
-  bytes = [head raw typecast(reshape(data, 1, count), 'uint8')];  % row after row
+  bytes = [head raw typecast(reshape(data, 1, count), 'uint8')];  % row by row
 end
 
 function V = rows(link, n, V, what)
@@ -210,7 +209,7 @@ function V = rows(link, n, V, what)
   end
   bad = find(any(isinf(V), 2), 1);
   if ~isempty(bad)
-    coopdyn.internal.fail(4, sprintf('row %d of %s must be finite, or nan: this one goes on as it does', bad, what));
+    coopdyn.internal.fail(4, sprintf('row %d of %s must be finite, or nan: this joint keeps its command', bad, what));
   end
   V = double(V);
   if size(V, 1) < n
@@ -248,7 +247,7 @@ function V = speeds(link, n, V, what, columns)
 end
 
 function say_who_is_gone(link, n, what)
-% Why the rows do not fit any more.
+% Says why the rows no longer fit.
   gone = link.gone;
   if isempty(gone)
     return
@@ -262,7 +261,7 @@ function say_who_is_gone(link, n, what)
 end
 
 function s = readings(link, session, reply)
-% The matrices out of a reply. If robots or targets have come or gone, the columns are asked for again.
+% Decodes the matrices of a reply. Queries the columns again if robots or targets were added or removed.
   n = reply.params(end - 1);
   m = reply.params(end);
   columns = link.columns;
@@ -270,7 +269,7 @@ function s = readings(link, session, reply)
     link.refresh(session);
     columns = link.columns;
     if n ~= numel(link.names) || m ~= sum(columns)
-      s = readings(link, session, link.read(session));  % it has changed once more meanwhile
+      s = readings(link, session, link.read(session));  % the team has changed again meanwhile
       return
     end
   end

@@ -2,10 +2,10 @@
 classdef Thrusters < coopdyn.internal.Parts
 %THRUSTERS The thrusters of a robot. Made by r.thrusters().
 %     t = r.thrusters();
-%     t.set_thrusts([2 0.1]);             % N, or N m of those that turn their link
+% N; N m for thrusters that turn their link
 %     t.set_thrusts(0, 'jet');            % one thruster, by its name or its number from 1
-%   Commands go with the next sim.step() in lockstep, and at once in real time, as those of coopdyn.Joints. A thrust stays until
-%   the next. Rows are 1 x n.
+%   In lockstep, commands are sent with the next sim.step(); in real time, immediately, as for coopdyn.Joints. A thrust holds
+%   until the next. Rows are 1 x n.
   methods
     function t = Thrusters(session, link)
       t = t@coopdyn.internal.Parts(session, link, 'thruster', 229);
@@ -20,7 +20,7 @@ classdef Thrusters < coopdyn.internal.Parts
     end
 
     function v = get(t, varargin)
-    %GET thrust [N, N m], and velocity: how fast the link moves along or about its direction [m/s, rad/s], a struct of rows.
+    %GET thrust [N, N m], and velocity of the link along or about the thrust direction [m/s, rad/s], a struct of rows.
       v = t.reading(228, varargin{:});
     end
 

@@ -5,11 +5,11 @@ function sim = connect(varargin)
 %   sim = coopdyn.connect('labserver')          another machine, port 10000; 'labserver:10100' another port
 %   sim = coopdyn.connect(10100)                another port of this machine
 %   sim = coopdyn.connect('labserver', 'name', 'ana', 'token', 'T', 'timeout', 3, 'watch', false)
-%   name: who drives (default user@host:pid, no spaces); a new connection of the same name takes a robot over.
-%   token: what the daemon printed, needed from other machines to change the world.
+%   name: the client's name, without spaces (default user@host:pid); a client of the same name takes over robots.
+%   token: printed by the daemon, needed from other machines to change the world.
 %   sim = coopdyn.connect('labserver', 'seat', 'ana', 'pin', '7305')   your seat in a class (coopdyn host), as on your sheet;
-%     without, COOPDYN_SEAT=ana:7305; 'seat', '': none. A PIN is a text: a number loses the zeros at its beginning.
-%   timeout: seconds until connecting gives up.   watch: never drives a robot, only looks on.
+%     default: COOPDYN_SEAT=ana:7305; 'seat', '': none. A PIN is a text: a number loses its leading zeros.
+%   timeout: of connecting [s].   watch: read-only, never drives a robot.
 %   Errors have identifiers coopdyn:owned, coopdyn:no_such_name, coopdyn:timed_out, coopdyn:connection ...
 %   If another client resets the world or loads a scenario, the next reading, command or step raises coopdyn:reset, once.
 %   See also coopdyn.Simulation, coopdyn.Robot, coopdyn.doctor.

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function ok = doctor(server, varargin)
-%DOCTOR Walks from the name of the server to a round trip; prints ok, or cause and cure, per line.
+%DOCTOR Checks the connection from the server's name to a round trip; prints ok, or cause and cure, per line.
 %   coopdyn.doctor()   coopdyn.doctor('labserver:10100')   coopdyn.doctor('labserver', 'token', 'T')
 %   coopdyn.doctor('labserver', 'seat', 'ana', 'pin', '7305')
   if nargin < 1

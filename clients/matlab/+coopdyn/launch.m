@@ -1,13 +1,13 @@
 % SPDX-License-Identifier: MIT
 function sim = launch(scenario, varargin)
-%LAUNCH Starts a daemon of this program's own, on free ports of this machine, and connects to it.
+%LAUNCH Starts a private daemon on free ports of this machine and connects to it.
 %   sim = coopdyn.launch('classroom')                  a scenario's name or file
 %   sim = coopdyn.launch(sprintf('[ROBOT_1]\n...'))     or its text
 %   sim = coopdyn.launch('arena20', 'seed', 7, 'mode', 'free', 'record', 'a.run', 'set', {'SWARM_1.count', 20})
-%   set: keys of the scenario with other values, in pairs.   options: more words for `coopdyn serve`, {'--no-http'}.
+%   set: overrides of the scenario's values, in pairs.   options: further arguments of `coopdyn serve`, {'--no-http'}.
 %   program: the program coopdyn, if it is neither on the PATH nor named by setenv('COOPDYN', ...).
 %   timeout: seconds until the daemon is ready.
-%   The daemon ends with sim.close() and with this MATLAB or Octave, however that ends.
+%   The daemon exits on sim.close(), and when this MATLAB or Octave exits or crashes.
   if nargin < 1
     scenario = 'classroom';
   end
@@ -23,7 +23,7 @@ function sim = launch(scenario, varargin)
     coopdyn.internal.fail(2, 'set takes pairs of a key and its value, e.g. ''set'', {''SWARM_1.count'', 20}');
   end
   if size(o.set, 2) == 2
-    o.set = o.set';  % a row for each pair
+    o.set = o.set';  % one row per pair
   end
   scenario = char(scenario);
   base = tempname();
@@ -53,9 +53,9 @@ function sim = launch(scenario, varargin)
   command = strjoin(cellfun(@quoted, [{program_of(o.program), 'serve'}, words], 'UniformOutput', false), ' ');
   clean = '';
   if ~coopdyn.internal.is_octave()
-    clean = 'LD_LIBRARY_PATH= ';  % MATLAB's own libraries are not the program's
+    clean = 'LD_LIBRARY_PATH= ';  % MATLAB's own libraries must not be loaded
   end
-  % In a session of its own: Ctrl-C is the program's.
+  % In a separate session: Ctrl-C must reach only the program.
   [~, said] = system(sprintf('%ssetsid %s <%s >%s 2>%s & echo $!', clean, command, quoted(input), quoted(files{2}), quoted(files{3})));
   process = str2double(said);
   server = wait_for(process, files, o.timeout);
@@ -69,7 +69,7 @@ function sim = launch(scenario, varargin)
 end
 
 function server = wait_for(process, files, timeout)
-% Where the daemon can be reached, once it is ready.
+% Waits until the daemon is ready; returns its address.
   began = tic();
   while true
     ended = ~coopdyn.internal.is_running(process);
@@ -105,7 +105,7 @@ function forget(file)
 end
 
 function text = as_text(value)
-% A value as a scenario writes it: 20, '>= 3', [1 2].
+% A value in a scenario's syntax: 20, '>= 3', [1 2].
   if isnumeric(value) || islogical(value)
     text = strtrim(sprintf('%.17g ', value));
   else

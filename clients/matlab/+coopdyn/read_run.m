@@ -1,16 +1,16 @@
 % SPDX-License-Identifier: MIT
 function run = read_run(file)
-%READ_RUN Reads a recorded run: run = coopdyn.read_run('lesson1.mat'), as sim.fetch_run copies it from the daemon.
+%READ_RUN Reads a recorded run: run = coopdyn.read_run('lesson1.mat'), as downloaded by sim.fetch_run.
 %   run.time (k x 1), run.names, run.pose('robot1') (k x 3: x y heading), run.pose_3d(name), run.reading('robot1',
 %   'distances'), run.joints('robot1'), run.commands('robot1'), run.events, run.hash, run.steps, run.scenario, run.info; see coopdyn.Run.
-%   A recording itself, lesson1.run, is read with the program coopdyn on this machine: on the path, or named by the
-%   environment variable COOPDYN.
+%   A recording lesson1.run itself is read by the program coopdyn on this machine: on the path, or named by the environment
+%   variable COOPDYN.
   coopdyn.internal.need(nargin, 1, 'run = coopdyn.read_run(''lesson1.mat'')');
   run = coopdyn.Run(load_run(coopdyn.internal.run_name(file)));
 end
 
 function s = load_run(file)
-% The struct of a recorded run as `coopdyn export --to mat` makes it; of a recording that export is made first.
+% The struct that `coopdyn export --to mat` writes for a recorded run; exports a recording first.
   if exist(file, 'file') ~= 2
     coopdyn.internal.fail(10, ['there is no file ''' file '''; a recording is called NAME.run, and NAME.mat as MATLAB reads it']);
   end
@@ -45,10 +45,10 @@ function export(file, mat)
   end
   clean = '';
   if isunix()
-    clean = 'umask 077; ';  % the file is in a folder that all users share
+    clean = 'umask 077; ';  % the file is in a folder shared by all users
   end
   if isunix() && ~coopdyn.internal.is_octave()
-    clean = [clean 'LD_LIBRARY_PATH= '];  % MATLAB's own libraries are not the program's
+    clean = [clean 'LD_LIBRARY_PATH= '];  % MATLAB's own libraries must not be loaded
   end
   [status, said] = system([clean '"' program '" export "' file '" --to mat --out "' mat '" 2>&1']);
   if status == 0

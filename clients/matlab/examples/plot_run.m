@@ -1,5 +1,5 @@
 % SPDX-License-Identifier: MIT
-% Draws where the robots of a recorded run went. First: sim.fetch_run('lesson1'), or coopdyn export lesson1.run --to mat
+% Draws the paths of the robots of a recorded run. First: sim.fetch_run('lesson1'), or coopdyn export lesson1.run --to mat
 run = coopdyn.read_run('lesson1.mat');
 for name = run.names
   p = run.pose(name{1});                     % k x 3: x, y [m], heading [rad]

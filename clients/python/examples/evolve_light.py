@@ -3,9 +3,9 @@
 
 python3 evolve_light.py [--generations 20] [--population 8] [--seed 1] [--state evolve_light.json]
 
-The wheels turn with the light in the two eyes: left = a + b * left eye + c * right eye, and right the same the other way round.
-Each individual flies in a world of its own, all at once. Started again it goes on where it was. Needs numpy
-(`pip install numpy`, or Debian's python3-numpy).
+The light in the two eyes sets the wheels' speeds: left = a + b * left eye + c * right eye, and right likewise with the eyes
+exchanged. Individuals fly at the same time, each in its own world. A restarted program resumes. Needs numpy (`pip install numpy`,
+or Debian's python3-numpy).
 """
 import sys
 
@@ -17,13 +17,13 @@ try:
 except ImportError:
     sys.exit("CMA-ES needs numpy: pip install numpy, or Debian's python3-numpy")
 
-SCALE = np.array([5.0, 20.0, 20.0])  # rad/s: the wheels' speed without light, and for each unit of light
+SCALE = np.array([5.0, 20.0, 20.0])  # rad/s: the wheels' speed without light, and per unit of light
 WORLD = dict(observation=("light",), action="wheels", reward=lambda m: m.reading.light[2], max_steps=150, repeat=10)
 WHEEL_LIMIT = 10.0  # rad/s
 
 
 def wheels(weights, light):
-    """Speeds of the wheels [rad/s] of a moth that sees this: right eye, left eye, all round."""
+    """Wheel speeds [rad/s] of a moth that sees `light`: right eye, left eye, all round."""
     a, b, c = SCALE * np.asarray(weights)
     right, left, _ = light
     return np.clip([a + b * left + c * right, a + b * right + c * left], -WHEEL_LIMIT, WHEEL_LIMIT)
@@ -62,7 +62,7 @@ class Cma:
         return np.array(self.s["mean"]) + self.s["sigma"] * (generator.standard_normal((self.population, self.n)) * self.D) @ self.B.T
 
     def tell(self, individuals, fitness):
-        """Learns from the fitness of all of them; more is better."""
+        """Learns from the fitness of all individuals; higher is better."""
         s, mean, sigma = self.s, np.array(self.s["mean"]), self.s["sigma"]
         chosen = individuals[np.argsort(-fitness)[: len(self.w)]]
         steps = (chosen - mean) / sigma

@@ -3,8 +3,8 @@
 
 python3 evolve_swarm.py [--generations 15] [--population 10] [--seed 1] [--state evolve_swarm.json]
 
-Each robot only knows whether another one is ahead of it. The genes are the speeds of its two wheels without and with one ahead,
-as Gauci, Chen, Li, Dodd and Gross showed in 2014. Started again it goes on where it was. Standard library only.
+Each robot senses only whether another robot is ahead. The genes are the speeds of its two wheels without and with a robot ahead, as
+in Gauci, Chen, Li, Dodd and Gross (2014). A restarted program resumes. Standard library only.
 """
 import math
 import random
@@ -34,7 +34,7 @@ def ahead(m, i):
 
 
 def spread(m):
-    """The mean distance of the robots from their middle [m]."""
+    """The mean distance of the robots from their centre [m]."""
     x, y = (sum(m.reading.pose[:, j]) / len(m.reading.pose) for j in (0, 1))
     return sum(math.dist(p[:2], (x, y)) for p in m.reading.pose) / len(m.reading.pose)
 
@@ -55,7 +55,7 @@ def live(env, genes, seed):
 
 
 def children(parents, count, generator):
-    """The next generation: the two best as they are, the others crossed from two winners of tournaments, and changed a little."""
+    """The next generation: the two best unchanged, the others crossed from two winners of tournaments and mutated."""
     ranked = sorted(parents, key=lambda p: -p["fitness"])
     out = [p["genes"] for p in ranked[:2]]
     while len(out) < count:

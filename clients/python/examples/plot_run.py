@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Draws where the robots of a recorded run went: python3 plot_run.py lesson1.run [path.png]
+"""Draws the paths of the robots of a recorded run: python3 plot_run.py lesson1.run [path.png]
 
 Needs matplotlib (`pip install matplotlib`, or Debian's python3-matplotlib); reading the run needs nothing.
 """
@@ -19,7 +19,7 @@ try:
 except coopdyn.Error as e:
     sys.exit(e.text)
 for name in run.names:
-    pose = run.pose(name)                       # a row for each moment: x, y [m], heading [rad]
+    pose = run.pose(name)                       # one row per moment: x, y [m], heading [rad]
     plt.plot(pose[:, 0], pose[:, 1], label=name)
 plt.axis("equal"), plt.xlabel("x [m]"), plt.ylabel("y [m]"), plt.legend()
 plt.savefig(sys.argv[2]) if len(sys.argv) > 2 else plt.show()

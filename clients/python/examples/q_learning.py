@@ -3,8 +3,8 @@
 
 python3 q_learning.py [--generations 20] [--population 10] [--seed 1] [--state q_learning.json]
 
-A generation is `population` episodes, each from another place. After each generation the table is tried without chance; the best is
-kept. Started again it goes on where it was. Standard library only.
+A generation is `population` episodes, each from another place. After each generation one episode runs the table without
+exploration; the best table is kept. A restarted program resumes. Standard library only.
 """
 import math
 import random
@@ -40,7 +40,7 @@ def seen(m):
 
 
 def nearer(m):
-    """How much nearer the target has come [m], less a little for the time, and one when it is reached."""
+    """The decrease of the target's distance [m], minus a small cost of time, plus one when it is reached."""
     return m.before.targets[0].distance - m.reading.targets[0].distance - 0.05 + m.scores["arrived"]
 
 
@@ -51,7 +51,7 @@ def world(place, **more):
 
 
 def episode(env, table, generator=None):
-    """The return of one episode. With a generator it learns and tries by chance, without it does what the table says."""
+    """The return of one episode. With a generator, explores and learns; without, follows the table."""
     s, total, over = int(env.reset(seed=1)[0][0]), 0.0, False
     while not over:
         by_chance = generator is not None and generator.random() < CHANCE

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the learning examples share: options, and a state in a JSON file that is always whole."""
+"""Shared by the learning examples: options, and a state in a JSON file that is replaced atomically."""
 import argparse
 import json
 import os
@@ -7,7 +7,7 @@ import sys
 
 
 def options(text, name, generations, population):
-    """The options of the command line; `text` is the program's docstring."""
+    """Parses the command line; `text` is the program's docstring."""
     parser = argparse.ArgumentParser(description=text.splitlines()[0])
     parser.add_argument("--generations", type=_count, default=generations, help=f"how many in all (default {generations})")
     parser.add_argument("--population", type=_count, default=population, help=f"tries in each generation (default {population})")
@@ -24,7 +24,7 @@ def _count(word):
 
 
 def load(chosen, **fresh):
-    """The state of an earlier start, or a fresh one. An earlier one must have had the same seed and population."""
+    """Loads the state of an earlier start, or returns `fresh`. The earlier start must have had the same seed and population."""
     asked = {"seed": chosen.seed, "population": chosen.population}
     if not os.path.exists(chosen.state):
         return {**asked, "generation": 0, "best": None, "recorded": None, "history": [], **fresh}
@@ -40,7 +40,7 @@ def load(chosen, **fresh):
 
 
 def save(chosen, state):
-    """Writes the state whole or not at all, so that a program that is killed can go on."""
+    """Writes the state atomically, so that a killed program can resume."""
     part = f"{chosen.state}.part"
     with open(part, "w", encoding="utf-8") as file:
         json.dump(state, file)
@@ -50,12 +50,12 @@ def save(chosen, state):
 
 
 def run_name(chosen):
-    """The name of the run file of the best."""
+    """The name of the run file of the best individual."""
     return os.path.splitext(chosen.state)[0] + ".run"
 
 
 def finish(chosen, state, record):
-    """Records the best with record(file, best), unless that has been done, and says how it went."""
+    """Records the best individual with record(file, best), unless already done, and prints the result."""
     file = run_name(chosen)
     if state["recorded"] != state["best"] or not os.path.exists(file):
         record(file, state["best"])

@@ -85,7 +85,7 @@ class Bullet : public Engine {
     auto thing = std::make_unique<btRigidBody>(info);
     thing->setLinearVelocity(To(body.v_W));
     thing->setAngularVelocity(To(body.w_W));
-    thing->setActivationState(DISABLE_DEACTIVATION);  // it would stop what is slower than 0.8 m/s
+    thing->setActivationState(DISABLE_DEACTIVATION);  // it would stop bodies slower than 0.8 m/s
     if (setup_.fast && body.mass_kg > 0) {
       thing->setCcdMotionThreshold(SizeOf(body).x() / 2);
       thing->setCcdSweptSphereRadius(0.9 * SizeOf(body).x() / 2);
@@ -136,7 +136,7 @@ class Bullet : public Engine {
     world_.addMultiBody(tree_.get());
   }
 
-  /// Bullet has no springs and dampers for these joints: as its users do it, by torques.
+  /// Bullet has no springs and dampers for these joints: applies torques, as its users do.
   void PullSprings() {
     for (std::size_t i = 0; i < setup_.joints.size(); ++i) {
       const Joint& joint = setup_.joints[i];

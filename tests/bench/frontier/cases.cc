@@ -23,7 +23,7 @@ double Energy_j(const Setup& setup, const std::vector<Motion>& motions) {
   return sum_j;
 }
 
-/// The most by which the energy, as the mean of a second, leaves that of the start; % of `span_j`.
+/// The greatest deviation of the energy, averaged over a second, from that at the start; % of `span_j`.
 double EnergyError(const Setup& setup, const Film& film, double span_j) {
   const auto second = static_cast<std::size_t>(1 / kSample_s);
   const double start_j = Energy_j(setup, film[0]);
@@ -41,7 +41,7 @@ Vector3 Spin(const Body& body, const Motion& motion) {
   return motion.q_W * InertiaOf(body).cwiseProduct(motion.q_W.conjugate() * motion.w_W);
 }
 
-/// Limp links of together 2.4 m and 1.2 kg, level at the start.
+/// A horizontal chain of limp links with a total of 2.4 m and 1.2 kg.
 Setup Chain(int links, double damping = 0) {
   Setup setup;
   const double length_m = 2.4 / links, mass_kg = 1.2 / links;
@@ -61,8 +61,8 @@ Case ChainEnergy(const char* name, const char* title, int links, double duration
           }};
 }
 
-/// Where the last link is at the end, beside MuJoCo's RK4 in steps of 20 µs, or 100 for 50 links. All engines
-/// come to this as the step shrinks.
+/// The final position of the last link, compared with MuJoCo's RK4 in steps of 20 µs, or 100 for 50 links.
+/// All engines converge to it for small steps.
 Case ChainPath(const char* name, const char* title, const Setup& setup, double duration_s,
                const Vector3& end_W) {
   return {name, title, "mm of the end's way", 0.01, duration_s, setup, [end_W](const Film& film) {
@@ -181,7 +181,7 @@ std::vector<Case> Springs() {
           {"damped_spring", "Spring, damped by 0.1, 3 s", "% of the way", 0.01, 3, Spring(0.1), way}};
 }
 
-/// Seven hinges on springs and dampers that move by half a radian.
+/// Seven hinges with springs and dampers that move by half a radian.
 Case Arm() {
   Setup setup;
   for (int i = 0; i < 7; ++i) {
@@ -196,7 +196,7 @@ Case Arm() {
                             .rest = 0.5});
   }
   return {"arm", "Arm of 7 joints on springs, 1 s", "mm", 0.01, 1, setup, [](const Film& film) {
-            // By MuJoCo's RK4 in steps of 20 µs; all engines come to these as the step shrinks.
+            // By MuJoCo's RK4 in steps of 20 µs; all engines converge to these for small steps.
             const Vector3 early_W(0.472716045, 0.496387266, 1.455410697),
                 end_W(0.445508345, 0.482390132, 1.513495722);
             return 1000 *
@@ -251,7 +251,7 @@ Case Skid() {
           }};
 }
 
-/// The most by which anything has moved since film[from].
+/// The greatest displacement of any body since film[from].
 double WorstShift_mm(const Film& film, std::size_t from) {
   double worst_m = 0;
   for (std::size_t i = 0; i < film[0].size(); ++i) {
@@ -273,7 +273,7 @@ Case Stack(const char* name, const char* title, const char* unit, const std::vec
           }};
 }
 
-/// Balls of 1 cm at three speeds and six places of their step, and a wall of 1 cm.
+/// Balls of 1 cm at three speeds and six phases of their step, and a wall of 1 cm.
 Case Wall() {
   Setup setup{.fast = true};
   for (int ball = 0; ball < 18; ++ball) {
@@ -291,7 +291,7 @@ Case Wall() {
           }};
 }
 
-/// 100 of them fall from a little height, none of which comes to rest within the time.
+/// 100 things dropped from a small height, none of which comes to rest in time.
 Setup Pile(const Shape& shape) {
   Setup setup;
   for (int i = 0; i < 100; ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Motions of which mechanics says how they end, and how far from that an engine is.
+// Motions whose end is known from mechanics, and an engine's deviation from it.
 #pragma once
 
 #include <functional>
@@ -17,7 +17,7 @@ inline constexpr double kSample_s = 0.01;
 struct Case {
   std::string name, title;
   std::string unit;  // of the error
-  double floor = 0;  // an error that nobody minds: smaller ones count as equal
+  double floor = 0;  // negligible error: smaller ones count as equal
   double duration_s = 0;
   Setup setup;
   std::function<double(const Film&)> error;

@@ -23,7 +23,7 @@ class Dart : public Engine {
   Dart(const Setup& setup, double step_s) : setup_(setup) {
     world_->setTimeStep(step_s);
     world_->setGravity({0, 0, -setup.gravity_m_s2});
-    // Its default, FCL, takes spheres for meshes.
+    // Its default, FCL, treats spheres as meshes.
     world_->getConstraintSolver()->setCollisionDetector(dart::collision::DARTCollisionDetector::create());
     if (setup.joints.empty()) {
       AddThing({Box{{100, 100, 1}}, {{0, 0, -0.5}, Quaternion::Identity()}});
@@ -90,7 +90,7 @@ class Dart : public Engine {
     properties.mT_ParentBodyToJoint.translation() = joint.p_W - parent_W;
     properties.mT_ChildBodyToJoint.translation() = joint.p_W - body.X_W.p;
     if constexpr (requires { properties.mAxis; }) properties.mAxis = joint.axis_W;
-    const std::string number = std::to_string(bodies_.size());  // it talks about equal names
+    const std::string number = std::to_string(bodies_.size());  // unique, because it warns about equal names
     properties.mName = "joint" + number;
     const auto [made, node] = skeleton.createJointAndBodyNodePair<JointType>(
         parent, properties, dyn::BodyNode::AspectProperties("body" + number));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a case says to every engine, and what it asks of it.
+// The description of a case to an engine, and the engine's interface.
 #pragma once
 
 #include <memory>
@@ -10,17 +10,17 @@
 
 namespace coopdyn::frontier {
 
-/// A box or a sphere, of even density where `inertia_kg_m2` does not say otherwise.
+/// A box or a sphere, of uniform density unless `inertia_kg_m2` is given.
 struct Body {
   Shape shape = Sphere{0.05};
-  Pose X_W = {};        // of its middle, which is its centre of mass
-  double mass_kg = 0;   // 0: it stands still
-  double friction = 1;  // against whatever it touches
+  Pose X_W = {};        // of its centre, which is its centre of mass
+  double mass_kg = 0;   // 0: static
+  double friction = 1;  // against any other body
   Vector3 v_W = Vector3::Zero(), w_W = Vector3::Zero();
   Vector3 inertia_kg_m2 = Vector3::Zero();
 };
 
-/// Of body i of a tree with its parent. The axes of all bodies of a tree are those of the world at the start.
+/// The joint of body i of a tree with its parent. At the start, all bodies' axes are parallel to the world's.
 struct Joint {
   enum class Kind { kFree, kBall, kHinge, kSlider };
   Kind kind = Kind::kHinge;
@@ -30,12 +30,12 @@ struct Joint {
   double stiffness = 0, damping = 0, rest = 0;
 };
 
-/// Things on a floor, or one tree that touches nothing.
+/// Things on a floor, or one tree without contacts.
 struct Setup {
   std::vector<Body> bodies = {};
-  std::vector<Joint> joints = {};  // none: things; else one of each body, parents first
+  std::vector<Joint> joints = {};  // empty: things; else one per body, parents first
   double gravity_m_s2 = 9.81;
-  bool fast = false;  // turns on what an engine has against tunnelling, if it is not always on
+  bool fast = false;  // turns on an engine's protection against tunnelling, if it is not always on
 };
 
 struct Motion {

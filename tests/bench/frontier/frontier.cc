@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Usage: frontier [STEP_MS ...] [CASE ...]: a JSON line of each case, engine and step.
+// Usage: frontier [STEP_MS ...] [CASE ...]: a JSON line for each case, engine and step.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -34,7 +34,7 @@ double CpuTime_s() {
 
 struct Take {
   Film film;
-  double cpu_s = 0;  // of the steps alone
+  double cpu_s = 0;  // only of the steps
 };
 
 Take Shoot(const Case& of, const Make& make, double step_s) {
@@ -51,10 +51,9 @@ Take Shoot(const Case& of, const Make& make, double step_s) {
   return take;
 }
 
-/// Shoots it three times, short ones until there is something to measure, and what takes very long less
-/// often.
+/// Runs the case three times; repeats short runs until they can be measured, and very long ones less often.
 void Measure(const Case& of, const std::string& engine, const Make& make, double step_ms) {
-  constexpr double kEnough_s = 0.1, kTooLong_s = 10, kExploded = 1e4;  // in any of the units
+  constexpr double kEnough_s = 0.1, kTooLong_s = 10, kExploded = 1e4;  // in the unit of the case
   const double step_s = 1e-3 * step_ms;
   std::vector<double> times_s;
   double sum_s = 0, error = 0;
@@ -75,7 +74,7 @@ void Measure(const Case& of, const std::string& engine, const Make& make, double
       1e6 * cpu_s * step_s / of.duration_s, 1e3 * cpu_s / of.duration_s);
 }
 
-/// In a process of its own: what explodes may take the program with it, or never end.
+/// Runs in a separate process: an explosion may crash the program, or never end.
 void MeasureApart(const Case& of, const std::string& engine, const Make& make, double step_ms) {
   std::fflush(stdout);
   const pid_t child = fork();

@@ -20,7 +20,7 @@ std::string Text(const Vector3& v) {
   return out.str();
 }
 
-/// One body and what hangs on it, as MJCF.
+/// One body and its children, as MJCF.
 void Write(const Setup& setup, std::size_t i, std::ostream& out) {
   const Body& body = setup.bodies[i];
   const bool in_tree = !setup.joints.empty();
@@ -46,7 +46,7 @@ void Write(const Setup& setup, std::size_t i, std::ostream& out) {
   }
   if (!in_tree) {
     const bool is_box = std::holds_alternative<Box>(body.shape);
-    // The friction of what moves counts, as with the other engines.
+    // The friction of the moving body counts, as in the other engines.
     out << "<geom type=\"" << (is_box ? "box" : "sphere") << "\" size=" << Text(SizeOf(body) / 2)
         << " friction=\"" << body.friction << "\" priority=\"" << (body.mass_kg > 0) << "\"/>\n";
   }
@@ -79,7 +79,7 @@ struct DeleteData {
 class Mujoco : public Engine {
  public:
   Mujoco(const Setup& setup, double step_s, const std::string& integrator) {
-    mju_user_warning = [](const char*) {};  // it would write a file; Motions() looks
+    mju_user_warning = [](const char*) {};  // it would write a file; Motions() checks instead
     char file[] = "/tmp/frontier-XXXXXX";
     if (mkstemp(file) < 0) throw std::runtime_error("no temporary file");
     std::ofstream(file) << Mjcf(setup, step_s, integrator);
@@ -111,7 +111,7 @@ class Mujoco : public Engine {
     mj_kinematics(model_.get(), data_.get());
     mj_comPos(model_.get(), data_.get());
     mj_fwdVelocity(model_.get(), data_.get());
-    bool exploded = false;  // or it left out what it had no room for
+    bool exploded = false;  // or it dropped contacts for lack of space
     for (const int kind :
          {mjWARN_CONTACTFULL, mjWARN_CNSTRFULL, mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC}) {
       exploded = exploded || data_->warning[kind].number > 0;

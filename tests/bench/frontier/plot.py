@@ -8,7 +8,7 @@ import re
 import sys
 
 COLUMNS, WIDTH, HEIGHT, TOP = 4, 230, 190, 62
-NOISE = 0.95  # of CPU times and errors: what is less different is equal
+NOISE = 0.95  # ratio of CPU times or errors above which they count as equal
 STYLES = {"coopdyn": ("#d62728", "", 2.5), "Euler": ("#1f77b4", "", 1.3), "implicitfast": ("#17a2b8", "", 1.3),
           "implicit": ("#1f77b4", "5,2", 1.3), "RK4": ("#1f77b4", "1,2", 1.3), "Bullet": ("#2ca02c", "", 1.3),
           "DART": ("#e08a00", "", 1.3)}
@@ -19,7 +19,7 @@ def style(engine):
 
 
 def error(figure):
-    """A figure that explodes has none in the file, and is worse than any."""
+    """The error of a figure; infinite for one that exploded, which has none in the file."""
     value = figure["error"]
     return math.inf if value is None else max(value, figure["floor"])
 
@@ -30,7 +30,7 @@ def beats(a, b):
 
 
 def on_front(figures, same_step=False):
-    """How many of coopdyn's steps no other engine beats, with whatever step, or with the same."""
+    """The number of coopdyn's steps that no other engine beats, with any step or with the same."""
     others = [f for f in figures if f["engine"] != "coopdyn"]
     ours = [f for f in figures if f["engine"] == "coopdyn" and f["error"] is not None]
     return sum(not any(beats(other, f) for other in others if not same_step or other["step_ms"] == f["step_ms"]) for f in ours)
@@ -129,7 +129,7 @@ def table(cases, engines):
 def main():
     cases = {}
     for line in pathlib.Path(sys.argv[1]).read_text().splitlines():
-        if line.startswith("{"):  # DART talks, too
+        if line.startswith("{"):  # DART prints other lines, too
             figure = json.loads(line)
             cases.setdefault(figure["case"], []).append(figure)
     engines = list(dict.fromkeys(f["engine"] for figures in cases.values() for f in figures))

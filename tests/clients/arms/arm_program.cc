@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Moves an arm in every way and prints what it reads; arm_program.py and arm_program.m are the same program.
+// Moves an arm in every way and prints its readings; arm_program.py and arm_program.m are the same program.
 #include <cstdio>
 #include <string>
 #include <vector>

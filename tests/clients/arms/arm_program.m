@@ -1,5 +1,5 @@
 % SPDX-License-Identifier: MIT
-% Moves an arm in every way and prints what it reads; arm_program.py and arm_program.cc are the same program.
+% Moves an arm in every way and prints its readings; arm_program.py and arm_program.cc are the same program.
 1;
 function show(what, values)
   disp([what sprintf(' %.17g', values)]);

@@ -22,7 +22,7 @@ def octave(folder, code):
 
 
 def run(command, mode, arm="lwa"):
-    """What a program prints that drives an arm of its own daemon."""
+    """The output of a program that drives an arm of a private daemon."""
     with harness.Daemon(ARM.format(mode=mode, arm=arm), "--no-http", "--no-render") as daemon:
         env = dict(os.environ, COOPDYN_SERVER=daemon.server, PYTHONPATH=str(CLIENTS / "python"))
         env.pop("DISPLAY", None)
@@ -35,7 +35,7 @@ def run(command, mode, arm="lwa"):
 
 class Square:
     def drawn(self, mode, arm="lwa"):
-        """How long it took in simulated time [s], and how far off it was [mm]."""
+        """The simulated time of the drawing [s], and its greatest error [mm]."""
         out = run(self.command(), mode, arm)
         return map(float, re.search(r"a square of 0.2 m in ([\d.]+) s, at most ([\d.]+) mm off", out).groups())
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Arguments of the C++ client that do not fit: errors that say what to write.
+// Wrong arguments of the C++ client: errors that say what to write.
 #include <gtest/gtest.h>
 
 #include <functional>

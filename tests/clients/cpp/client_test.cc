@@ -222,7 +222,7 @@ TEST(WrongNames, AreError10WithTheHintOfTheDaemon) {
     EXPECT_EQ(error.name(), "no_such_name");
     EXPECT_TRUE(Says(error, hint)) << error.text();
   }
-  robot.set_velocity(0.1, 0);  // the sim goes on
+  robot.set_velocity(0.1, 0);  // the sim stays usable
   sim.step(1, 60);
 }
 
@@ -309,7 +309,7 @@ TEST(Launch, ADaemonOfOnesOwnTakesATextAndSettings) {
 }
 
 TEST(Launch, ItEndsWithCloseAndWithTheSim) {
-  const auto children = [] {  // that have not ended, or were not waited for
+  const auto children = [] {  // running or not waited for
     return ::waitpid(-1, nullptr, WNOHANG) == -1 && errno == ECHILD ? 0 : 1;
   };
   auto sim = launch(kLaunched);
@@ -405,8 +405,8 @@ TEST(Programs, HelloReachesTheTargetInLockstep) {
   EXPECT_LT(connect(daemon.server(), {.watch = true}).robot(1).get_target("red").distance, 0.45);
 }
 
-/// Runs a program in real time on an open floor. 1 if robot1 has come to the target on its way: where it is a
-/// moment later depends on the machine.
+/// Runs a program in real time on an open floor. 1 if robot1 has passed the target; its later position
+/// depends on the machine.
 double ReachedInRealTime(const std::string& program, const std::string& arguments = "") {
   const auto daemon =
       ServerProcess::Real("classroom", {"--mode", "realtime", "--speed", "2", "--set", "SCORE_1.kind=reach",

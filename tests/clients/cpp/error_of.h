@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The error that a call of the client is expected to give.
+// The error that a call of the client is expected to throw.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace coopdyn::client {
 
-/// The error of a call; code 0 if there is none.
+/// The error of a call; code 0 if it throws none.
 inline Error ErrorOf(const std::function<void()>& call) {
   try {
     call();
@@ -19,7 +19,7 @@ inline Error ErrorOf(const std::function<void()>& call) {
   return Error(0, "no error");
 }
 
-/// Whether "CODE TEXT" of the error has the words.
+/// Whether "CODE TEXT" of the error contains the words.
 inline bool Says(const Error& error, const std::string& words) {
   return (std::to_string(error.code()) + " " + error.text()).find(words) != std::string::npos;
 }

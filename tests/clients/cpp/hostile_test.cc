@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Answers that no daemon gives: each is an Error that says what happened.
+// Answers that no daemon gives: each is an Error that says what is wrong.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -30,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Listens on a port of this machine and serves each connection in a thread of its own.
+/// Listens on a port of this machine and serves each connection in a separate thread.
 class Peer {
  public:
   explicit Peer(std::function<void(int)> serve) {
@@ -76,7 +76,7 @@ void WriteTo(int fd, const std::string& bytes) {
               errno == ECONNRESET);
 }
 
-/// Answers a request with some bytes, then closes, or waits for the peer to do so.
+/// Answers a request with some bytes, then closes, or waits for the peer to close.
 class Answerer : public Peer {
  public:
   explicit Answerer(const std::string& answer, bool waits = false)
@@ -89,8 +89,8 @@ class Answerer : public Peer {
         }) {}
 };
 
-/// A daemon until it has been connected to; then every reply but that to `hello` is `bytes`, with the command
-/// of the request if they are a message.
+/// A daemon until a client has connected; then every reply except that to `hello` is `bytes`, with the
+/// command of the request if they are a message.
 class HostileDaemon : public Peer {
  public:
   explicit HostileDaemon(const std::string& bytes) : Peer([this, bytes](int fd) { Serve(fd, bytes); }) {}
@@ -139,7 +139,7 @@ class HostileDaemon : public Peer {
   std::atomic<bool> hostile_ = false;
 };
 
-/// Everything that a program can call; each may throw an Error, and nothing else.
+/// Calls every function of the client; each may throw only an Error.
 std::vector<std::function<void(Simulation&)>> AllCalls() {
   std::vector<std::function<void(Simulation&)>> calls = {
       [](auto& sim) { sim.robots(); },
@@ -232,7 +232,7 @@ class Page : public testing::Test {
   }
   ~Page() override { fs::remove_all(folder_); }
 
-  /// What a download from a page that answers so says. Leaves no half a file.
+  /// The error of a download from a page with this answer. It leaves no partial file.
   Error DownloadFrom(const Answerer& page, double timeout_s = 60) {
     return ErrorOf([&] {
       Download(Address("127.0.0.1", "", "", 3), "http://" + page.server() + "/", "/x", file(), "recording",

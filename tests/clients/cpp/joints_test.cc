@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Arms: the same program in lockstep and in real time, a robot with several actuators, what is refused.
+// Arms: the same program in lockstep and in real time, a robot with several actuators, refused commands.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Robots that a program only looks at, commands that were not recorded, and names of recordings.
+// Robots that a program only reads, commands that were not recorded, and names of recordings.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A run of mini_1 to mini_4, which nobody drives, and auto, which a loaded controller does; in a new folder.
+/// A run of mini_1 to mini_4, which nobody drives, and auto, driven by a loaded controller; in a new folder.
 class LookedAt : public testing::Test {
  protected:
   LookedAt() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A robot that a script of tests/clients/python makes, found by the daemons that are started meanwhile.
+// A robot made by a script of tests/clients/python, found by daemons that start during its lifetime.
 #pragma once
 
 #include <cstdlib>

@@ -14,7 +14,7 @@ class ClientPollingTest : public ::testing::Test {
  protected:
   ClientPollingTest() { polling_.set_spin(50e-6); }
 
-  /// A wait in which the core is lost for 4 ms.
+  /// A wait that is preempted for 4 ms.
   void LoseCore() {
     polling_.Start(now_);
     polling_.Goes(now_ += milliseconds(4));

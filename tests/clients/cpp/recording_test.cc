@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Recording, copying, reading, playing and branching from C++, against the real daemon and files by hand.
+// Recording, downloading, reading, playing and branching from C++, against the real daemon and hand-written
+// files.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,7 +44,7 @@ class Folder {
   fs::path path_;
 };
 
-/// The hash after each step; what is told depends on the step only.
+/// The hash after each step; commands depend only on the step.
 std::vector<std::string> Drive(Simulation& sim, Robot& robot, int steps) {
   std::vector<std::string> hashes;
   for (int i = 0; i < steps; ++i) {
@@ -54,7 +55,8 @@ std::vector<std::string> Drive(Simulation& sim, Robot& robot, int steps) {
   return hashes;
 }
 
-/// Records kSteps of one robot in lockstep to `folder`/lesson1.run, copied from the daemon; their hashes.
+/// Records kSteps of one robot in lockstep to `folder`/lesson1.run, downloaded from the daemon; returns their
+/// hashes.
 std::vector<std::string> Record(const Folder& folder) {
   fs::create_directory(folder.path() / "daemon");
   const auto daemon =
@@ -88,7 +90,7 @@ std::vector<std::string> Record(const Folder& folder) {
   return hashes;
 }
 
-/// The columns of a CSV file, by name; texts are left out.
+/// The columns of a CSV file by name, without texts.
 std::map<std::string, std::vector<double>> ReadCsv(const std::string& file) {
   std::ifstream in(file);
   std::string line, word;
@@ -307,7 +309,7 @@ TEST(ReadRun, ThingsThatComeAndGoAreNanWhereTheyAreNot) {
   EXPECT_EQ(ErrorOf([&] { run.reading("a", "smell"); }).code(), 4);
 }
 
-/// Everything that can be read of a file; the error.
+/// Reads everything in a file; returns the error.
 Error ReadAll(const std::string& file) {
   return ErrorOf([&] {
     const auto run = read_run(file);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A seat of a class in the C++ client, and a unix socket at a path, against the scripted daemon. It answers
-// the line that takes the seat when the next one has come, too.
+// the line with the seat only after the next line has arrived.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -18,7 +18,7 @@
 namespace coopdyn::client {
 namespace {
 
-/// A variable of the environment while the object lives.
+/// An environment variable during the object's lifetime.
 class Variable {
  public:
   Variable(const char* name, const std::string& value) : name_(name) { setenv(name, value.c_str(), 1); }

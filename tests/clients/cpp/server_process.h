@@ -15,7 +15,7 @@
 
 namespace coopdyn::client {
 
-/// A child process whose first line on stdout says `ready names=HOST:PORT …`. Ended with the object.
+/// A child process whose first line on stdout is `ready names=HOST:PORT …`. The destructor ends it.
 class ServerProcess {
  public:
   static ServerProcess Real(const std::string& scenario, std::vector<std::string> options) {

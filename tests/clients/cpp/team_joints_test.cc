@@ -20,7 +20,7 @@ constexpr double kLimit_s = 60;
 
 class TeamJointsTest : public testing::Test {
  protected:
-  /// These robots; the others stand by.
+  /// A team of these robots; the others stand still.
   Team Take(const std::vector<std::string>& names) {
     sim_.set_participants(names);
     return sim_.team(names);

@@ -169,7 +169,7 @@ TEST(TeamOfTheDaemon, AfterALoadItIsAtOnceWhomItMeansNow) {
   auto old = sim.team("mini");
   old.step({}, 60);
   sim.load_scenario("swarm100");
-  auto team = sim.team("swarm1");  // the old one lets it have its robots
+  auto team = sim.team("swarm1");  // the old team loses its robots to it
   EXPECT_EQ(team.n(), 100u);
   sim.load_scenario("swarm100");
   auto again = sim.team("swarm1");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a program is told when somebody else resets the world or loads a scenario, and when it never steps.
+// The messages to a program when another client resets the world or loads a scenario, and when it never
+// steps.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -16,7 +17,7 @@ namespace {
 
 constexpr const char* kReset = "the world was reset: run your program again, or catch this to start over";
 
-/// The text of the WorldReset of a call; what else it gives otherwise.
+/// The text of the WorldReset of a call, or its other result.
 std::string ResetOf(const std::function<void()>& call) {
   try {
     call();

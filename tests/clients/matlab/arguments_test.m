@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: fake --robots 2 --mode lockstep
-% A call whose arguments are missing says what to write; two speeds may be given as one row; a number is a port.
+% A call with missing arguments says what to write; two speeds may be given as one row; a number is a port.
 sim = coopdyn.connect();
 r = sim.robot(1);
 sim.robot(2);
@@ -42,7 +42,7 @@ expect_error('coopdyn:wrong_params', @() sim.set_loop(), 'write sim.set_loop(tru
 expect_error('coopdyn:wrong_params', @() coopdyn.read_run(), 'write run = coopdyn.read_run(''lesson1.mat'')');
 sim.close();
 team_sim = coopdyn.connect();
-while any(arrayfun(@(one) ~isempty(one.owner), team_sim.status().robots))  % the daemon has yet to see that sim has gone
+while any(arrayfun(@(one) ~isempty(one.owner), team_sim.status().robots))  % the daemon must first notice that sim has gone
   pause(0.01);
 end
 team = team_sim.team();

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: daemon formation --mode lockstep
-% Robots that take no part in lockstep set off no step of their own, and their commands run.
+% Robots that do not participate in lockstep trigger no steps, and their commands run.
 sim = coopdyn.connect();
 robots = {sim.robot(1), sim.robot(2), sim.robot(3)};
 for participants = {{'robot1'}, {'robot1', 'robot3'}, {'robot2'}}

@@ -10,7 +10,7 @@ knee = c.motors(1);
 assert(isequal([knee.internal_min knee.internal_max knee.external_min knee.external_max], [-4 4 -1 1]) && ~knee.auxiliary);
 assert(c.values(2).auxiliary && c.values(2).external_max == Inf && c.steps == 2);
 
-% What is set goes with the next step and stays; a motor that is named leaves the others.
+% Values are set with the next step and hold; setting one motor by name leaves the others unchanged.
 expect_error('coopdyn:not_possible', @() c.set(0.2, 'pull'), 'all 2 motors first');
 c.set([0.5 0.3]);
 sim.step(40);
@@ -26,7 +26,7 @@ assert(~c.aborted());
 now = m.get('biceps');
 assert(now.activation == 0.3);
 
-% Nothing else drives it.
+% Nothing else drives the robot.
 expect_error('coopdyn:not_possible', @() m.set_activations(1), 'driven through its channel');
 s = r.sense();
 assert(s.step == 80);

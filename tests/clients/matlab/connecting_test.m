@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: fake --silent
-% Connecting gives up, and says cause and cure.
+% Connecting times out, and reports cause and cure.
 expect_error('coopdyn:timed_out', @() coopdyn.connect('timeout', 0.3), 'does not answer', 'coopdyn status');
 expect_error('coopdyn:connection', @() coopdyn.connect('127.0.0.1:1'), 'nothing listens', 'coopdyn serve');
 expect_error('coopdyn:out_of_range', @() coopdyn.connect('host:port'), 'HOST:PORT');

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: fake --mode lockstep --dribble
-% Replies that come byte by byte are whole.
+% Replies that arrive byte by byte are complete.
 sim = coopdyn.connect();
 r = sim.robot(1);
 for k = 1:3

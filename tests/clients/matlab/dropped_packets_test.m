@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: nothing
-% Where packets are dropped (here: a listener whose queue is full) Octave's own connect would wait for minutes.
+% If packets are dropped (here: a listener with a full queue), Octave's own connect would wait for minutes.
 command = ['python3 -c "import socket,sys,time; s=socket.socket(); s.bind((''127.0.0.1'',0)); s.listen(0); ' ...
            'c=[socket.socket() for i in range(4)]; [x.setblocking(False) or x.connect_ex(s.getsockname()) for x in c]; ' ...
            'print(s.getsockname()[1],flush=True); sys.stdin.read()"'];

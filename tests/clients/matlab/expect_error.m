@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function expect_error(identifier, call, varargin)
-%EXPECT_ERROR Asserts that the call fails with this identifier and says each of the words, and shows no inside of the client.
+%EXPECT_ERROR Asserts that the call fails with this identifier, that the text has each of the words, and shows no internals.
   try
     call();
   catch cause

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: fake --robots 2 --mode lockstep
-% After a timeout, or Ctrl-C, the next reply is the right one: the connection was opened again, not read on.
+% After a timeout or Ctrl-C, the next reply is the right one: the connection is reopened.
 sim = coopdyn.connect();
 r = sim.robot(1);
 r.set_velocity(0.1, 0);
@@ -17,7 +17,7 @@ p = r.get_pose();
 assert(p.forward == 0.3);
 p = other.get_pose();
 assert(p.forward == 0.4);
-% A request whose reply nobody took, as Ctrl-C leaves it: the next use opens the connection again.
+% A request whose reply nobody read, as after Ctrl-C: the next use reopens the connection.
 a = coopdyn.internal.address('', '', '', 3);
 s = coopdyn.internal.Session(a, false);
 link = coopdyn.internal.take_robot(s, 'robot1');

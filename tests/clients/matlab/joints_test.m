@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: daemon arms
-% An arm in lockstep and in real time, a robot with wheels and an arm, kinematics, what is refused.
+% An arm in lockstep and in real time, a robot with wheels and an arm, kinematics, refused commands.
 sim = coopdyn.connect();
 r = sim.robot('arm1');
 m = sim.robot('m1');
@@ -13,7 +13,7 @@ while ~arm.arrived(), sim.step(); end
 now = arm.get();
 assert(max(abs(now.position - bent)) < 1e-3);
 
-% The tool goes where inverse says.
+% The tool moves to the pose given to inverse.
 pose = arm.forward();
 pose(3, 4) = pose(3, 4) + 0.1;
 arm.set_positions(arm.inverse(pose));
@@ -21,7 +21,7 @@ sim.step();
 while ~arm.arrived(), sim.step(); end
 assert(norm(arm.forward() - pose) < 1e-3);
 
-% Commands of one kind go together with a step, those of two kinds do not.
+% One step accepts several commands of one kind, but not of two kinds.
 arm.set_velocities(0.1, 1);
 arm.set_velocities([0.3 0.2], {'joint_1', 'joint_2'});
 expect_error('coopdyn:not_possible', @() arm.set_positions(0.1, 3), 'sim.step() between them');
@@ -33,7 +33,7 @@ arm.hold();
 sim.step(5);
 assert(all(strcmp(arm.get_modes(), 'position')));
 
-% How joints are driven.
+% Tuning of joints.
 arm.set_profile(0.5, 2, 1);
 assert(isequal(arm.get_profile(1), struct('speed', 0.5, 'acceleration', 2)));
 arm.set_compliance(50, 2, 0, [1 2]);

@@ -5,7 +5,7 @@ function process = daemon_of(program)
   [~, said] = system(sprintf('pgrep -f -- "[-]-with-process.%d( |$)"', program));
   process = sscanf(said, '%d', 1);
 end
-folder = tempname();  % of its own, as other tests run meanwhile
+folder = tempname();  % private, because other tests run meanwhile
 mkdir(folder);
 cleanup = onCleanup(@() rmdir_all(folder));
 setenv('TMPDIR', folder);

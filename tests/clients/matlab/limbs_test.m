@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: limbs
-% Muscles, thrusters and the drive train of a robot, in lockstep and in real time, and what is refused.
+% Muscles, thrusters and the drive train of a robot, in lockstep and in real time, and refused commands.
 sim = coopdyn.connect();
 r = sim.robot('robot1');
 m = r.muscles();
@@ -10,7 +10,7 @@ assert(isequal(m.names, {'biceps', 'triceps'}) && isequal(t.names, {'jet', 'spin
 assert(isequal(m.get_limits(), struct('max_force', [30 30], 'optimal_length', [0.5 0.5], 'max_velocity', [2 2])));
 assert(isequal(t.get_limits(), struct('max_thrust', [5 0.2])));
 
-% Commands go with the next step, and stay.
+% Commands are sent with the next step, and hold.
 m.set_activations(0.1);
 t.set_thrusts([2 0.1]);
 j.set_pwm(0.5);
@@ -56,7 +56,7 @@ sim.step(2);
 now = m.get();
 assert(isequal(now.activation, [0.3 0.3]));
 
-% A sim that is closed lets them go.
+% Closing a sim releases them.
 sim.set_mode('lockstep');
 sim.close();
 sim = coopdyn.connect();

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: recording classroom --duration 0.6
-% A robot that was only looked at and is free after a branch steps with the program.
+% A robot that was only read and is free after a branch steps with the program.
 sim = coopdyn.connect('name', 'ana');
 sim.pause();
 r = sim.robot('robot1');

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: recording looked_at --duration 0.8
-% Robots that a program only looks at are taken when it drives them or steps with them, if nobody else has them.
+% Robots that a program only reads: it claims them when it drives them or steps with them, if they are free.
 sim = coopdyn.connect('name', 'ana');
 sim.pause();
 auto = sim.robot('auto');

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: daemon classroom --mode realtime
-% A mode switched by somebody else neither hangs nor spins the loop.
+% A mode switch by another client neither hangs nor spins the loop.
 sim = coopdyn.connect();
 teacher = coopdyn.connect('name', 'teacher');
 r = sim.robot(1);

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: fake
-% A seat asked of an ordinary daemon; without it, the same daemon answers.
+% A seat requested from an ordinary daemon; without a seat, the same daemon answers.
 expect_error('coopdyn:not_possible', @() coopdyn.connect('', 'seat', 'ana', 'pin', '0912'), 'is no class: leave seat and pin out');
 setenv('COOPDYN_SEAT', 'ana:0912');
 expect_error('coopdyn:not_possible', @() coopdyn.connect(), 'is no class', 'and COOPDYN_SEAT, too');

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: recording classroom --duration 0.6
-% A team reads a recording that is played; after a branch it drives.
+% A team reads a played recording; after a branch it drives.
 sim = coopdyn.connect();
 sim.pause();
 team = sim.team();

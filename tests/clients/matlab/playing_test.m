@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: recording classroom --duration 0.6
-% A recording is played: sensors and poses work, robots obey nobody, and a branch goes on live.
+% A played recording: sensors and poses work, robots cannot be driven, and a branch continues live.
 sim = coopdyn.connect();
 r = sim.robot('robot1');
 sim.pause();

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: nothing
-% What coopdyn export --to mat writes is read back; a file that is no recording is an error.
+% Reads the output of coopdyn export --to mat; a file that is not a recording is an error.
 folder = tempname();
 mkdir(folder);
 cleanup = onCleanup(@() rmdir_all(folder));

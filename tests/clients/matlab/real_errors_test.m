@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: daemon classroom
-% Text instead of a number is an error without a warning; an unknown machine is called so.
+% Text instead of a number is an error without a warning; an unknown machine is reported as such.
 sim = coopdyn.connect();
 r = sim.robot(1);
 lastwarn('');

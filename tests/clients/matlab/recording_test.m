@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: daemon classroom --mode lockstep
-% A run is recorded, copied and read; a saved state is restored. Playing a run is in playing_test.
+% A run is recorded, downloaded and read; a saved state is restored. Playback is in playing_test.
 folder = tempname();
 mkdir(folder);
 cleanup = onCleanup(@() rmdir_all(folder));

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function rmdir_all(folder)
-%RMDIR_ALL Removes a folder with what is in it, without asking.
+%RMDIR_ALL Removes a folder with its contents, without asking.
   if exist('confirm_recursive_rmdir', 'builtin') || exist('confirm_recursive_rmdir') %#ok<EXIST>
     confirm_recursive_rmdir(false, 'local');
   end

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: fake --mode lockstep
-% A recording may be called anything that a file can be called.
+% A recording may have any name that a file can have.
 folder = tempname();
 mkdir(folder);
 cleanup = onCleanup(@() rmdir_all(folder));

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Runs one test script in Octave: python3 run_octave.py NAME_test.m
 
-The first line after the licence says what it needs: `% needs: nothing`, `% needs: fake --robots 2 --mode lockstep` (the
-scripted daemon), `% needs: daemon classroom --mode lockstep` (the real one) or `% needs: recording classroom --duration 1`
-(one that plays a run recorded so; the scenario is one of the shipped ones or of tests/clients/python) or `% needs: legs` or
-`limbs` (the robots of legs.py and limbs.py). COOPDYN_SERVER tells the script where the daemon is. A script passes if it prints `passed` at the end, and each text of a line `% prints once: TEXT` just once.
+The first line after the licence names the script's needs: `% needs: nothing`, `% needs: fake --robots 2 --mode lockstep` (the
+scripted daemon), `% needs: daemon classroom --mode lockstep` (the real one), `% needs: recording classroom --duration 1` (a
+daemon that plays a run recorded with these options; the scenario is a shipped one or one of tests/clients/python), or
+`% needs: legs` or `limbs` (the robots of legs.py and limbs.py). COOPDYN_SERVER gives the script the daemon's address. A script
+passes if it prints `passed` at the end, and the text of each line `% prints once: TEXT` exactly once.
 """
 import os
 import pathlib

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: fake --mode lockstep
-% The same program twice in one session, the first without close: the second takes over, the first is told.
+% The same program twice in one session, the first without close: the second takes over, the first gets an error.
 sim = coopdyn.connect();
 r = sim.robot('robot1');
 old_sim = sim;

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: fake --robots 2 --seat ana:0912
-% A seat of a class: every connection takes it, files come from its page, refusals are the words of the class.
+% A seat of a class: every connection takes it, files come from its page, errors have the class's text.
 ana = {'', 'seat', 'ana', 'pin', '0912'};
 sim = coopdyn.connect(ana{:});
 r = sim.robot(1);

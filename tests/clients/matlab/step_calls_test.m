@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: daemon transport --mode lockstep
-% A call of a function or operator takes Octave microseconds, and these are nearly all that a step takes: it makes few.
+% A call of a function or operator costs Octave microseconds, nearly all the time of a step: a step makes few calls.
 sim = coopdyn.connect();
 team = sim.team();
 team.select('distances', 'targets', 'support', 'pose');

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: daemon swarm100 --no-http --no-render
-% A team of a hundred: rows are what the robots say; messages go from robot to robot.
+% A team of a hundred: rows agree with the robots' readings; messages pass between robots.
 sim = coopdyn.connect();
 team = sim.team('swarm1');
 assert(team.n == 100 && strcmp(team.names{100}, 'mini_100') && team.ids(100) == 100);
@@ -45,7 +45,7 @@ assert(again.n == 100 && numel(again.names) == 100);
 s = again.step(0.1 * ones(again.n, 2), 'timeout', 60);
 assert(isequal(size(s.pose), [100 3]));
 sim.load_scenario('swarm100');
-all = sim.team();  % the old team lets it have its robots
+all = sim.team();  % the old team loses its robots to it
 assert(all.n == 100);
 all.step([0.1 0], 'timeout', 60);
 all.close();

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: daemon swarm100 --no-http --no-render
-% A team that lost all its robots takes none from its successor; one that lost some goes on with the rest.
+% A team that lost all its robots takes none back from its successor; one that lost some continues with the rest.
 others = coopdyn.connect('name', 'C');
 sim = coopdyn.connect('name', 'A');
 first = sim.team('mini');

@@ -29,7 +29,7 @@ expect_error('coopdyn:timed_out', @() alone.step([0.1 0], 'timeout', 0.1), 'robo
 third = alone_sim.robot('robot3');
 s = alone.step([0.3 0], 'timeout', 60);
 assert(s.step == alone_sim.steps && isequal(size(s.pose), [2 3]));
-% A request whose reply nobody took, as Ctrl-C leaves it: the next use opens the connection again.
+% A request whose reply nobody read, as after Ctrl-C: the next use reopens the connection.
 a = coopdyn.internal.address('', 'ben', '', 3);
 alone_sim.close();
 session = coopdyn.internal.Session(a, false);

@@ -1,7 +1,7 @@
 % SPDX-License-Identifier: MIT
 % needs: fake --mode lockstep
 % prints once: coopdyn: 200 commands to robot1 without a step, nothing moves: write sim.step() at the end of your loop
-% A loop that never steps gets one notice of it, one that steps gets none.
+% A loop that never steps gets one notice, one that steps gets none.
 good = coopdyn.connect('name', 'good');
 r = good.robot(1);
 for k = 1:3

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: fake --robots 2 --mode lockstep
-% A step that waits says once after 2 s whom for, and goes on when its time is over.
+% A waiting step reports once after 2 s whom it waits for, and times out.
 % prints once: coopdyn: waiting for
 sim = coopdyn.connect();
 sim.robot(1);

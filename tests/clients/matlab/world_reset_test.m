@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: daemon formation --mode lockstep
-% A reset or load by somebody else is told once, by what notices it first; then one can start over.
+% A reset or load by another client is reported once, by the first call that notices; the program can then start over.
 sim = coopdyn.connect();
 other = coopdyn.connect('name', 'other');
 again = 'run your program again, or catch this to start over';
@@ -18,7 +18,7 @@ p = r.get_pose();
 assert(sim.steps == 3 && p.x > -3.99);
 r.sense();
 sim.step('timeout', 60);
-r.sense();  % what came with the step
+r.sense();  % readings in the step's reply
 other.reset();
 expect_error('coopdyn:reset', @() r.sense(), 'the world was reset');
 for own = {@() sim.reset(), @() sim.reload(), @() sim.call('/simulation', 'reset')}  % of our own: no error
@@ -31,7 +31,7 @@ watch = coopdyn.connect('watch', true);
 seen = watch.robot('robot1');
 seen.get_pose();
 other.reset();
-seen.get_pose();  % who only watches is not ended
+seen.get_pose();  % a program that only watches gets no error
 expect_error('coopdyn:reset', @() r.get_wheels(), 'the world was reset');
 drive_steps(sim, r, 1);
 % Two robots, a team, real time.

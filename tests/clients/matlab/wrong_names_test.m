@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: daemon classroom
-% A wrong robot or module is an error no_such_name with the hint of the daemon, and the sim goes on.
+% A wrong robot or module is an error no_such_name with the daemon's hint, and the sim stays usable.
 sim = coopdyn.connect();
 r = sim.robot(1);
 expect_error('coopdyn:no_such_name', @() sim.describe('/robot9/motors'), 'did you mean /robot1/motors');

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: nothing
-% What cannot be a server says what to write: a port beside the host, the address of the page, a value of another kind.
+% Invalid servers are errors that say what to write: a port beside the host, the address of the page, a value of another kind.
 expect_error('coopdyn:wrong_params', @() coopdyn.connect('127.0.0.1', 21000), 'write coopdyn.connect(''127.0.0.1:21000'')');
 expect_error('coopdyn:wrong_params', @() coopdyn.connect("127.0.0.1", 21000, 'watch', true), 'connect(''127.0.0.1:21000'')');
 for page = {'http://127.0.0.1:21080/', 'https://labserver'}

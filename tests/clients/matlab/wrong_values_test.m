@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 % needs: fake --mode lockstep
-% An error tells the value that does not fit; what the daemon would refuse is said in words of the client.
+% An error names the wrong value; values that the daemon would refuse are reported in the client's words.
 sim = coopdyn.connect();
 r = sim.robot(1);
 expect_error('coopdyn:wrong_data', @() r.set_velocity('abc', 0), 'v [m/s] must be one number, not ''abc''');

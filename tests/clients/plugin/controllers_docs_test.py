@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What docs/controllers.md shows compiles and runs."""
+"""The examples of docs/controllers.md compile and run."""
 import json
 import os
 import re

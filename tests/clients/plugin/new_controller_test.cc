@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What `coopdyn new-controller` writes compiles without a warning and drives the robot of its scenario.
+// The files of `coopdyn new-controller` compile without a warning and drive the robot of their scenario.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the shipped controllers make of robots that move exactly as their wheels say.
+// The shipped controllers with robots that move exactly as their wheels turn.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ double Distance(const Frame& frame, int one, int other) {
   return (RobotPose(frame, one).p - RobotPose(frame, other).p).norm();
 }
 
-/// Smallest distance of two robots' middles.
+/// Smallest distance between two robots' centres.
 double Nearest(const Frame& frame) {
   double nearest = 1e9;
   const int count = static_cast<int>(frame.scene->robots.size());
@@ -24,7 +24,7 @@ double Nearest(const Frame& frame) {
   return nearest;
 }
 
-/// Mean distance of the robots from their common middle.
+/// Mean distance of the robots from their common centre.
 double Spread(const Frame& frame) {
   Vector3 middle = Vector3::Zero();
   const int count = static_cast<int>(frame.scene->robots.size());
@@ -34,7 +34,7 @@ double Spread(const Frame& frame) {
   return spread;
 }
 
-/// Length of the mean of the unit vectors of all headings: 1 if all are the same.
+/// Length of the mean unit vector of all headings: 1 if all are equal.
 double Order(const Frame& frame) {
   double x = 0, y = 0;
   const int count = static_cast<int>(frame.scene->robots.size());

@@ -175,7 +175,7 @@ class Arguments(FakeTestCase):
 
 
 class BrokenSocket:
-    """Full when it is first written to, gone when it is written to again."""
+    """Full at the first write, closed at the second."""
 
     def __init__(self):
         self.blocks = True

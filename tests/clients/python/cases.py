@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What tests of the client share: clients that are closed, the errors they expect, and either daemon to start."""
+"""Shared by tests of the client: closes clients, checks expected errors, and starts the real or the scripted daemon."""
 import contextlib
 import io
 import signal
@@ -22,7 +22,7 @@ class ClientTestCase(unittest.TestCase):
         return sim
 
     def assert_error(self, code, call, *says):
-        """Returns the text of the error."""
+        """Expects an error; returns its text."""
         with self.assertRaises(coopdyn.Error) as caught:
             call()
         self.assertEqual(caught.exception.code, code, caught.exception.text)
@@ -31,12 +31,13 @@ class ClientTestCase(unittest.TestCase):
         return caught.exception.text
 
     def notices_after(self, seconds):
-        """A wait prints whom it waits for after this many seconds."""
+        """Makes waits report whom they wait for after this many seconds."""
         self.addCleanup(setattr, coopdyn, "_NOTICE_AFTER_S", coopdyn._NOTICE_AFTER_S)
         coopdyn._NOTICE_AFTER_S = seconds
 
     def said_until(self, call, words, go_on):
-        """What a call that waits says on stderr: once it has said these words, `go_on` ends its wait."""
+        """Runs a call that waits; once it has printed these words on stderr, calls `go_on`, which ends the wait. Returns the
+        output."""
         with contextlib.redirect_stderr(io.StringIO()) as said:
             def end():
                 limit = time.monotonic() + LIMIT_S
@@ -54,7 +55,7 @@ class ClientTestCase(unittest.TestCase):
 
 
 class DaemonTestCase(ClientTestCase):
-    """Against the real daemon, which gets the class's `options` too."""
+    """Tests against the real daemon, started also with the class's `options`."""
     options = ()
 
     def start(self, scenario, *options):
@@ -64,7 +65,7 @@ class DaemonTestCase(ClientTestCase):
 
 
 class FakeTestCase(ClientTestCase):
-    """Against the scripted daemon."""
+    """Tests against the scripted daemon."""
 
     def start(self, **options):
         daemon = FakeDaemon(**options)
@@ -72,7 +73,7 @@ class FakeTestCase(ClientTestCase):
         return daemon
 
     def reset_in(self, call, daemon, other):
-        """The errors, (code, text), of a call in which robot1's command waits when another sim resets."""
+        """The errors, (code, text), of a call that waits for robot1's command when another sim resets."""
         raised = []
 
         def wait():
@@ -90,7 +91,7 @@ class FakeTestCase(ClientTestCase):
         return raised
 
     def interrupt(self, daemon, arrived, call):
-        """Ctrl-C in the call, once its request has arrived at the daemon."""
+        """Interrupts the call by Ctrl-C once its request has arrived at the daemon."""
         def press():
             end = time.monotonic() + LIMIT_S
             with daemon.lock:

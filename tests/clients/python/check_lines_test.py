@@ -36,7 +36,7 @@ def check(model: str) -> Dict[str, Any]:
 
 
 class Served:
-    """What the line for `serve` serves, at free ports."""
+    """A daemon started by the line for `serve`, on free ports."""
 
     def __init__(self, line: str) -> None:
         assert line.startswith("coopdyn serve ") and line.endswith("\n"), line
@@ -76,7 +76,7 @@ class LinesTest(unittest.TestCase):
         return done.stdout
 
     def assert_has_moved(self, said: str) -> None:
-        """The first number told is no zero: a joint's position, or the robot's x."""
+        """Expects the first number of the output, a joint's position or the robot's x, to be nonzero."""
         number = re.search(r"-?\d+\.\d+(e-?\d+)?", said)
         assert number is not None, said
         self.assertGreater(abs(float(number.group())), 0.005, said)

@@ -33,8 +33,8 @@ class ProgramTestCase(DaemonTestCase):
         self.assertLess(math.dist(at, (x, y)), within, line)
 
     def in_real_time(self, program, *arguments):
-        """What a program prints that drives robot1 over an open floor to the target, which it must come to on its way: where it is
-        a moment later depends on the machine."""
+        """The output of a program that drives robot1 over an open floor to the target. The robot must pass the target; its later
+        position depends on the machine."""
         daemon = self.start("classroom", "--mode", "realtime", "--speed", "2", "--set", "SCORE_1.kind=reach", "--set",
                             "SCORE_1.target=red", "--set", "SCORE_1.within=0.41")
         out = self.run_program(daemon, program, *arguments)
@@ -100,7 +100,7 @@ class WrongNames(DaemonTestCase):
                 call()
             self.assertEqual((caught.exception.code, caught.exception.name), (10, "no_such_name"))
             self.assertIn(hint, caught.exception.text)
-        r.set_velocity(0.1, 0)  # the sim goes on
+        r.set_velocity(0.1, 0)  # the sim stays usable
         sim.step()
 
     def test_doctor_fails_where_something_else_listens(self):
@@ -133,10 +133,10 @@ class Beside(DaemonTestCase):
         for participants, names in ((["robot1"], "one of them"), (["robot1", "robot3"], "another joins"), (["robot2"], "only a third")):
             with self.subTest(names):
                 sim.set_participants(participants)
-                sim.step()  # a command that came after the last step may have run already
+                sim.step()  # a command that arrived after the last step may have run already
                 poses = [robot.get_pose() for robot in robots]
                 moved = made = 0
-                # Lockstep does not wait for the others: their commands run some steps later on a busy machine.
+                # Lockstep does not wait for non-participants: their commands run some steps later on a busy machine.
                 while made < 20 or moved < len(robots):
                     before = sim.steps
                     for robot in robots:
@@ -235,7 +235,7 @@ class Lockstep(DaemonTestCase):
         daemon = self.start(harness.scenario_of(5))
         sim = self.connect(daemon)
         robots = [sim.robot(i + 1) for i in range(5)]
-        thief = coopdyn.connect(daemon.server, name=sim._session.address.name)  # the same name takes robot3 over
+        thief = coopdyn.connect(daemon.server, name=sim._session.address.name)  # the same name takes over robot3
         thief.robot(3)
         for r in robots:
             r.set_velocity(0.1, 0)

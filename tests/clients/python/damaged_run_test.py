@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""read_run of files that are foreign or damaged: an error that says what is wrong, never other numbers."""
+"""read_run of foreign or damaged files: an error that says what is wrong, never wrong numbers."""
 import os
 import pathlib
 import re

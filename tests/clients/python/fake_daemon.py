@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""A small scripted daemon for what the real one never does: silence, wrong versions, broken and dribbling replies, one
-robot that refuses. It speaks the name port, OPEN, the binary form, and enough of motors, distance, target, pose and
+"""A small scripted daemon for behaviour that the real one never shows: silence, wrong versions, broken and dribbling replies, a
+robot that refuses. It implements the name port, OPEN, the binary form, and enough of motors, distance, target, pose and
 /simulation, with the rules of lockstep, to run whole client programs.
 
 In a test: `with FakeDaemon(robots=2, mode=1) as d: coopdyn.connect(d.server)`. As a program it prints the same `ready`
@@ -65,12 +65,13 @@ class Connection:
 
 
 class FakeDaemon:
-    """`refuse`: the robot whose commands get error 4 while it is set. `silent`: accepts and says nothing.
-    `says`: answers every line with this. `break_replies`: how many times a reply ends in its middle, and the
-    connection with it. `delay_s`: how late replies to actuator commands come in real time. `hold`: requests for a pose get no reply
-    until it is false. `page`: there is one. `seat`: it is a class with this seat, "ana:7305";
-    `entries` has the first line of each connection to it, and `seat_ends` of the next ones end once the seat is taken. `path`: of a unix
-    socket, in place of the port. `sensors`: robots have those of fake_sensors, too. A client may set these too: `load_scenario` with the text `!refuse=robot3`, `!delay_s=0.3` …"""
+    """`refuse`: the robot whose commands are refused by error 4. `silent`: accepts connections and sends nothing. `says`: the
+    answer to every line. `break_replies`: number of replies that are cut off in the middle, with their connections. `delay_s`:
+    delay of replies to actuator commands in real time. `hold`: while true, requests for a pose are not answered. `page`: the
+    daemon has a page. `seat`: it is a class with this seat, "ana:7305"; `entries` has the first line of each connection to it,
+    and the next `seat_ends` connections end once the seat is taken. `path`: of a unix socket, instead of the port. `sensors`:
+    robots also have those of fake_sensors. A client may set these, too: `load_scenario` with the text `!refuse=robot3`,
+    `!delay_s=0.3` …"""
 
     def __init__(self, robots=1, mode=0, protocol=1, silent=False, says="", dribble=False, refuse="", delay_s=0.0, targets=TARGETS,
                  sensors=False, seat="", path=""):
@@ -159,7 +160,7 @@ class FakeDaemon:
         self.lock.notify_all()
 
     def _wait_steps(self, n):
-        """Waits for n steps; false if a reset came."""
+        """Waits for n steps; False after a reset."""
         last, resets = self.step + n, self.resets
         self.lock.wait_for(lambda: self.stopping or self.step >= last or self.resets != resets)
         return self.resets == resets
@@ -210,7 +211,7 @@ class FakeDaemon:
                 return c.write(b"error 12 this is a class: begin with SEAT NAME PIN\n")
             if line.split()[1:3] != self.seat.split(":"):
                 return c.write(b"error 12 no seat with this PIN\n")
-            line = file.readline().decode().strip()  # which has come with the one before
+            line = file.readline().decode().strip()  # received together with the previous line
             c.write(b"ok\n")
             if self.seat_ends:
                 self.seat_ends -= 1
@@ -423,7 +424,7 @@ def main():
     daemon = FakeDaemon(a.robots, MODES.index(a.mode), a.protocol, a.silent, a.says, a.dribble, a.refuse, a.delay, targets,
                          a.sensors, a.seat, a.path)
     print(f"ready names={daemon.server} http=off robots={a.robots}", flush=True)
-    sys.stdin.read()  # until whoever started it goes away
+    sys.stdin.read()  # until the parent process ends
     daemon.stop()
 
 

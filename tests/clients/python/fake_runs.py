@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The scripted daemon's /recorder and page: there is a recording under any name, and what it holds is its own path."""
+"""The scripted daemon's /recorder and page: recordings of any name exist, and each contains its own path."""
 import urllib.parse
 
 from fake_swarm import encode
@@ -25,7 +25,7 @@ class Runs:
         return encode(0, said, command, (), self.daemon.clock())
 
     def page(self, line, file):
-        """The answer to `GET path HTTP/1.1`, of which the first line has been read."""
+        """The answer to `GET path HTTP/1.1`, whose first line has been read."""
         self.headers = []
         while header := file.readline().decode().strip():
             self.headers.append(header)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Sensors of the scripted daemon's robots, with readings that tests know. The cameras have a rate: they show every third step."""
+"""Sensors of the scripted daemon's robots, with known readings. The cameras have a rate: they show every third step."""
 import math
 import struct
 
@@ -12,7 +12,7 @@ NAMES = {"imu": {"get_imu": 230}, "wrench": {"get_wrench": 240}, "lidar": {"get_
          "light": {"get_light": 310}, "camera": {"get_image": 270, "get_camera": 271}, "battery": {"get_battery": 290},
          "odometry": {"get_odometry": 340}}
 ROWS, COLUMNS = 2, 5
-WIDTH, HEIGHT = 33, 3  # bytes that fill no whole number of params
+WIDTH, HEIGHT = 33, 3  # the bytes do not fill an integer number of params
 READINGS = {
     230: ("", (), [1, 0.25, -0.5, 0.125, 0.1, 0.2, -0.3, 0.5, -0.25, 9.81]),
     240: ("", (), [1, -2, 90.5, 0.5, 0.25, -0.125]),
@@ -52,7 +52,7 @@ def pixels(kind, right):
 
 
 def values(module, reading, params):
-    """Text, params and data; None if this is no reading of a sensor."""
+    """Text, params and data; None if this is not a reading of a sensor."""
     if reading != 270:
         return SECOND.get((module.split("/")[-1], reading)) or READINGS.get(reading)
     kind = params[0] if params else 0

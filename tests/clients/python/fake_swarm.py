@@ -27,14 +27,14 @@ class Robot:
 
 
 class Swarm:
-    """What FakeDaemon answers there; called with its lock held."""
+    """FakeDaemon's module /swarm; called with FakeDaemon's lock held."""
 
     def __init__(self, daemon):
         self.daemon = daemon
         self.selected = {}  # by connection
 
     def hello(self, c):
-        """An older connection of the same name is closed, its robots are the new one's."""
+        """Closes an older connection of the same name; the new one takes over its robots."""
         for old in list(self.daemon.connections):
             if old is not c and old.module == c.module and old.client == c.client:
                 for robot in self.daemon.robots:

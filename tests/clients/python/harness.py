@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Starts the real daemon for a test: COOPDYN_BINARY says which."""
+"""Starts the real daemon for a test; COOPDYN_BINARY names it."""
 from __future__ import annotations
 
 import os
@@ -16,8 +16,8 @@ LIMIT_S = 60
 
 
 class Daemon:
-    """`with Daemon("classroom", "--mode", "lockstep") as d:` – a shipped scenario, the text of one, or a recording (a path
-    to NAME.run), which is played. Recordings are made in `recordings`."""
+    """`with Daemon("classroom", "--mode", "lockstep") as d:` – a shipped scenario, the text of a scenario, or a recording to
+    play (a path to NAME.run). Records into the folder `recordings`."""
 
     def __init__(self, scenario: str, *options: str) -> None:
         self.folder = tempfile.TemporaryDirectory()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""coopdyn.launch(): a daemon of the program's own, which ends with it, however it ends."""
+"""coopdyn.launch(): a private daemon that exits with its program, however that ends."""
 import glob
 import os
 import pathlib
@@ -21,7 +21,7 @@ LIMIT_S = 60
 
 
 def daemons():
-    """Process numbers of daemons that were launched by this process's programs."""
+    """Process ids of daemons launched by this process's programs."""
     found = []
     for line in glob.glob("/proc/[0-9]*/cmdline"):
         try:
@@ -100,7 +100,7 @@ class LaunchTest(unittest.TestCase):
             coopdyn.launch(TEXT, program="/nowhere/coopdyn")
 
     def test_a_loop_of_a_hundred_leaves_nothing_behind(self):
-        folder = tempfile.TemporaryDirectory()  # of its own, as other tests run meanwhile
+        folder = tempfile.TemporaryDirectory()  # private, because other tests run meanwhile
         self.addCleanup(folder.cleanup)
         changed = unittest.mock.patch.dict(os.environ, TMPDIR=folder.name)
         changed.start()
@@ -114,7 +114,7 @@ class LaunchTest(unittest.TestCase):
 
 
 class OtherProgramTest(unittest.TestCase):
-    """A program of its own launches a daemon and ends in many ways."""
+    """A separate program launches a daemon and ends in many ways."""
 
     def launched(self, rest):
         code = (f"import sys\nsys.path.insert(0, {str(harness.ROOT / 'clients' / 'python')!r})\nimport coopdyn, time\n"
@@ -152,7 +152,7 @@ class OtherProgramTest(unittest.TestCase):
 
 class WithProcessTest(unittest.TestCase):
     def test_a_process_that_is_not_there_is_wrong_use(self):
-        gone = 2 ** 22 + 1  # more than the kernel gives
+        gone = 2 ** 22 + 1  # beyond the kernel's largest pid
         done = subprocess.run([os.environ["COOPDYN_BINARY"], "serve", "--port", "0", "--with-process", str(gone)],
                               capture_output=True, text=True, timeout=LIMIT_S)
         self.assertEqual(done.returncode, 2)

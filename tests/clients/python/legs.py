@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A robot whose modules have names of their own: its motors are called legs, its compass is called north.
+"""A robot whose modules have other names: its motors are called legs, its compass is called north.
 
 `python3 legs.py FOLDER` makes FOLDER/robots/legs/model.sdf and FOLDER/legs.scenario with robot1 of that type; the daemon finds
 the type with COOPDYN_PATH=FOLDER."""

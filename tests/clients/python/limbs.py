@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""A robot with two muscles that pull a sledge, a thruster and a torque on its base, and a knee with a drive train, all of which
-its channel maps; and one with wheels alone.
+"""A robot with two muscles that pull a sledge, a thruster and a torque on its base, and a knee with a drive train, all mapped by its
+channel; and a robot with only wheels.
 
 `python3 limbs.py FOLDER` makes FOLDER/robots/limbs/model.sdf and FOLDER/limbs.scenario with robot1 of that type and a coopbot
 robot2; the daemon finds the type with COOPDYN_PATH=FOLDER."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Robots that a program only looks at: they are taken when it drives them or steps with them, if nobody else has them."""
+"""Robots that a program only reads: it claims them when it drives them or steps with them, if they are free."""
 import os
 import pathlib
 import subprocess
@@ -12,7 +12,7 @@ from cases import DaemonTestCase
 
 
 def record(folder, *options):
-    """A run of mini_1 to mini_4, which nobody drives, and auto, which a loaded controller does."""
+    """A run of mini_1 to mini_4, which nobody drives, and auto, driven by a loaded controller."""
     scenario, file = pathlib.Path(__file__).with_name("looked_at.scenario"), os.path.join(folder, "m.run")
     subprocess.run([os.environ["COOPDYN_BINARY"], "serve", scenario, "--mode", "free", "--no-net", "--duration", "0.8",
                     "--record", file, *options], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=60)

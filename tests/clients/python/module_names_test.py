@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Modules are found by their type: a model may give them names of their own."""
+"""Modules are found by their type: a model may rename them."""
 import os
 import tempfile
 import unittest

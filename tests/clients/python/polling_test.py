@@ -17,7 +17,7 @@ class PollingTest(unittest.TestCase):
         self.now = 3600.0
 
     def lose_core(self):
-        """A wait in which the core is lost for 4 ms."""
+        """A wait that is preempted for 4 ms."""
         self.polling.start(self.now)
         self.now += 4e-3
         self.polling.goes(self.now)

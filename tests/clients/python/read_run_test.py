@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""read_run on recordings written by hand after docs/formats.md: every number back, also with gaps or while it grows."""
+"""read_run on recordings written by hand from docs/formats.md: returns every number, also with gaps or while the file grows."""
 import array
 import math
 import os
@@ -218,7 +218,7 @@ class Gaps(ReadRunTestCase):
 
 class Example(ReadRunTestCase):
     def plot(self, *arguments):
-        """Exit code and what was said, with a matplotlib that draws nothing."""
+        """Exit code and output, with a fake matplotlib."""
         plots = os.path.join(os.path.dirname(self.path), "matplotlib")
         os.mkdir(plots)
         for name in ("__init__", "pyplot"):

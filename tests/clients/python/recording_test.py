@@ -19,7 +19,7 @@ MICROMETRE = 1e-6
 
 
 def drive(sim, steps, robots):
-    """What each robot was told and where it was, after each step; told speeds depend on the step only."""
+    """Commands and poses of the robots after each step; commanded speeds depend only on the step."""
     for _ in range(steps):
         k = sim.steps
         for i, r in enumerate(robots):
@@ -29,7 +29,7 @@ def drive(sim, steps, robots):
 
 
 class Recorded:
-    """A run of two robots in lockstep: recorded from step 0, copied to a file, with all that was seen of it."""
+    """A run of two robots in lockstep: recorded from step 0, downloaded to a file, with all readings of the client."""
 
     def __init__(self, folder):
         self.file = os.path.join(folder, "lesson1.run")
@@ -169,7 +169,7 @@ class RecordingTest(DaemonTestCase):
         sim = self.connect(self.start(self.recorded.file, "--paused"))
         sim.robot("robot1")
         sim.set_loop(True)
-        sim.play(0.25)  # so slow that no round is over while the machine stops the test
+        sim.play(0.25)  # so slow that no round ends even if the machine stops the test
         self.assertTrue(sim.playback().playing)
         self.assertEqual(sim.playback().speed, 0.25)
         before = sim.steps
@@ -188,7 +188,7 @@ class RecordingTest(DaemonTestCase):
     def test_robots_of_a_recording_obey_nobody(self):
         sim = self.connect(self.start(self.recorded.file, "--paused"))
         r = sim.robot("robot1")
-        for _ in range(2):  # and the connection goes on
+        for _ in range(2):  # the connection stays usable
             self.assert_error(5, lambda: r.set_velocity(0.1, 0), "playing a recording")
             self.assertAlmostEqual(r.get_pose().x, self.run_.pose("robot1")[0, 0], delta=1e-9)
         self.assert_error(4, lambda: sim.play(100))
@@ -265,7 +265,7 @@ class RecordingTest(DaemonTestCase):
         self.assertEqual((sim.status()["step"], sim.hash()), (60, self.run_.hash[60]))
         sim.run()
         hashes = [hash_ for _, _, hash_ in drive(sim, STEPS - 60, robots)]
-        self.assertEqual(hashes, self.run_.hash[61:])  # with the same commands it goes as it went
+        self.assertEqual(hashes, self.run_.hash[61:])  # the same commands repeat the run
         self.assert_error(5, lambda: sim.playback(), "coopdyn play")
 
     def test_a_branch_with_other_commands_goes_elsewhere(self):
@@ -291,7 +291,7 @@ class Requests(DaemonTestCase):
         self.assert_error(4, lambda: sim.record("no/name"), "lesson1")
         self.assertGreater(len(sim.record("a")), 0)
         self.assert_error(5, lambda: sim.record("b"))
-        while not any(f.steps for f in sim.recordings()):  # the file is written by a thread of its own
+        while not any(f.steps for f in sim.recordings()):  # a separate thread writes the file
             sim.step(timeout=60)
         self.assert_error(5, lambda: sim.fetch_run("a"), "being recorded")
         sim.stop_recording()

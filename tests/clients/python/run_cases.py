@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What tests of read_run share: a recording of two robots, written by hand."""
+"""Shared by tests of read_run: a recording of two robots, written by hand."""
 import math
 import os
 import tempfile
@@ -20,7 +20,7 @@ class ReadRunTestCase(unittest.TestCase):
         self.path = os.path.join(folder.name, "by hand.run")
 
     def write_two(self, steps=3, **meta):
-        """Two robots of a body and a wheel each, and a box; three sensors and two targets."""
+        """Writes two robots, each with a body and a wheel, and a box; three sensors and two targets."""
         db = rf.create(self.path, **meta)
         db.execute("INSERT INTO text VALUES ('scenario', 'two', 'two.scenario', '[FLOOR]\nsize 4 4 0.1\n# Jürgen\n')")
         rf.add_scene(db, 1, 10, ["BOX_1", "robot1.chassis", "robot1.wheel", "robot2.chassis"],

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Writes recordings by hand, after docs/formats.md, for tests of what reads them: python3 run_file.py FILE (a sample)."""
+"""Writes recordings by hand, from docs/formats.md, for tests of their readers: python3 run_file.py FILE (a sample)."""
 import math
 import sqlite3
 import struct
@@ -45,13 +45,13 @@ def poses_blob(poses, e=0):
 
 
 def commands_blob(*commands):
-    """(robot, by client, left, right), each; velocities, or of the modes that follow."""
+    """Commands (robot, by client, left, right): velocities, or in the modes that follow."""
     return b"".join(struct.pack("<IBd", 2 * robot + side | by_client << 31, ([*rest, 3, 3])[2 + side], rest[side])
                     for robot, by_client, *rest in commands for side in range(2))
 
 
 def channels_blob(*robots):
-    """(position left, right, velocity left, right), each."""
+    """Robots (position left, right, velocity left, right)."""
     return b"".join(round(r[side] / 1e-5).to_bytes(5, "little", signed=True) + struct.pack("<f", r[2 + side])
                     for r in robots for side in range(2))
 
@@ -100,7 +100,7 @@ def add_step(db, step, poses, scene=1, hash=0, commands=None, channels=None, dis
 
 
 def describe_robot(db, scene, place, name, controller, waits_for=("motors", "pose")):
-    """What the scene's description says of one robot, after bytes of others."""
+    """The entry of one robot in the scene's description, after bytes of others."""
     def text(words):
         return struct.pack("<I", len(words)) + words.encode()
 
@@ -110,7 +110,7 @@ def describe_robot(db, scene, place, name, controller, waits_for=("motors", "pos
 
 
 def write_controlled(path, what, *sent):
-    """Robots a, and m with a loaded controller; what m got, step by step: (from a client, left)."""
+    """Robots a, and m with a loaded controller; m's commands by step: (from a client, left)."""
     db = create(path, what=what)
     add_scene(db, 1, 0, ["a.b", "m.b"], [(name, k, (0, 0, 0), IDENTITY, 0) for k, name in enumerate("am")])
     describe_robot(db, 1, 1, "m", "diffuse")
@@ -120,17 +120,17 @@ def write_controlled(path, what, *sent):
 
 
 def write_taken(path):
-    """Without the controller's commands; a client takes m from it."""
+    """A recording without the controller's commands, in which a client takes m over."""
     write_controlled(path, "poses", (0, 0), (1, 2), (0, 3))
 
 
 def write_sample(path):
-    """Two robots of which one goes and gets another scene's body, sensors and targets, over four steps."""
+    """Two robots over four steps; one moves, and has another body, sensors and targets in the second scene."""
     db = create(path)
     add_scene(db, 1, 0, ["a.chassis", "b.chassis"],
               [("a", 0, (0, 0, 0), IDENTITY, 2), ("b", 1, (0, 0, 0), IDENTITY, 1)], ["red"])
     add_scene(db, 2, 2, ["b.chassis"], [("b", 0, (1, 0, 0), IDENTITY, 3)], ["blue", "red"])
-    db.execute("UPDATE target SET id = 3 - id WHERE scene = 2")  # columns stand by increasing id
+    db.execute("UPDATE target SET id = 3 - id WHERE scene = 2")  # columns are ordered by id
     for k in range(2):
         add_step(db, k, poses_blob([((5, k, 0), IDENTITY), ((6, k, 0), IDENTITY)]), distances=floats_blob(1, 2, 3),
                  targets=floats_blob(1, 2, 3, 4), commands=commands_blob((0, 1, 1, k), (1, 1, 2, k)))

@@ -27,7 +27,7 @@ class SeatTestCase(FakeTestCase):
 
 class Seat(SeatTestCase):
     def test_every_connection_takes_the_seat_in_the_same_write_as_its_first_line(self):
-        """The scripted class answers when both lines have come."""
+        """The scripted class answers once both lines have arrived."""
         daemon = self.start(robots=2, seat="ana:0912")
         sim = self.take(daemon)
         r = sim.robot(1)

@@ -18,7 +18,7 @@ class TeamJoints(DaemonTestCase):
         self.sim = self.connect(self.start(SCENARIO))
 
     def team(self, *names):
-        """These robots; the others stand by."""
+        """A team of these robots; the others stand still."""
         self.sim.set_participants(names)
         return self.sim.team(names)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A team that loses robots, to others or to another scenario, against the real daemon."""
+"""A team that loses robots, to other programs or by another scenario, against the real daemon."""
 import unittest
 
 from cases import DaemonTestCase
@@ -43,7 +43,7 @@ class TakenAway(LossTestCase):
         self.team.step((0.1, 0), timeout=LONG_S)
 
     def lose(self):
-        """The robot is freed by hand and driven by another program."""
+        """Frees the robot by hand, and makes another program drive it."""
         self.other.call("simulation", "release_robot", text="mini_5")
         self.other.robot("mini_5").set_velocity(0, 0.5)
 

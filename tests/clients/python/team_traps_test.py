@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What goes wrong between a team and the daemon, played by a scripted daemon."""
+"""Failures between a team and the daemon, produced by the scripted daemon."""
 import array
 import gc
 import math

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What goes wrong between a program and the daemon, played by a scripted daemon."""
+"""Failures between a program and the daemon, produced by the scripted daemon."""
 import contextlib
 import gc
 import io
@@ -57,9 +57,9 @@ class RunningTwice(FakeTestCase):
             r.get_pose(), r.sense(), r.subscribe("pose")
             ours = len([c for c in daemon.connections if c.module])
             del sim
-            r.get_pose()  # a robot works on without its sim
+            r.get_pose()  # a robot works without its sim
             del r
-            with daemon.lock:  # the other ends see the close
+            with daemon.lock:  # the peers notice the close
                 self.assertTrue(daemon.lock.wait_for(lambda: all(not x.every for x in daemon.connections), 10))
         finally:
             gc.enable()
@@ -92,7 +92,7 @@ class TwoThreads(FakeTestCase):
         for call in (r.get_pose, sim.step, sim.status, sim.close, r.sense, lambda: r.set_velocity(0, 0), lambda: sim.mode,
                      lambda: sim.dt, lambda: sim.robot(1)):
             self.assert_error(5, call, "another thread", "connect()")
-        self.assertEqual(sim.steps, 0)  # what was told last may be read
+        self.assertEqual(sim.steps, 0)  # the last reply stays readable
         theirs.set_velocity(0.1, 0)
         other.step(timeout=60)
         stepping.join()
@@ -140,7 +140,7 @@ class Interrupted(FakeTestCase):
         r.set_velocity(0.3, 0)
         stepped = threading.Event()
 
-        def go_on():  # the command that timed out may still run, as a step of its own
+        def go_on():  # the timed-out command may still run, as a separate step
             while not stepped.is_set():
                 try:
                     other.step(timeout=0.1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a program is told when somebody else resets the world or loads a scenario, and when it never calls step()."""
+"""The messages to a program when another client resets the world or loads a scenario, and when it never calls step()."""
 import contextlib
 import io
 import threading
@@ -12,7 +12,7 @@ from cases import RESET, DaemonTestCase, FakeTestCase
 
 class AReset(FakeTestCase):
     def started(self, mode, robots=1):
-        """A program that has driven robot1 for some steps, and somebody else."""
+        """A program that has driven robot1 for some steps, and another client."""
         self.daemon = self.start(mode=mode, robots=robots)
         self.sim, self.other = self.connect(self.daemon), self.connect(self.daemon, name="other")
         self.r = self.sim.robot(1)
@@ -29,7 +29,7 @@ class AReset(FakeTestCase):
         self.assertEqual(e.text, RESET)
 
     def hold_time(self):
-        """From here on a reset leaves the world at step 0."""
+        """Makes later resets leave the world at step 0."""
         with self.daemon.lock:
             self.daemon.state = "paused"
 
@@ -125,7 +125,7 @@ class AReset(FakeTestCase):
 
 class ALoad(DaemonTestCase):
     def waiting_step_and(self, load):
-        """What a step that waits raises while `load` runs."""
+        """The error of a waiting step when `load` runs."""
         daemon = self.start(harness.scenario_of(2))
         sim, other = self.connect(daemon), self.connect(daemon, name="other")
         r = sim.robot("robot1")
@@ -174,7 +174,7 @@ class ALoad(DaemonTestCase):
             robots[1].sense()
             sim.step(timeout=60)
             robots[1].subscribe("pose")
-            robots[1].sense()  # those that came with the step
+            robots[1].sense()  # readings in the step's reply
             other.load_scenario("classroom")
             with self.assertRaises(coopdyn.WorldReset) as caught:
                 notices(sim, robots[1])

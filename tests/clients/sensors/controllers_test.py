@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The programs that come with the clients use sensors: they follow a ball by a camera and a wall by a lidar, and balance by an IMU.
-How well is tested in lockstep. In real time a busy machine keeps a program waiting, and the robot falls, or loses the wall or the ball:
-there the same program must move it, and come to its own end. CLIENT_BALL, CLIENT_WALL and CLIENT_PENDULUM name those in C++."""
+"""The clients' sample programs with sensors: they follow a ball by a camera and a wall by a lidar, and balance by an IMU. Tests in
+lockstep check their performance. In real time a busy machine may delay a program, so that the robot falls, or loses the wall or the
+ball: there the program must only move the robot and reach its end. CLIENT_BALL, CLIENT_WALL and CLIENT_PENDULUM name those in C++."""
 import os
 import pathlib
 import re
@@ -20,7 +20,7 @@ MOVED = ("--set", "SCORE_1.kind=distance")
 
 
 def drive(language, program, mode, *arguments, codes=(0,)):
-    """What the program prints at its end, and the status of the world then."""
+    """The program's output, and the final status of the world."""
     if language == "python":
         command = [sys.executable, str(CLIENTS / "python" / f"{program}.py"), *arguments]
     elif language == "cpp":
@@ -51,7 +51,7 @@ class Controllers:
         return self.figures_of(out), out
 
     def check_in_real_time(self, program, count, least_s, *arguments):
-        """It prints so many figures, after at least this simulated time in which it has moved its robot."""
+        """The program prints `count` figures, after at least `least_s` of simulated time in which it has moved its robot."""
         out, status = drive(self.language, program, "realtime", *arguments, codes=(0, 1))  # 1: it fell, or saw no ball
         self.assertEqual(len(self.figures_of(out)), count, out)
         self.assertEqual((status["mode"], status["scores"][0]["value"] > 0), ("realtime", True), out)

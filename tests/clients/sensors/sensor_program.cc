@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Prints what all sensors of robot1 read; sensor_program.py and sensor_program.m are the same program.
+// Prints the readings of all sensors of robot1; sensor_program.py and sensor_program.m are the same program.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

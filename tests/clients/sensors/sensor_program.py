@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Prints what all sensors of robot1 read; sensor_program.m and sensor_program.cc are the same program."""
+"""Prints the readings of all sensors of robot1; sensor_program.m and sensor_program.cc are the same program."""
 import math
 
 import coopdyn

@@ -43,7 +43,7 @@ bool Board::Open(const std::string& remote, const std::string& local) {
 #else
   const bool told = encoders->getAxes(&axes_);
 #endif
-  // The client has nothing to tell until the first state has come.
+  // The client has no data until the first state has arrived.
   return told && axes_ > 0 && WaitFor([this] { return Positions().has_value(); });
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A control board, opened by the client of YARP 3 or 4. What the two call differently has one name here; all
-// else is asked of their common interfaces.
+// A control board, opened by the client of YARP 3 or 4. Methods here hide the differences between the two;
+// for the rest use their common interfaces.
 #pragma once
 
 #include <yarp/conf/version.h>
@@ -21,11 +21,11 @@
 
 namespace coopdyn {
 
-/// Degrees and degrees/s, joints from 0. A call gives false, or nothing, when it is refused. Modes are words:
-/// pos, vel, … One thread.
+/// Degrees and degrees/s, joints from 0. A refused call returns false or nullopt. Modes are words: pos, vel,
+/// … One thread.
 class Board {
  public:
-  /// `local`: the names of its own ports begin so.
+  /// `local`: the prefix of the names of its own ports.
   bool Open(const std::string& remote, const std::string& local);
   bool Close() { return driver_.close(); }
 
@@ -38,22 +38,22 @@ class Board {
   double Speed(int joint);
   /// The stamp of the position, seconds.
   double Stamp(int joint);
-  /// How fast a joint goes, by its positions and their stamps over a tenth of a second.
+  /// The speed of a joint, from its positions and their stamps over 0.1 s.
   double MeanSpeed(int joint);
 
   std::optional<bool> Done();
   std::optional<bool> Done(int joint);
-  /// Waits until no joint is on its way any more.
+  /// Waits until all joints have stopped.
   bool Arrive();
 
   std::optional<std::string> Mode(int joint);
   bool SetMode(int joint, const std::string& mode);
-  /// Of all joints.
+  /// Sets the mode of all joints.
   bool SetModes(const std::string& mode);
-  /// Waits until the streamed mode is this.
+  /// Waits until the streamed mode is `mode`.
   bool Shows(int joint, const std::string& mode);
 
-  /// Of ways to positions.
+  /// Speeds and accelerations of moves to positions.
   bool SetWaySpeeds(const std::vector<double>& speeds);
   std::optional<std::vector<double>> WaySpeeds();
   bool SetWayAccelerations(const std::vector<double>& accelerations);
@@ -67,7 +67,7 @@ class Board {
   bool SetInteraction(int joint, const std::string& mode);
   std::optional<bool> PidEnabled(int joint);
 
-  // Those of the client, never null once it is open.
+  // Interfaces of the client, not null once it is open.
   yarp::dev::IEncodersTimed* encoders = nullptr;
   yarp::dev::IMotorEncoders* motors = nullptr;
   yarp::dev::IAxisInfo* info = nullptr;

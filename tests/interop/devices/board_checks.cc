@@ -202,7 +202,7 @@ void CheckSwitches(Checks& checks, Board& board) {
 void CheckBoard(Checks& checks) {
   Board board;
   if (!checks.That("open", board.Open("/arm1/arm", "/devices/board"))) return;
-  // Whoever drove it before.
+  // By any previous driver.
   board.SetModes("pos");
   board.position->positionMove(kHome.data());
   board.Arrive();

@@ -10,7 +10,7 @@
 namespace coopdyn {
 namespace {
 
-// Gravity turns neither of them.
+// Gravity exerts no torque on either joint.
 constexpr int kBase = 0, kTool = 5;
 
 void CheckTorques(Checks& checks, Board& board) {
@@ -22,7 +22,7 @@ void CheckTorques(Checks& checks, Board& board) {
   checks.That("torque mode", board.SetMode(kBase, "torq") && board.Shows(kBase, "torq"),
               board.Mode(kBase).value_or("refused"));
   double reference = NAN, torque = NAN;
-  // What streams has arrived when its reference is there.
+  // The streamed command has arrived once its reference is there.
   const auto told = [&](double goal) {
     return WaitFor([&] {
       return bool(board.torque->getRefTorque(kBase, &reference)) && std::abs(reference - goal) < 1e-6;
@@ -124,7 +124,7 @@ void CheckRefusals(Checks& checks, Board& board) {
   checks.That("getRefCurrent is refused", !board.current->getRefCurrent(0, &value), Text(value));
   checks.That("getCurrentRange is refused", !board.current->getCurrentRange(0, &value, &upper), Text(value));
   checks.That("joint 9 is refused", !board.position->positionMove(9, 1), "taken");
-  // What streams is answered by nobody: it must change nothing.
+  // Streamed commands have no reply: a refused one must change nothing.
   board.pwm->setRefDutyCycle(0, 50);
   board.current->setRefCurrent(0, 5);
   const double stamp_s = board.Stamp(0);

@@ -27,7 +27,7 @@ constexpr double kPeriod_s = 0.001;
 constexpr double kRounding_s = 1e-9;
 constexpr double kCatchUp_s = 1;
 
-/// Keeps the times at which it ran, for so many simulated seconds, and until it is not late then.
+/// Records the times of its runs, for N simulated seconds, and then until it is on time.
 class Ticks : public yarp::os::PeriodicThread {
  public:
   Ticks(double seconds, yarp::os::PeriodicThreadClock clock)
@@ -43,13 +43,13 @@ class Ticks : public yarp::os::PeriodicThread {
     ended_ = due_s >= -kRounding_s && (Late() <= kPeriod_s + kRounding_s || due_s > kCatchUp_s);
   }
 
-  /// How much later than by a period from its first run on it has run last, s.
+  /// Delay of the last run relative to whole periods since the first run, s.
   double Late() const {
     return times_.back() - times_.front() - kPeriod_s * static_cast<double>(times_.size() - 1);
   }
 
   bool ended() const { return ended_; }
-  /// Once it has ended.
+  /// Valid once the thread has ended.
   const std::vector<double>& times() const { return times_; }
 
  private:
@@ -74,13 +74,13 @@ Gaps GapsOf(const std::vector<double>& times) {
   return gaps;
 }
 
-/// Runs the thread to its end and tells what it measured.
+/// Runs the thread to its end and reports its measurements.
 void Run(Checks& checks, const std::string& name, Ticks& ticks) {
   const double began_s = yarp::os::SystemClock::nowSystem();
   ticks.start();
   const bool ended = WaitFor([&] { return ticks.ended(); }, 600);
   const double took_s = yarp::os::SystemClock::nowSystem() - began_s;
-  if (!ended) AskSimulation("set_mode realtime");  // else it waits for time, and this for it
+  if (!ended) AskSimulation("set_mode realtime");  // else it waits for time, which waits for this program
   ticks.stop();
   const std::vector<double>& times = ticks.times();
   const Gaps gaps = GapsOf(times);
@@ -97,12 +97,12 @@ void Run(Checks& checks, const std::string& name, Ticks& ticks) {
   Checks::Note(text);
 }
 
-/// By the absolute clock it makes up for periods at which it was late: none is lost, none comes twice.
+/// By the absolute clock it catches up on late periods: none is lost, none runs twice.
 void CheckExact(Checks& checks, const std::string& name, const Ticks& ticks) {
   checks.Near(name + ": as many periods as steps", ticks.Late(), 0, kPeriod_s + kRounding_s);
 }
 
-/// It may be late, but not run more often than its period says; and time never goes back.
+/// It may be late, but never runs more often than its period; and time never goes back.
 void CheckNotTooOften(Checks& checks, const std::string& name, const Ticks& ticks, double seconds) {
   const double most = seconds / kPeriod_s + 1.5;
   const bool good =
@@ -110,7 +110,7 @@ void CheckNotTooOften(Checks& checks, const std::string& name, const Ticks& tick
   checks.That(name + ": not too often", good, std::to_string(ticks.times().size() - 1) + " periods");
 }
 
-/// A step as long as the period, as time goes on by whole steps.
+/// A step as long as the period, as time advances by whole steps.
 bool Prepare(Checks& checks, bool on_the_clock) {
   const bool ready =
       checks.That("the thread runs on the simulated clock", on_the_clock, "set YARP_CLOCK=/clock") &&
@@ -118,7 +118,7 @@ bool Prepare(Checks& checks, bool on_the_clock) {
   return ready && checks.Near("Time::now() is simulated time", yarp::os::Time::now(), SimulatedTime(), 0.5);
 }
 
-/// Reads a port without a buffer: a sample is acknowledged when `each` has returned.
+/// Reads a port without a buffer: acknowledges a sample when `each` returns.
 class Samples : public yarp::os::PortReader {
  public:
   explicit Samples(std::function<void()> each) : each_(std::move(each)) {}
@@ -136,7 +136,7 @@ class Samples : public yarp::os::PortReader {
     return true;
   }
   int count() const { return count_; }
-  /// Steps that it has missed or seen twice.
+  /// Steps missed or seen twice.
   int gaps() const { return gaps_; }
   double last_s() const { return last_s_; }
 
@@ -146,7 +146,7 @@ class Samples : public yarp::os::PortReader {
   std::atomic<double> last_s_ = 0;
 };
 
-/// Connects what `each` is called after to the encoders of an arm.
+/// Connects the reader, which calls `each`, to the encoders of an arm.
 bool Connect(yarp::os::Port& reader, Samples& samples, const std::string& name) {
   reader.setReader(samples);
   return reader.open(name) && yarp::os::Network::connect("/arm1/arm/state:o", name, "tcp");
@@ -164,7 +164,7 @@ void CheckClock(Checks& checks, double seconds) {
       const std::string name = "speed " + std::string(speed) + (relative ? ", relative" : ", absolute");
       Ticks ticks(seconds, clock);
       Run(checks, name, ticks);
-      // A busy machine makes it late. By the relative clock it skips periods then.
+      // A busy machine makes it late. By the relative clock it then skips periods.
       if (relative)
         CheckNotTooOften(checks, name, ticks, ticks.times().back() - ticks.times().front());
       else
@@ -185,7 +185,8 @@ void CheckLockstep(Checks& checks, double seconds) {
   checks.That("lockstep", AskSimulation("set_mode lockstep").get(0).asString() != "fail");
   const int steps = static_cast<int>(seconds / kPeriod_s);
 
-  // Each step waits until this program has got the time and the arm's encoders, not until its thread has run.
+  // Each step waits until this program has received the time and the arm's encoders, not until its thread has
+  // run.
   for (const std::string speed : {"1", "0"}) {
     AskSimulation("set_speed " + speed);
     const std::string name = speed == "1" ? "lockstep at speed 1" : "lockstep without limit";
@@ -203,8 +204,8 @@ void CheckLockstep(Checks& checks, double seconds) {
     reader.close();
   }
 
-  // A loop that reads and drives, a command for each sample. A PeriodicThread cannot do this: when a step
-  // ends between its two looks at the clock, it waits for the step after the next, which waits for its
+  // A loop that reads and drives, with a command for each sample. A PeriodicThread cannot do this: if a step
+  // ends between its two readings of the clock, it waits for the step after the next, which waits for its
   // command.
   checks.That("the arm takes part", AskSimulation("set_participants arm1").get(0).asString() != "fail");
   const double from_s = SimulatedTime(), began_s = yarp::os::SystemClock::nowSystem();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Usage: devices SECTION [SECONDS]
-// Opens the devices of a daemon that runs devices.scenario as programs of YARP 3.12 or 4 do, and checks what
-// they give. Prints a line for each check, then `N passed, N failed`. tests/interop/yarp builds and runs it.
+// Opens the devices of a daemon that runs devices.scenario like programs of YARP 3.12 or 4 do, and checks
+// their data. Prints a line for each check, then `N passed, N failed`. tests/interop/yarp builds and runs it.
 #include <yarp/os/Network.h>
 
 #include <cstdio>

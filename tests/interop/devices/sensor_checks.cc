@@ -34,7 +34,7 @@ bool Open(yarp::dev::PolyDriver& driver, const std::string& device, const std::s
   options.put("device", device);
   options.put("remote", remote);
   options.put("local", "/devices" + remote);
-  options.put("timeout", 0.5);  // a busy machine is no mistake
+  options.put("timeout", 0.5);  // for a busy machine
   return driver.open(options);
 }
 
@@ -47,13 +47,13 @@ std::array<double, 3> Three(const yarp::sig::Vector& vector) {
   return {vector[0], vector[1], vector[2]};
 }
 
-/// The reading's time lies in the run.
+/// Checks that the reading's time is within the run.
 void CheckStamp(Checks& checks, const std::string& name, double stamp_s) {
   const double now_s = SimulatedTime();
   checks.That(name, stamp_s > now_s - 1 && stamp_s <= now_s, Text(stamp_s) + " at " + Text(now_s));
 }
 
-/// Drives the turtle as baseControl does.
+/// Drives the turtle like baseControl.
 class Drive {
  public:
   bool Open() {
@@ -188,8 +188,7 @@ void CheckCamera(Checks& checks) {
   checks.That("camera: parameters",
               bool(lens->getRgbIntrinsicParam(parameters)) && parameters.check("focalLengthX"),
               parameters.toString());
-  // The clients crash when they are asked before their first picture has come; another reader tells when it
-  // may be there.
+  // The clients crash if asked before their first picture has arrived; another reader detects its arrival.
   yarp::os::BufferedPort<yarp::sig::FlexImage> reader;
   checks.That("camera: a port of pictures",
               reader.open("/devices/picture:i") &&
@@ -206,7 +205,7 @@ void CheckCamera(Checks& checks) {
               std::to_string(middle.r) + " " + std::to_string(middle.g) + " " + std::to_string(middle.b));
 }
 
-/// A port that says what it reads: YARP registers it in another way.
+/// A port with the type of its data: YARP registers it differently.
 void CheckVectors(Checks& checks) {
   yarp::os::BufferedPort<yarp::sig::Vector> reader;
   const bool open =

@@ -15,7 +15,7 @@
 namespace coopdyn {
 namespace {
 
-/// Moves a joint back and forth. Its options say of which robot; it knows of no simulator.
+/// Moves a joint back and forth. Its options name the robot; it does not know that it is simulated.
 class Sweep : public yarp::os::RFModule {
  public:
   bool configure(yarp::os::ResourceFinder& options) override {

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Writes the golden vectors beside this file, and the seeds of the codec fuzzers.
 
-It knows the wire by itself (struct, repr), so that the vectors check the codecs instead of repeating them.
+It implements the wire format on its own (struct, repr), so that the vectors check the codecs instead of repeating them.
 Usage: python3 tests/protocol/vectors/generate.py          rewrites messages, bad_binary, text_lines, first_bytes and doubles
 """
 import json

@@ -54,7 +54,7 @@ TEST(BenchArenaTest, WallsHoldTheRobotsAtTheDensityAskedFor) {
   ASSERT_EQ(scenario->robots.size(), 50u);
   ASSERT_EQ(scenario->objects.size(), 4u);
   for (const WorldObject& wall : scenario->objects) {
-    // Their inner faces are 2.5 m from the middle: 25 m².
+    // The walls' inner faces are 2.5 m from the centre: 25 m².
     EXPECT_NEAR(DistanceToShadow(wall, 0, 0), 2.5, 1e-9);
     EXPECT_TRUE(wall.is_static());
     for (const RobotEntry& robot : scenario->robots) {
@@ -233,7 +233,7 @@ TEST(BenchSwarmTest, WhatCannotBeBuiltIsSaid) {
   EXPECT_THAT(said(options), HasSubstr("there is no controller 'no_such'"));
 }
 
-/// What the parser says about `arguments` of coopdyn bench; empty: fine.
+/// The parser's error for `arguments` of coopdyn bench; empty: none.
 std::string Parse(const std::string& arguments) {
   CLI::App bench;
   std::function<int()> chosen;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What coopdyn check tells of models that were made for other programs.
+// The report of coopdyn check on models made for other programs.
 #include "server/app/check_report.h"
 
 #include <gmock/gmock.h>
@@ -60,7 +60,7 @@ TEST_F(CheckReportTest, WhatIsMendedIsNoLoss) {
   const CheckReport report = Robot(
       "<link name=\"base\"><collision><geometry><sphere radius=\"0.1\"/></geometry></collision></link>");
   EXPECT_EQ(report.verdict, CheckVerdict::kRuns);
-  ASSERT_EQ(report.mended.size(), 2u);  // no mass, and it stood below the floor
+  ASSERT_EQ(report.mended.size(), 2u);  // no mass, and below the floor
   EXPECT_THAT(report.mended[0].what + report.mended[1].what, HasSubstr("it gets 10 g"));
 }
 
@@ -132,7 +132,7 @@ TEST_F(CheckReportTest, MissingFilesAreJoinedByTheirPackageWithACommand) {
 
 TEST_F(CheckReportTest, ManyHarmlessFindingsHideNoLoss) {
   std::string parts = Link("base");
-  // Each is a finding of its own, unlike elements of one name.
+  // Each is a separate finding, unlike elements of one name.
   for (int i = 0; i < 150; ++i) {
     const std::string name = "my_led_" + std::to_string(i);
     parts += "<gazebo><plugin filename=\"" + name + ".so\" name=\"" + name + "\"/></gazebo>\n";

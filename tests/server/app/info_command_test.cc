@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// coopdyn info: what it says of a recording.
+// The output of coopdyn info.
 #include "server/app/info_command.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What it means that something of a model is left out.
+// The consequences of ignored parts of a model.
 #include "server/app/left_out.h"
 
 #include <gtest/gtest.h>

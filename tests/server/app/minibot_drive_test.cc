@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The minibot's wheels turn it as ideal kinematics say, in every fidelity, at the default step of 10 ms.
+// The minibot drives as an ideal differential drive, in every fidelity, at the default step of 10 ms.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -29,7 +29,7 @@ class MinibotDriveTest : public ::testing::TestWithParam<Fidelity> {
     EXPECT_EQ(diagnostics.ToString(), "");
   }
 
-  /// Drives with `v_m_s` and `w_rad_s` for `seconds`; the pose then.
+  /// Drives with `v_m_s` and `w_rad_s` for `seconds`; returns the final pose.
   Pose Drive(double v_m_s, double w_rad_s, double seconds) {
     const DriveModel& drive = *frame_.scene->robots[0].entry.model->drive();
     const auto wheels = SetpointsFor({(v_m_s - w_rad_s * drive.track_m / 2) / drive.wheel_radius_m,

@@ -170,7 +170,7 @@ TEST_F(RunReportTest, WhatFailedCountsMoreThanWhatWasCutShort) {
   run_.status.duration_s = 60;
   run_.end = RunEnd::kSignal;
   run_.stopped["swarm1_2"] = {"deadline", 8, 0.08, "missed its deadline"};
-  EXPECT_EQ(ExitCode(run_), kExitCutShort);  // a deadline does what the scenario says
+  EXPECT_EQ(ExitCode(run_), kExitCutShort);  // a deadline acts as the scenario says
   RunReport frozen = run_, controller = run_, recording = run_;
   frozen.status.frozen_before = {"CRATE"};
   controller.stopped["swarm1_1"] = {"controller", 7, 0.07, "controller diffuse crashed (abort)"};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The options of YARS as those of coopdyn serve.
+// The options of YARS, translated to those of coopdyn serve.
 #include "server/app/yars_words.h"
 
 #include <gtest/gtest.h>
@@ -66,7 +66,7 @@ TEST(YarsWordsTest, DebugMayHaveALevel) {
   EXPECT_EQ(Read({"a.xml", "--debug=loud"}).error, "--debug takes debug, info or silent, not loud");
 }
 
-// Of the public YARS's --help; --noctrl and --config would change much.
+// From the public YARS's --help; --noctrl and --config would change much.
 TEST(YarsWordsTest, NoOptionOfYarsIsWrong) {
   for (const Words& option : std::vector<Words>{{"--textures", "a"},
                                                 {"--lib", "a"},

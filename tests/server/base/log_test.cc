@@ -19,7 +19,7 @@ constexpr const char* kWipe = "\r\033\\[K";
 // Date, time and zone.
 const std::string kWhen = "20[0-9][0-9]-[0-9][0-9]-[0-9][0-9] [0-9:.]+[+-][0-9][0-9]:[0-9][0-9]";
 
-/// What a log writes to stderr while `use` has it.
+/// A log's output on stderr while `use` writes to it.
 template <typename Use>
 std::string Written(Use use, const std::string& file = "") {
   testing::internal::CaptureStderr();

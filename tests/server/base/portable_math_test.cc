@@ -18,7 +18,7 @@
 namespace coopdyn {
 namespace {
 
-/// As long double has 64 bits, libm's is right to the last of ours but for ties.
+/// With a long double of 64 bits, libm's result is correct to our last bit except for ties.
 double UlpsOff(double value, long double exact) {
   const double nearest = static_cast<double>(exact);
   const double ulp =
@@ -102,7 +102,7 @@ TEST(PortableMathTest, WhatALibraryCallsIsOurs) {
     const volatile double x = 20 * random.Next() - 10;
     ASSERT_EQ(std::sin(x), portable::Sin(x));
     ASSERT_EQ(std::cos(x),
-              portable::Cos(x));  // with the line above one call of sincos(), if the compiler likes
+              portable::Cos(x));  // the compiler may merge this with the line above into one sincos()
     ASSERT_EQ(portable::SinCos(x).sin, portable::Sin(x));
     ASSERT_EQ(portable::SinCos(x).cos, portable::Cos(x));
     ASSERT_EQ(std::atan2(x, 3.0), portable::Atan2(x, 3));

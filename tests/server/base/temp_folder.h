@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A folder of its own for a test, gone with it. One thread.
+// A private folder for a test; the destructor removes it. One thread.
 #pragma once
 
 #include <stdlib.h>
@@ -14,13 +14,13 @@ namespace coopdyn {
 
 class TempFolder {
  public:
-  /// Throws if there can be none.
+  /// Throws if the folder cannot be made.
   TempFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "coopdyn_test_XXXXXX").string();
     if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder " + name);
     path_ = name;
   }
-  /// A test may have taken the right to write from it.
+  /// A test may have removed its write permission.
   ~TempFolder() {
     std::error_code ignored;
     std::filesystem::permissions(path_, std::filesystem::perms::owner_all, ignored);
@@ -41,7 +41,7 @@ class TempFolder {
     return file.string();
   }
 
-  /// `text` without this folder's path.
+  /// `text` with this folder's path removed.
   std::string Strip(std::string text) const {
     const std::string prefix = path_.string() + "/";
     for (auto at = text.find(prefix); at != std::string::npos; at = text.find(prefix))

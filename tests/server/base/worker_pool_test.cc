@@ -67,7 +67,7 @@ TEST(WorkerPool, AllThreadsTakePart) {
   Mutex mutex;
   std::set<std::thread::id> threads;
   std::atomic<int> inside{0};
-  // Each part waits until all three are in one, so no thread can do two.
+  // Each part waits until all three have begun, so no thread can run two.
   pool.For(3, 1, [&](std::size_t, std::size_t) {
     ++inside;
     while (inside.load() < 3) std::this_thread::yield();

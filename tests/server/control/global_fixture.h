@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Global modules on the real boards, with a stepping thread that applies edits when told, and desks whose
-// threads are real; no sockets, no physics.
+// Global modules on the real boards, with a stepping thread that applies edits on demand, and desks with real
+// threads; no sockets, no physics.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@
 
 namespace coopdyn {
 
-/// A thread's queue, run by the test; others may post to it.
+/// A thread's queue, run by the test; other threads may post to it.
 class TestThread {
  public:
   std::function<void(std::function<void()>)> poster() {
@@ -36,12 +36,11 @@ class TestThread {
       changed_.NotifyAll();
     };
   }
-  /// Runs what is there.
+  /// Runs the queued functions.
   void Run() {
     while (std::function<void()> work = Take(false)) work();
   }
-  /// Runs what is there and what comes until `condition` holds; the test's time limit ends it if it never
-  /// does.
+  /// Runs queued functions until `condition` holds; if it never does, the test's time limit ends the wait.
   template <typename Condition>
   void RunUntil(Condition condition) {
     while (!condition()) Take(true)();
@@ -64,7 +63,7 @@ class TestThread {
 
 class GlobalModuleTest : public testing::Test {
  protected:
-  /// What the stepping thread does with the edits that wait; all are kept in applied_.
+  /// Applies the pending edits, as the stepping thread does; keeps all in applied_.
   void ApplyEdits() {
     for (Edit& each : edits_.TakeAll()) {
       EditResult result = next_result_;
@@ -99,7 +98,7 @@ class GlobalModuleTest : public testing::Test {
     state->frame = world_.frames.Latest();
     return state;
   }
-  /// A step, which is recorded.
+  /// Runs a step and records it.
   void Step() {
     world_.Step();
     if (journal_ == nullptr) return;
@@ -112,7 +111,7 @@ class GlobalModuleTest : public testing::Test {
     }
     journal_->Step(frame, Mode::kLockstep, keyframe, 0);
   }
-  /// Sends a line, lets its edits be applied, and waits for the reply.
+  /// Sends a line, applies its edits, and waits for the reply.
   Message Ask(FakeClient& client, const std::string& line) {
     client.Send(line);
     ApplyEdits();

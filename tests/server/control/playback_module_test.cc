@@ -41,7 +41,7 @@ class PlaybackModuleTest : public GlobalModuleTest {
     client_.emplace(*module_, 1);
   }
 
-  /// Lets the stepping thread go on with the state that was made, and waits for the reply.
+  /// Lets the stepping thread continue with the state that was made, and waits for the reply.
   Message FinishBranch() {
     if (make_error_.empty()) {
       WaitForEdit();

@@ -224,7 +224,7 @@ TEST_F(RecorderModuleTest, AFileWithoutItsLogIsNotHandedOut) {
   EXPECT_EQ(List()[0].at("steps"), 1);
   EXPECT_TRUE(List()[0].at("url").is_null());
 
-  other.reset();  // the last that has it open makes the log part of it
+  other.reset();  // closing the last handle merges the log
   EXPECT_EQ(Open("lesson1.run").error, Error::kOk);
   EXPECT_EQ(List()[0].at("url"), "http://here:10001/runs/lesson1.run");
 }
@@ -247,7 +247,7 @@ TEST_F(RecorderModuleTest, TheCommandLinesFileIsRecordedFromTheFirstStep) {
   EXPECT_EQ(desk_->StartFile(file, false), "");
   ApplyEdits();
   Step();
-  // It is not in the folder, so the page does not have it.
+  // The file is not in the folder, so the page cannot offer it.
   EXPECT_EQ(Ask("stop").text, "night.run");
   EXPECT_THAT(desk_->StartFile(file, false), HasSubstr("--force"));
   EXPECT_EQ(desk_->StartFile(file, true), "");
@@ -273,7 +273,7 @@ TEST_F(RecorderModuleTest, ARunThatCannotFitIsRefused) {
   EXPECT_EQ(desk_->StartFile((folder_ / "lesson1").string(), true), "");
 }
 
-/// Files cannot grow beyond this many bytes while it lives.
+/// During its lifetime files cannot grow beyond this number of bytes.
 class FileLimit {
  public:
   explicit FileLimit(rlim_t bytes) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the list of recordings says, and the files that are made of them.
+// The list of recordings, and the files exported from them.
 #include "server/control/run_folder.h"
 
 #include <gtest/gtest.h>

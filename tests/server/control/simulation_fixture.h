@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// /simulation on the real boards, with a stepping thread that applies edits when told; no sockets, no
+// /simulation on the real boards, with a stepping thread that applies edits on demand; no sockets, no
 // physics.
 #pragma once
 
@@ -50,11 +50,11 @@ class SimulationModuleTest : public testing::Test {
 
   void Write(const std::string& name, const std::string& text) { folder_.Write(name, text); }
 
-  /// What the thread that reads scenarios does.
+  /// Runs the pending loads, as the thread that reads scenarios does.
   void RunLoads() {
     for (const auto& load : std::exchange(loads_, {})) load();
   }
-  /// What the stepping thread does: answers every edit, keeping what it was.
+  /// Answers every edit, as the stepping thread does, and keeps it.
   void ApplyEdits() {
     for (Edit& each : edits_.TakeAll()) {
       EditResult result = next_result_;
@@ -80,7 +80,7 @@ class SimulationModuleTest : public testing::Test {
     }
     thread_.Run();
   }
-  /// Sends a line, lets its edit be applied, returns the reply.
+  /// Sends a line, applies its edit, returns the reply.
   Message Ask(const std::string& line) {
     client_->Send(line);
     RunLoads();
@@ -108,7 +108,7 @@ class SimulationModuleTest : public testing::Test {
   FakeActions actions_;
   SmallWorld world_{2};
   std::vector<std::string> applied_scenes_;
-  std::function<void()> serve_;  // what to call when the robots of the newest of them serve
+  std::function<void()> serve_;  // called when the robots of the newest load serve
   SimulationServices services_{{world_.board, world_.frames, edits_, roster_, guard_, clock_, "1.2.3",
                                 [this](const auto& scene, std::function<void()> done) {
                                   applied_scenes_.push_back(scene->scenario->name);
@@ -120,7 +120,7 @@ class SimulationModuleTest : public testing::Test {
                                robots_,
                                actions_,
                                [this](std::function<void()> load) { loads_.push_back(std::move(load)); }};
-  std::vector<std::function<void()>> loads_;  // given to the thread that reads scenarios
+  std::vector<std::function<void()>> loads_;  // posted to the thread that reads scenarios
   FakeThread thread_;
   EditResult next_result_;
   bool serve_at_once_ = true;

@@ -166,7 +166,7 @@ TEST_F(SimulationModuleTest, ASecondLoadIsReadWhenTheFirstIsInForce) {
   Write("yard.scenario", "[FLOOR]\nsize 9 9 0.1\n");
   FakeClient other(*module_, 2);
   client_->Send("load_scenario yard");
-  other.Send("reload");  // of the yard, by then
+  other.Send("reload");  // reloads the yard, by then
   RunLoads();
   EXPECT_TRUE(loads_.empty()) << "the first is read, but not in force";
   ApplyEdits();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What get_status tells.
+// The reply to get_status.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// /swarm on the real boards, with steps that run as soon as everybody is ready; no sockets, no physics.
+// /swarm on the real boards, with steps that run as soon as all participants are ready; no sockets, no
+// physics.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which robots are the team's: claimed, released, taken over, gone.
+// The members of a team: claimed, released, taken over, removed.
 #include "server/control/swarm_module.h"
 
 #include <gmock/gmock.h>

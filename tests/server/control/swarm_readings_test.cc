@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a team reads: select_readings, read_all.
+// The readings of a team: select_readings, read_all.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

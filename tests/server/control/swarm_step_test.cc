@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A team that drives: step_all, stop_team, ready.
+// Driving a team: step_all, stop_team, ready.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -127,7 +127,7 @@ TEST_F(SwarmModuleTest, StepAllIsAnsweredAfterTheStepInEveryMode) {
 TEST_F(SwarmModuleTest, ResetAndLoadEndTheWaitWithError5) {
   Ask("claim ant");
   client_->Send("step_all");
-  EXPECT_TRUE(client_->is_waiting());  // for loner
+  EXPECT_TRUE(client_->is_waiting());  // waits for loner
   Load(AntScenario(3), StepEnd::kReset);
   thread_.Run();
   EXPECT_EQ(client_->received.back().error, 5);
@@ -155,7 +155,7 @@ TEST_F(SwarmModuleTest, ReadyKeepsTheSetpointsForSomeSteps) {
   Ask("step_all wheels 1 1 2 2 3 3 4 4");
   client_->Send("ready 2");
   thread_.Run();
-  EXPECT_TRUE(client_->is_waiting());  // the second step is for someone to run
+  EXPECT_TRUE(client_->is_waiting());  // another client must run the second step
   world_.Step();
   thread_.Run();
   EXPECT_FALSE(client_->is_waiting());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The same commands from the child and in-process, and for any number of threads.
+// The child and in-process controllers give the same commands, for any number of threads.
 #include <gtest/gtest.h>
 
 #include "tests/server/controllers/swarm.h"
@@ -7,7 +7,7 @@
 namespace coopdyn {
 namespace {
 
-/// All samples among each other, and a robot that clients drive.
+/// All samples together, and a robot driven by clients.
 Swarm MixedSwarm(int robots) {
   const std::vector<std::string> samples = {"diffuse", "braitenberg", "aggregate", "flock", "attractor"};
   Swarm swarm;

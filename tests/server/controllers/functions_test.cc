@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The functions of controller.h at the ends of their ranges, and beyond them.
+// The functions of controller.h at and beyond the ends of their ranges.
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -16,7 +16,7 @@ constexpr double kInf = std::numeric_limits<double>::infinity(), kMost = std::nu
                  kLeast = 5e-324;
 using L = long double;
 
-/// The same as libm's of 64 bits to 1 ulp, and in its infinities, signs of zero and NaN.
+/// Equals libm's 64-bit result to 1 ulp, including infinities, signs of zero and NaN.
 void ExpectNear(double ours, L exact, const std::string& what) {
   const auto nearest = static_cast<double>(exact);
   if (std::isnan(nearest)) {
@@ -87,7 +87,7 @@ TEST(ControllerFunctionsTest, OfTwoNumbers) {
       const std::string what = " of " + std::to_string(x) + ", " + std::to_string(y);
       ExpectNear(coopdyn_hypot(x, y), std::hypot(L(x), L(y)), "hypot" + what);
       ExpectNear(coopdyn_atan2(y, x), std::atan2(L(y), L(x)), "atan2" + what);
-      // SLEEF's largest result is infinite already.
+      // SLEEF's largest result is already infinite.
       if (std::abs(x) != kMost) ExpectNear(coopdyn_pow(x, y), std::pow(L(x), L(y)), "pow" + what);
     }
   }

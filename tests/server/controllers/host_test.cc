@@ -92,7 +92,7 @@ TEST(ControllerHostTest, TheSlowestControllerIsNamedWithItsTime) {
     Driven driven(Swarm().Add(Sample("flock")).Add(Sample("flock")), TestOptions(in_process));
     driven.Start();
     EXPECT_EQ(driven.host().slowest().controller, "");
-    driven.Steps(100);  // not each of them is timed
+    driven.Steps(100);  // not every step is timed
     EXPECT_EQ(driven.host().slowest().controller, "flock");
     EXPECT_GT(driven.host().slowest().per_step, 0);
   }
@@ -107,8 +107,7 @@ TEST(ControllerHostTest, TimesAddUp) {
   EXPECT_EQ(driven.host().times().physics, 0);
 }
 
-/// What the controller `mirror` shows of the readings that `what` names, in the second robot's last step of
-/// two.
+/// The numbers that the controller `mirror` shows for option `what`, in the second robot's last of two steps.
 std::vector<double> Shown(int what, bool in_process = false) {
   Swarm swarm;
   swarm.Mark(1.1, 0.7).Add(Sample("flock")).Add(TestPlugin("mirror"), {{"what", what}}).Add(Sample("flock"));
@@ -122,7 +121,7 @@ std::vector<double> Shown(int what, bool in_process = false) {
   return {};
 }
 
-/// The frame in which it was shown.
+/// The frame at that step.
 FramePtr ShownFrame() {
   Swarm swarm;
   swarm.Mark(1.1, 0.7).Add(Sample("flock")).Add(TestPlugin("mirror")).Add(Sample("flock"));
@@ -248,7 +247,7 @@ TEST(ControllerSetpointsTest, WhatCannotBeCarriedOutStopsTheRobot) {
   }
 }
 
-/// A disc with four wheels. Its first two are a drive only if `module` is not empty.
+/// A disc with four wheels. The first two form a drive unless `module` is empty.
 std::shared_ptr<RobotModel> FourWheels(const std::string& module) {
   auto model = DiscModel();
   model->joints = {{.name = "a"}, {.name = "b"}, {.name = "c"}, {.name = "d"}};
@@ -317,7 +316,7 @@ TEST(ControllerStateTest, ARestoredRunGoesOnAsIfNothingHadHappened) {
     for (std::size_t i = 0; i < 30; ++i) {
       EXPECT_EQ(second.run().setpoints[i], first.run().setpoints[20 + i]) << "step " << i;
     }
-    // It was stopped before, which whoever restores must know.
+    // The controller was stopped before, which a restored host must know.
     ASSERT_EQ(second.run().stopped.size(), 1u);
     EXPECT_EQ(second.run().stopped[0].robot, "robot14");
     EXPECT_EQ(second.run().stopped[0].why, first.run().stopped.at(0).why);

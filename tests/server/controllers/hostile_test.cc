@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whatever a controller does in the child, its robot stops with the reason, and nothing else changes.
+// Whatever a controller does in the child, its robot stops with a reason, and nothing else changes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <spdlog/sinks/ostream_sink.h>
@@ -22,7 +22,7 @@ using testing::Not;
 
 constexpr std::size_t kVictim = 7;  // index of the robot that misbehaves
 
-/// Samples of all kinds, and among them one that does `deed` in its step `at`.
+/// Samples of all kinds, with one robot among them whose controller does `deed` in step `at`.
 Swarm SwarmWith(int deed, int at = 5) {
   Swarm swarm;
   swarm.Mark(3, 1);
@@ -42,7 +42,7 @@ Record RunFor(const Swarm& swarm, const ControllerOptions& options, int steps = 
   return driven.Steps(steps);
 }
 
-/// The run in which that robot's controller just returns a number that is not finite.
+/// The run in which that robot's controller returns a non-finite number.
 const Record& Mild() {
   static const Record record = RunFor(SwarmWith(kNotANumber), TestOptions(true));
   return record;
@@ -59,7 +59,7 @@ TEST_P(HostileStepTest, StopsThatRobotOnly) {
   for (const int threads : {1, 3}) {
     ControllerOptions options = TestOptions(false, threads);
     const bool hangs = GetParam().deed == kSleep || GetParam().deed == kSpin;
-    options.deadline = (hangs ? 1 : 600) * kNanosecondsPerSecond;  // a busy machine makes no other deed late
+    options.deadline = (hangs ? 1 : 600) * kNanosecondsPerSecond;  // no other deed must be late
     const Record record = RunFor(SwarmWith(GetParam().deed), options);
     EXPECT_TRUE(record.setpoints == Mild().setpoints) << threads << " threads";
     ASSERT_EQ(record.stopped.size(), 1u);
@@ -195,7 +195,7 @@ TEST(HostileTest, KilledFromOutsideBetweenStepsNothingIsLost) {
   EXPECT_TRUE(driven.run().stopped.empty());
 }
 
-/// A crash that no controller's step, create or reset makes: of a thread that one has started.
+/// A crash outside of step, create and reset: in a thread started by a controller.
 void Crash(Driven& driven) {
   ASSERT_GT(driven.host().child_pid(), 0);
   kill(driven.host().child_pid(), SIGSEGV);

@@ -19,7 +19,7 @@ pid_t ParentOf(pid_t pid) {
   std::ifstream stream("/proc/" + std::to_string(pid) + "/stat");
   std::string text;
   std::getline(stream, text);
-  const std::size_t at = text.rfind(')');  // behind the name
+  const std::size_t at = text.rfind(')');  // after the name
   return at == std::string::npos ? 0 : std::stoi(text.substr(at + 4));
 }
 
@@ -36,7 +36,7 @@ TEST(LauncherTest, ResetsCopyOneTemplate) {
   driven.Start();
   EXPECT_NE(driven.host().child_pid(), first);
   EXPECT_EQ(ParentOf(driven.host().child_pid()), parent);
-  while (ParentOf(first) != 0) std::this_thread::yield();  // a reset does not wait for its end, but it comes
+  while (ParentOf(first) != 0) std::this_thread::yield();  // a reset does not wait for the process's end
 }
 
 TEST(LauncherTest, WithoutItsTemplateTheRunGoesOnAndAResetMakesANewOne) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Loaded controllers of robots with limbs, without physics: joints go at once where they are told.
+// Loaded controllers of robots with limbs, without physics: joints reach their set-points immediately.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ struct Limbed {
 constexpr Limbed kLimbed[] = {{"reach", "lwa"},      {"reach", "irb120"},   {"trot", "quadruped"},
                               {"tripod", "hexapod"}, {"squat", "humanoid"}, {"walk", "humanoid"}};
 
-/// A robot of robots/ that lies as its body says, and its controller.
+/// A robot of robots/ at its body's pose, and its controller.
 class Puppet {
  public:
   Puppet(const std::string& type, const std::string& file, bool in_process = true, PuppetOptions options = {})
@@ -52,7 +52,7 @@ class Puppet {
   const FramePtr& frame() const { return frame_; }
   const std::vector<SentMessage>& messages() const { return messages_; }
 
-  /// Puts R there; v_R and w_R along its axes.
+  /// Places R; v_R and w_R are along its axes.
   void Lie(const Pose& X_WR, const Vector3& v_R, const Vector3& w_R) {
     const std::shared_ptr<Frame> frame = Copy();
     const SceneRobot& robot = frame->scene->robots[0];
@@ -79,13 +79,13 @@ class Puppet {
     return setpoints_;
   }
 
-  /// Continues at `frame` with what was saved there.
+  /// Continues at `frame` with the state saved there.
   bool Restore(const FramePtr& frame, std::span<const std::byte> saved) {
     frame_ = frame;
     return host_.Restore(frame, saved);
   }
 
-  /// The set-points by the joints' names.
+  /// The set-points by joint name.
   double At(const std::string& joint) const {
     const std::vector<Channel>& channels = frame_->scene->channels;
     for (std::size_t i = 0; i < channels.size(); ++i) {
@@ -96,8 +96,8 @@ class Puppet {
     return 0;
   }
 
-  /// How the last set-points turn and shift a foot of the humanoid against how it stands with all joints
-  /// at 0.
+  /// Rotation and displacement of a humanoid's foot at the last set-points, relative to its pose with all
+  /// joints at 0.
   Pose Foot(const std::string& side) const {
     Pose X;
     for (const char* joint : {"hip_pitch", "hip_roll", "hip_yaw", "knee", "ankle_pitch", "ankle_roll"}) {
@@ -227,7 +227,7 @@ TEST(LimbControllersTest, AWalkLiftsOneFootAfterTheOtherAndKeepsThemLevel) {
   constexpr int kSteps = 6;
   Puppet puppet("humanoid", Sample("walk"), true,
                 {{"steps", kSteps}, {"length", 0.05}, {"period", 1}, {"lift", 0.03}, {"wait", 1}});
-  std::string lifted;  // which foot is in the air, change by change
+  std::string lifted;  // the lifted foot after each change
   for (int i = 0; i < 100 * (kSteps + 3); ++i) {
     puppet.Step();
     const Pose left = puppet.Foot("left_"), right = puppet.Foot("right_");

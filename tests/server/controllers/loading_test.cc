@@ -51,7 +51,7 @@ INSTANTIATE_TEST_SUITE_P(
         LoadingCase{"throw_on_describe", "threw an exception (speechless)"},
         LoadingCase{"not_there", "cannot be loaded"}));
 
-/// Why the one robot stands that `controller` was to drive; empty if it does not.
+/// The reason why `controller` does not drive the only robot; empty if it does.
 std::string WhyItStands(const std::string& controller, const ControllerOptions& options = TestOptions()) {
   Driven driven(Swarm().Add(controller), options);
   driven.Start();
@@ -89,7 +89,7 @@ TEST(LoadingTest, AProcessOfControllersStartsNoOther) {
 TEST(LoadingTest, AControllerChangedOnDiskIsNotMixedWithTheOldOne) {
   const std::string file = testing::TempDir() + "changing_" + std::to_string(getpid()) + ".so";
   const auto copy = [&file](const std::string& from) {
-    std::remove(file.c_str());  // what is loaded keeps the old one
+    std::remove(file.c_str());  // the loaded object stays
     std::ofstream(file, std::ios::binary) << std::ifstream(from, std::ios::binary).rdbuf();
   };
   copy(Sample("diffuse"));
@@ -102,7 +102,7 @@ TEST(LoadingTest, AControllerChangedOnDiskIsNotMixedWithTheOldOne) {
   ASSERT_EQ(driven.run().stopped.size(), 1u);
   EXPECT_THAT(driven.run().stopped[0].why, HasSubstr("was changed on disk"));
   EXPECT_NE(driven.run().setpoints[5][1], WheelSpeeds{});
-  driven.Start();  // a reset takes the new one
+  driven.Start();  // a reset loads the new one
   driven.Steps(1);
   EXPECT_FALSE(driven.run().messages.empty());
   std::remove(file.c_str());

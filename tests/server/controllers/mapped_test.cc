@@ -14,8 +14,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-/// A disc whose wheels are motors from -1 to 1, and which sees how fast they turn, from 0 to 1. An exchange
-/// lasts two steps.
+/// A disc whose wheels are motors from -1 to 1, and whose values are the wheels' speeds from 0 to 1. An
+/// exchange lasts two steps.
 std::shared_ptr<RobotModel> ChannelDisc() {
   auto model = DiscModel();
   ChannelModel channel;
@@ -64,7 +64,7 @@ TEST_P(ControllerMappedTest, ItGetsTheChannelAndItsValuesOnceInAnExchange) {
   ASSERT_THAT(run.messages, SizeIs(2));
   const double exchange_s = 2 * ToSeconds(kDefaultStep);
   EXPECT_THAT(Said(run.messages[0]), ElementsAre(2, 2, 10, 1, exchange_s, 0.5, 0.5, 0.25));
-  // The wheels turn with 2.5 rad/s of 10.
+  // The wheels turn at 2.5 of 10 rad/s.
   EXPECT_THAT(Said(run.messages[1]), ElementsAre(2, 2, 10, 1, exchange_s, 0.625, 0.625, 0.25));
 }
 

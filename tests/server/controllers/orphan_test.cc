@@ -15,8 +15,8 @@
 namespace coopdyn {
 namespace {
 
-/// Forks a process that runs controllers, tells the child's pid and then goes on stepping; kills it, and
-/// waits for the end of the child. False: the child is still there after a long time.
+/// Forks a process that runs controllers, reports the child's pid and continues to step; kills the process,
+/// and waits for the child's end. False: the child still exists after a long time.
 bool ChildEndsWithItsParent(int deed) {
   std::array<int, 2> pipe_fds{};
   if (pipe(pipe_fds.data()) != 0) return false;
@@ -28,7 +28,7 @@ bool ChildEndsWithItsParent(int deed) {
     driven.Start();
     const pid_t child = driven.host().child_pid();
     if (write(pipe_fds[1], &child, sizeof(child)) != sizeof(child)) _exit(1);
-    driven.Steps(1);  // with kSpin it does not come back
+    driven.Steps(1);  // with kSpin it does not return
     for (;;) pause();
   }
   pid_t child = -1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A reset, or a return to a saved state, many times: the same, and nothing is left behind.
+// Many resets and returns to a saved state: the same steps follow, and nothing leaks.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -44,7 +44,8 @@ std::size_t Children() {
   return count;
 }
 
-/// Memory that a process has written to, in kB. Clean pages of files are private or shared by who else runs.
+/// Memory that a process has written to, in kB. Clean pages of files are private or shared, depending on
+/// other processes.
 long MemoryOf(const std::string& pid) {
   std::ifstream stream("/proc/" + pid + "/smaps_rollup");
   long sum = 0;
@@ -63,8 +64,8 @@ struct Held {
   long memory_kb = 0, child_kb = 0;
 };
 
-/// Repeats `again`, which must leave the swarm at the same start, that many times, and compares the steps
-/// that follow.
+/// Calls `again`, which must restore the swarm's start, this number of times, and compares the steps that
+/// follow.
 void ExpectFlat(Driven& driven, int times, const std::function<void()>& again) {
   again();
   driven.Steps(kSteps);
@@ -96,7 +97,7 @@ void ExpectFlat(Driven& driven, int times, const std::function<void()>& again) {
   EXPECT_LT(end.memory_kb, warm.memory_kb + kSlack_kb);
   EXPECT_LT(end.child_kb, warm.child_kb + kSlack_kb);
 #endif
-  // CPU time of this process only; the least of the first and of the last tenth, as others load the machine.
+  // CPU time of this process; the minimum of the first and of the last tenth, because the machine is shared.
   const auto tenth = static_cast<std::ptrdiff_t>(times / 10);
   const double first = *std::min_element(cpu_s.begin(), cpu_s.begin() + tenth);
   const double last = *std::min_element(cpu_s.end() - tenth, cpu_s.end());

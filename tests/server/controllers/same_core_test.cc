@@ -13,7 +13,7 @@
 namespace coopdyn {
 namespace {
 
-/// Where thread or process `id` may go.
+/// The cores allowed for a thread or process `id`.
 cpu_set_t CoresOf(pid_t id) {
   cpu_set_t cores;
   CPU_ZERO(&cores);
@@ -56,7 +56,7 @@ TEST_F(SameCoreTest, ATurnHoldsBothOnOneCore) {
 TEST_F(SameCoreTest, TheOtherHasTheCallersPriority) {
   ::setpgid(other_, other_);
   std::thread([this] {
-    const int urgent = getpriority(PRIO_PROCESS, 0) + 1;  // less is not for everybody
+    const int urgent = getpriority(PRIO_PROCESS, 0) + 1;  // lower values need privileges
     ASSERT_EQ(setpriority(PRIO_PROCESS, 0, urgent), 0);
     SameCore core(other_);
     core.Take();
@@ -112,7 +112,7 @@ TEST_F(SameCoreTest, WhenAnotherThreadTakesATurnTheFirstIsLetGo) {
   core.Take();
   const pid_t first = ::gettid();
   std::thread([&] {
-    sched_setaffinity(0, sizeof(all_), &all_);  // a thread begins where its maker is held
+    sched_setaffinity(0, sizeof(all_), &all_);  // a thread inherits its creator's cores
     core.Take();
     EXPECT_TRUE(BothAreHeld());
     EXPECT_TRUE(Same(CoresOf(first), all_));

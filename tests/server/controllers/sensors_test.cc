@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What loaded controllers get of the sensors that they name.
+// Readings of the sensors that loaded controllers request.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,8 @@ namespace {
 
 using testing::ElementsAre;
 
-/// A robot with an IMU at 50 Hz, two cameras and a battery, driven by a controller that names some of them.
+/// A robot with an IMU at 50 Hz, two cameras and a battery, driven by a controller that requests some of
+/// them.
 class FeelingRobot {
  public:
   explicit FeelingRobot(bool in_process, DrawPictures draw = nullptr)
@@ -35,7 +36,7 @@ class FeelingRobot {
     host_.Configure(MakeFrame());
   }
 
-  /// What it broadcasts in the next step.
+  /// The robot's broadcast in the next step.
   std::vector<double> Step() {
     std::vector<Setpoint> channels(scene_->channels.size());
     std::vector<SentMessage> messages;
@@ -55,7 +56,7 @@ class FeelingRobot {
     frame->scene = scene_;
     frame->bodies.resize(scene_->body_ids.size());
     frame->channels.resize(scene_->channels.size());
-    frame->measured = {0, 0, static_cast<double>(step_), 1, 1};  // of the IMU, then of the battery
+    frame->measured = {0, 0, static_cast<double>(step_), 1, 1};  // the IMU's, then the battery's
     frame->commanded.resize(1);
     keeper_.AddTo(*frame);
     return frame_ = frame;
@@ -98,7 +99,7 @@ TEST_P(ControllerSensorsTest, PicturesAreDrawnOfTheCamerasThatItNames) {
 INSTANTIATE_TEST_SUITE_P(Hosts, ControllerSensorsTest, testing::Bool(),
                          [](const auto& info) { return info.param ? "InProcess" : "InAChild"; });
 
-/// Answers requests as the render thread does, on a thread of its own.
+/// Answers requests as the render thread does, on a separate thread.
 TEST(DrawOnTest, MorePicturesThanTheBoardTakesAtOnceAreAllDrawn) {
   ImageBoard board;
   const SteadyClock clock;

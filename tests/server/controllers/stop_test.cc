@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Robots whose controller is taken away or stopped from outside, as a repetition of a run does it, and what
-// that leaves in a saved state.
+// Robots whose controller is removed or stopped from outside, as when a run is repeated, and the effect on a
+// saved state.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -53,7 +53,7 @@ TEST_P(StopTest, TheOthersGoOnAsIfNothingHadHappened) {
   host().Stop(2, "controller flock crashed (abort)");
   driven_.Steps(10);
   untouched_.Steps(10);
-  for (std::size_t step = 0; step < 15; ++step) {  // diffuse does not listen
+  for (std::size_t step = 0; step < 15; ++step) {  // diffuse ignores messages
     EXPECT_EQ(driven_.run().setpoints[step][0], untouched_.run().setpoints[step][0]) << step;
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Supervisors in the host: what they see and want, and that whatever one does stops nobody else.
+// Supervisors in the host: their view and their actions, and that none of them can stop anything else.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ TEST(SupervisorTest, SeesWhereAllRobotsAndTargetsAre) {
 
 TEST(SupervisorTest, DrivesNobody) {
   Swarm alone = Supervised(kWatches);
-  alone.Supervise(".so");  // none
+  alone.Supervise(".so");  // not a supervisor
   Driven with(Supervised(kWatches)), without(alone);
   with.Start();
   without.Start();

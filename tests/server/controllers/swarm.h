@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A swarm without physics for tests of controllers: robots on a lattice that move exactly as their wheels
-// say.
+// turn.
 #pragma once
 
 #include <cmath>
@@ -47,12 +47,12 @@ inline std::shared_ptr<RobotModel> DiscModel(int sensors = 8) {
   return model;
 }
 
-/// Robots, their controllers, and the frame in which they stand.
+/// Robots, their controllers, and the frame that contains them.
 class Swarm {
  public:
   explicit Swarm(std::shared_ptr<const RobotModel> model = DiscModel()) : model_(std::move(model)) {}
 
-  /// Another robot, robot1, robot2, ..., driven by the shared object `file`.
+  /// Adds a robot, robot1, robot2, ..., driven by the shared object `file`.
   Swarm& Add(const std::string& file, std::vector<std::pair<std::string, double>> options = {}) {
     RobotEntry entry;
     const int index = static_cast<int>(scenario_.robots.size());
@@ -104,7 +104,7 @@ class Swarm {
     return frame;
   }
 
-  /// The frame after `frame` if the wheels turn so.
+  /// The frame after `frame` if the wheels turn at `setpoints`.
   FramePtr Next(const FramePtr& frame, const std::vector<WheelSpeeds>& setpoints,
                 std::vector<SentMessage> messages) const {
     auto next = std::make_shared<Frame>();
@@ -144,7 +144,7 @@ class Swarm {
   Scenario scenario_;
 };
 
-/// What came of a run.
+/// The results of a run.
 struct Record {
   std::vector<std::vector<WheelSpeeds>> setpoints;  // by step, then robot
   std::vector<SentMessage> messages;
@@ -186,13 +186,13 @@ class Driven {
     return run_;
   }
   const Record& run() const { return run_; }
-  /// What the run holds of steps so far; for long ones.
+  /// Discards the run's steps so far; for long runs.
   void Forget() {
     run_.setpoints.clear();
     run_.messages.clear();
     run_.supervision.clear();
   }
-  /// Continues at `frame` with what was saved there.
+  /// Continues at `frame` with the state saved there.
   bool Restore(const FramePtr& frame, std::span<const std::byte> saved) {
     frame_ = frame;
     return host_.Restore(frame, saved);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the modules of muscles and thrusters tell, and the activations, forces and torques that they take.
+// Modules of muscles and thrusters: their readings, and the activations, forces and torques that they accept.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -11,7 +11,7 @@ namespace {
 
 class ActuatorsDeviceTest : public ::testing::Test {
  protected:
-  /// A robot with `joints` alone, driven by the module `name`.
+  /// A robot with only `joints`, driven by the module `name`.
   void Make(const std::string& name, std::vector<JointModel> joints, decltype(ActuatorModel::kind) kind) {
     auto model = std::make_shared<RobotModel>();
     LinkModel link;

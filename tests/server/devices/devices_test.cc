@@ -170,7 +170,7 @@ TEST_F(DeviceTest, SensorsOfOneTypeAreReadByTheirModulesNames) {
   EXPECT_EQ(MakeDevice(*model, "north")->table().module(), "compass");
 }
 
-// A load may bring another model under the same name while a module still has requests to answer.
+// A load may replace the model of that name while a module has pending requests.
 TEST_F(DeviceTest, AModelWithoutTheSensorReadsNothing) {
   auto model = std::make_shared<RobotModel>(*SmallModel());
   model->AddSensor("north", CompassModel());

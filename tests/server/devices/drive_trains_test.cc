@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a control board tells of drive trains, and the duties that it takes.
+// Drive trains on a control board: their readings, and the duties that it accepts.
 #include <gtest/gtest.h>
 
 #include <cmath>

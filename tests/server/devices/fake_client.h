@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A client of an endpoint without a socket: sends lines of the text form, keeps all that comes back in order.
+// A client of an endpoint without a socket: sends lines of the text form, keeps all replies and pushes in
+// order.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +24,7 @@ class FakeClient final : public Connection {
     if (open_) CloseNow();
   }
 
-  /// Sends a named or full line; its reply goes to `received` when it comes.
+  /// Sends a named or full line; appends its reply to `received` when it arrives.
   void Send(const std::string& line) {
     const Decoded decoded = DecodeText(line + "\n", endpoint_.table(), false);
     if (decoded.status != DecodeStatus::kMessage)
@@ -37,7 +38,7 @@ class FakeClient final : public Connection {
       received.push_back(std::move(reply));
     });
   }
-  /// Sends and returns the reply, which must come at once.
+  /// Sends a line and returns the reply, which must arrive immediately.
   Message Ask(const std::string& line) {
     Send(line);
     if (waiting_ != 0) throw std::logic_error("no reply yet to " + line);
@@ -47,7 +48,7 @@ class FakeClient final : public Connection {
     input_ended_ = true;
     endpoint_.OnInputEnded(*this);
   }
-  /// It takes no more answers.
+  /// Stops accepting replies.
   void EndOutput() { output_ended_ = true; }
   void CloseNow() {
     open_ = false;
@@ -80,7 +81,7 @@ class FakeClient final : public Connection {
 
   std::vector<Message> received;  // replies and pushes in order
   std::string closed_because;     // the closing notice
-  bool reads = true;              // else what is pushed waits in `unread`
+  bool reads = true;              // else pushes wait in `unread`
   std::vector<UnaskedPtr> unread;
 
  private:
@@ -94,7 +95,7 @@ class FakeClient final : public Connection {
   int waiting_ = 0;
 };
 
-/// Runs what is posted to a thread when told.
+/// A thread's queue, run on demand.
 class FakeThread {
  public:
   std::function<void(std::function<void()>)> poster() {

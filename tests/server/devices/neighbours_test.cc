@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// /R/neighbours as a device: what its replies hold. Who is seen and heard is sensing's, tested there.
+// /R/neighbours as a device: the content of its replies. Tests of sensing cover visibility and range.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -69,7 +69,7 @@ TEST_F(NeighboursDeviceTest, MessagesCarrySenderCountPlaceAndNumbers) {
   Send(0, 10, {7});
   Send(2, 10, {1, 2, 3});
   Send(3, 10, {9});  // 20 m away
-  Send(0, 11, {5});  // comes later
+  Send(0, 11, {5});  // arrives later
   const Message reply = Read(command::kGetMessages, 1);
   EXPECT_THAT(reply.params, ElementsAre(1, 1, 3, 3, 4, 1));
   ASSERT_EQ(reply.data.size(), 3u + 5 + 3);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A world without physics for tests of modules: hand-made frames on the real boards. Each step turns the
-// wheels at their set-points and moves a robot 1 cm along x.
+// wheels at their set-points and moves the robots 1 cm along x.
 #pragma once
 
 #include <cmath>
@@ -84,14 +84,14 @@ class SmallWorld {
     board.Configure(*scene_, end, frames.Latest(), 0);
   }
 
-  /// Lets commands that make all robots ready run the step at once, as the daemon does.
+  /// Makes commands that complete the ready robots run the step immediately, as the daemon does.
   void StepInline() {
     board.set_all_ready_hook([this] {
       if (board.mode() == Mode::kLockstep) Step();
     });
   }
 
-  /// Runs one step: publishes its frame, then answers who waited.
+  /// Runs one step: publishes its frame, then answers the pending requests.
   void Step() {
     Publish();
     Finish();

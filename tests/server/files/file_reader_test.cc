@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Files that break the libraries that read them, or keep them busy without end: each is an error, and the
-// next file is read all the same.
+// Files that crash or hang the libraries that read them: each is an error, and the next file is still read.
 #include "server/files/file_reader.h"
 
 #include <gmock/gmock.h>
@@ -24,7 +23,7 @@ namespace {
 using ::testing::HasSubstr;
 
 const std::string kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n";
-// Of a PLY, behind its format.
+// Body of a PLY, after its format.
 const std::string kPlyElements =
     "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
     "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
@@ -55,8 +54,8 @@ class FileReaderTest : public ::testing::Test {
         },
         why_);
   }
-  /// As the system does when memory runs out. Its end of the socket is closed then, but it is not yet waited
-  /// for.
+  /// Kills the child as the system does when memory runs out. Its end of the socket is then closed, but
+  /// nobody has waited for it yet.
   static void EndHelper() {
     const auto own = std::to_string(getpid());
     for (const auto& entry : std::filesystem::directory_iterator("/proc/" + own + "/task")) {
@@ -119,7 +118,7 @@ TEST_F(FileReaderTest, AFileThatKeepsTheLibraryBusyIsGivenUp) {
   ExpectNextIsRead();
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they have no limit of memory
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they have no memory limit
 TEST_F(FileReaderTest, AFileThatTakesMuchMemoryIsGivenUp) {
   EXPECT_FALSE(Read("word.dae", ColladaOf("0 one 2")));
   EXPECT_THAT(why_, HasSubstr("reading it takes more than 512 MiB of memory: simplify it"));

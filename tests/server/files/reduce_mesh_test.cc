@@ -52,7 +52,7 @@ TEST(ReduceMeshTest, ABallKeepsItsVolumeAndSize) {
 }
 
 TEST(ReduceMeshTest, TheCornersOfItsBoxStay) {
-  // A bumpy ground: its corners are furthest from the middle, so a hull of it has them.
+  // Rough ground: its corners are farthest from the centre, so its hull contains them.
   MeshParts ground;
   constexpr std::uint32_t kSide = 200;
   for (std::uint32_t row = 0; row < kSide; ++row) {

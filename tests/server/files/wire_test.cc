@@ -58,7 +58,7 @@ TEST(FilesWireTest, BytesThatEndEarlyAreRefused) {
   check(ToBytes(Heights{2, 1, {0, 65535}}), &HeightsOf);
 }
 
-/// What a changed byte makes is refused, or is a mesh whose numbers are good.
+/// A changed byte is refused, or yields a mesh with valid numbers.
 TEST(FilesWireTest, NoChangedByteMakesABadMesh) {
   const std::vector<std::byte> good = ToBytes(SomeMesh());
   for (std::size_t at = 0; at < good.size(); ++at) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Solids with hollows, as triangles; the same to the last bit on every machine.
+// Concave solids as triangles, bitwise equal on every machine.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +38,7 @@ struct Triangles {
   }
 };
 
-/// The solid that a closed or open line of (radius, z) sweeps about z, in `sides` steps.
+/// The solid of revolution of a closed or open line of (radius, z) about z, in `sides` steps.
 inline Triangles Turned(const std::vector<std::pair<double, double>>& line, std::uint32_t sides) {
   Triangles made;
   for (const auto& [r, z] : line) {
@@ -69,7 +69,7 @@ inline Triangles Ring(std::uint32_t sides = 48) {
   }
   return Turned(line, sides);
 }
-/// A U that stands on its head: legs of 10 cm, 8 cm apart, under a bar; of 2 x 2 cm; about x = y = 0.
+/// An inverted U: legs of 10 cm, 8 cm apart, under a bar; 2 x 2 cm thick; about x = y = 0.
 inline Triangles Hook() {
   Triangles made;
   made.AddBox({-0.06, -0.01, 0}, {-0.04, 0.01, 0.1});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The nearest point in a cone: closed forms; meshes against points all over their triangles; solids against
+// The nearest point in a cone: closed forms; meshes against sample points of their triangles; solids against
 // the meshes of their surfaces, which another method searches.
 #include "server/geometry/cone.h"
 
@@ -32,7 +32,7 @@ TEST(ConeTest, ASphereIsAsFarAsItsNearestPointInTheCone) {
   const Vector3 beside = 2 * Vector3(std::cos(beside_rad), std::sin(beside_rad), 0);
   const double expected = 2 * cosine - std::sqrt(4 * cosine * cosine - (4 - 0.25));
   EXPECT_NEAR(NearestInCone({-beside, cone.axis, 0.3}, Sphere{0.5}, 5), expected, 1e-5);
-  // Out of range, and wholly outside.
+  // Out of range, and completely outside.
   EXPECT_EQ(NearestInCone({-within, cone.axis, 0.3}, Sphere{0.5}, 1.4), kNoHit);
   EXPECT_EQ(NearestInCone({{0, -2, 0}, cone.axis, 0.3}, Sphere{0.5}, 5), kNoHit);
 }
@@ -47,7 +47,7 @@ TEST(ConeTest, AnApexWithinASolidIsAtIt) {
   EXPECT_EQ(NearestInCone({{0.1, 0, 0}, Vector3::UnitX(), 0.1}, Box{{1, 1, 1}}, 5), 0);
 }
 
-/// Points all over the triangles of `mesh`, no further from one another than `spacing_m`.
+/// Points on the triangles of `mesh`, at most `spacing_m` apart.
 std::vector<Vector3> PointsOn(const MeshData& mesh, double spacing_m) {
   std::vector<Vector3> points;
   for (const auto& [a, b, c] : mesh.triangles) {
@@ -72,7 +72,7 @@ TEST(ConeTest, AMeshIsAsFarAsTheNearestPointOfItsTriangles) {
     for (int i = 0; i < 30; ++i) {
       const Cone cone{Vector3(-3, place(random), place(random)),
                       (Vector3::UnitX() + 0.3 * Direction(random)).normalized(), angle(random)};
-      // All points of the mesh are near one that was chosen, which may lie a little beside the cone.
+      // Every point of the mesh is near a sample, which may lie slightly beside the cone.
       double within = kNoHit, around = kNoHit;
       for (const Vector3& p : points) {
         const Vector3 d = p - cone.apex;
@@ -169,7 +169,7 @@ void ExpectAsFarAsItsSurface(std::mt19937& random, const std::function<Solid()>&
                       (Vector3::UnitX() + 0.4 * Direction(random)).normalized(), angle(random)};
       const double as_solid = NearestInCone(cone, solid, 20);
       const double as_mesh = NearestInCone(cone, Mesh{&surface}, 20);
-      // A surface of flat pieces lies a little inside: the cone may pass between the two.
+      // A faceted surface lies slightly inside: the cone may pass between the two.
       if ((as_solid < kNoHit) != (as_mesh < kNoHit)) {
         Cone narrower = cone;
         narrower.half_angle_rad -= 1e-3;
@@ -185,7 +185,7 @@ void ExpectAsFarAsItsSurface(std::mt19937& random, const std::function<Solid()>&
     }
   }
   EXPECT_GT(hits, 60);
-  EXPECT_GT(at_mantle, 10);  // where the nearest point of the whole shape is not in the cone
+  EXPECT_GT(at_mantle, 10);  // cases in which the shape's nearest point is outside the cone
 }
 
 TEST(ConeTest, ABoxIsAsFarAsItsSurface) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The convex hull of points, also of those that lie nearly in a plane, as rounding to floats makes them.
+// The convex hull of points, including nearly coplanar ones after rounding to floats.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@ double UpToOne(std::mt19937& bits) {
   return 2.0 * static_cast<double>(bits()) / 4294967295.0 - 1;
 }
 
-/// Points of a disc of radius 1 m, turned somehow and rounded to floats as files have them.
+/// Points of a disc of radius 1 m, rotated and rounded to floats as in files.
 std::vector<Vector3> Disc(double thickness_m, unsigned seed) {
   std::mt19937 bits(seed);
   Eigen::Quaterniond turn(UpToOne(bits), UpToOne(bits), UpToOne(bits), UpToOne(bits));

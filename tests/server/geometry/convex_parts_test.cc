@@ -62,7 +62,7 @@ TEST(LatticeHullTest, AllPointsAreInItAndItsVolumeIsExact) {
   LatticeHull cube({0, 0, 0}, {kLatticeSide, 0, 0}, {0, kLatticeSide, 0}, {0, 0, kLatticeSide});
   EXPECT_EQ(cube.volume6(), kLatticeSide * kLatticeSide * kLatticeSide);
   std::mt19937 bits(1);
-  // Many of them in faces and edges.
+  // Many points in faces and edges.
   const auto coordinate = [&bits] { return static_cast<std::int64_t>(bits() % 9) * (kLatticeSide / 8); };
   for (int i = 0; i < 2000; ++i) cube.Include({coordinate(), coordinate(), coordinate()});
   EXPECT_EQ(cube.volume6(), 6 * kLatticeSide * kLatticeSide * kLatticeSide);
@@ -101,7 +101,7 @@ TEST(ConvexPartsTest, ACupIsHollow) {
   const auto parts = PartsOf(Cup());
   ASSERT_GT(parts.size(), 4u);
   ASSERT_LE(parts.size(), 16u);
-  // A ball of 3 cm goes down to the bottom, everywhere near the middle.
+  // A ball of 3 cm reaches the bottom everywhere near the middle.
   for (double z = 0.0051; z < 0.1; z += 0.003) {
     for (int i = 0; i < 32; ++i) {
       const double angle = 2 * std::numbers::pi * i / 32;
@@ -183,7 +183,7 @@ TEST(ConvexPartsTest, TrianglesThroughEachOtherAreGivenUp) {
   EXPECT_TRUE(cut.is_tangled);
 }
 
-// The box about each of its triangles has all cells.
+// The bounding box of each triangle fills all cells.
 TEST(ConvexPartsTest, AFineTubeAlongTheDiagonalIsNoTangle) {
   Triangles tube = Turned({{0.1, 0}, {0.1, 2}, {0.09, 2}, {0.09, 0}, {0.1, 0}}, 1000);
   const Quaternion turn = Quaternion::FromTwoVectors(Vector3::UnitZ(), Vector3::Ones());

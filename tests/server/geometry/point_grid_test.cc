@@ -21,7 +21,7 @@ std::vector<Point2> RandomPoints(std::mt19937& engine, int count, double half_m)
   return points;
 }
 
-/// Takes runs, and says how often each point came.
+/// Receives runs, and counts the visits of each point.
 class Taker {
  public:
   explicit Taker(const PointGrid& grid) : grid_(grid), times_(grid.order().size()) {}
@@ -63,7 +63,7 @@ TEST(PointGrid, RunsHoldAllPointsOfABoxOnce) {
       all += count;
     }
   }
-  EXPECT_LT(visited, all / 4);  // else it would be no help
+  EXPECT_LT(visited, all / 4);  // otherwise the grid would not help
 }
 
 TEST(PointGrid, RunsAlongASegmentHoldAllPointsNearItOnce) {
@@ -77,7 +77,7 @@ TEST(PointGrid, RunsAlongASegmentHoldAllPointsNearItOnce) {
     for (int trial = 0; trial < 400; ++trial) {
       const Point2 from{place(engine), place(engine)};
       const double angle = trial % 8 == 0 ? std::round(turn(engine)) * 1.5707963267948966 : turn(engine);
-      const double flat = trial % 5 == 0 ? 0.3 : 1;  // seen from above, a ray may be shorter than it is
+      const double flat = trial % 5 == 0 ? 0.3 : 1;  // seen from above, a ray may be shorter
       const Point2 direction{flat * std::cos(angle), flat * std::sin(angle)};
       const double length_m = length(engine), margin_m = margin(engine);
       Taker taker(grid);

@@ -68,14 +68,14 @@ TEST(RayGridTest, EqualsBruteForceOnRandomWorlds) {
       hits += expected < kNoHit;
     }
   }
-  EXPECT_GT(hits, rays / 10);  // else nothing was compared
+  EXPECT_GT(hits, rays / 10);  // otherwise nothing was compared
   EXPECT_LT(hits, rays);
 }
 
 TEST(RayGridTest, EqualsBruteForceAlongCellBorders) {
   Random random;
   std::vector<RayItem> items = RandomItems(random, 20, 4);
-  // The grid's lower corner is that of the outermost item: a box whose corner is at whole metres.
+  // The grid's lower corner is that of the outermost item: a box with a corner at integer metres.
   items.push_back({Box{{0.5, 0.5, 0.5}}, {-5.75, -5.75, 0.25}, Matrix3::Identity()});
   const RayGrid grid(items, 1.0);
   const Vector3 directions[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}};

@@ -44,7 +44,7 @@ TEST(RayTest, HitsTheSideOfACylinder) {
 TEST(RayTest, HitsTheCapOfACylinder) {
   const Cylinder cylinder{0.5, 1};
   EXPECT_NEAR(RayToCylinder(Towards({0.2, 0.1, 3}, {0, 0, -1}), cylinder), 2.5, kTolerance_m);
-  // Comes down at 45° and meets the top before the side.
+  // Descends at 45° and hits the top before the side.
   EXPECT_NEAR(RayToCylinder(Towards({-1, 0, 1.5}, {1, 0, -1}), cylinder), std::numbers::sqrt2, kTolerance_m);
 }
 

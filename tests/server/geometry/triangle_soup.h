@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Triangles at random places.
+// Triangles at random positions.
 #pragma once
 
 #include <cstdint>

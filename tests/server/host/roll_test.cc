@@ -6,7 +6,7 @@
 namespace coopdyn {
 namespace {
 
-/// Digits that count, so that every PIN and link is another one.
+/// Digits that count up, so that every PIN and link differs.
 RandomDigits Counting() {
   auto next = std::make_shared<int>(1000);
   const auto digits = [next](std::size_t count) {

@@ -51,7 +51,7 @@ TEST(MjcfBodiesTest, AHingeHasItsAxisAnchorStopsAndDamper) {
   ASSERT_NE(hip, nullptr) << answer.messages;
   EXPECT_EQ(hip->kind, JointModel::Kind::kHinge);
   EXPECT_NEAR((hip->axis_R - Vector3::UnitY()).norm(), 0, 1e-12);
-  // The body reaches 0.5 m below its middle, in which it is written, and stands on the floor.
+  // The body, defined at its centre, reaches 0.5 m below it, and stands on the floor.
   EXPECT_NEAR((hip->p_RJ - Vector3(0, 0, 0.3)).norm(), 0, 0.021);
   EXPECT_NEAR(hip->lower, -kPi / 6, 1e-9);
   EXPECT_NEAR(hip->upper, kPi / 3, 1e-9);
@@ -109,12 +109,12 @@ TEST(MjcfBodiesTest, ABodyThatNothingFreesIsFixed) {
                              Limb("arm", "<joint name=\"elbow\" axis=\"0 1 0\"/>") + "</body></worldbody>"));
   ASSERT_NE(robot, nullptr) << messages;
   EXPECT_TRUE(robot->fixed_base);
-  // Its origin is on the floor below it.
+  // Its origin is on the floor below the body.
   EXPECT_NEAR((robot->links[0].X_RL.p - Vector3(0, 0, 0.6)).norm(), 0, 1e-9);
 }
 
 TEST(MjcfBodiesTest, ABodyTurnedUprightKeepsItsDirections) {
-  // x points down: roll and yaw alone say nothing there.
+  // x points down, where roll and yaw are degenerate.
   const auto [robot, messages] = ReadAs(
       "arm.xml", Mjcf("<worldbody><body name=\"base\" pos=\"0 0 1\"><geom size=\".1\"/><body name=\"arm\" "
                       "euler=\"90 90 90\"><joint name=\"j\" axis=\"0 1 0\"/><geom "
@@ -200,7 +200,7 @@ TEST(MjcfBodiesTest, FrictionIsTheFirstNumberAndTheOthersAsTheDimensionsSay) {
   EXPECT_NEAR(robot->links[0].collisions[0].friction, 0.7, 1e-12);
   EXPECT_NEAR(robot->links[0].collisions[0].spinning_friction_m, 0.02, 1e-9);
   EXPECT_NEAR(robot->links[0].collisions[0].rolling_friction_m, 0.003, 1e-12);
-  // A contact has the greater condim of two geoms.
+  // A contact uses the greater condim of its two geoms.
   EXPECT_EQ(robot->links[0].collisions[1].friction, 1);
 }
 
@@ -229,7 +229,7 @@ TEST(MjcfBodiesTest, WhatTouchesNothingIsOnlyDrawnAndHiddenGroupsAreNot) {
 }
 
 TEST(MjcfBodiesTest, MeshesCollideWhereTheFileHasThem) {
-  // A tetrahedron far from the origin: MuJoCo moves its vertices to their middle.
+  // A tetrahedron far from the origin: MuJoCo moves its vertices to its centre.
   const auto [robot, messages] = ReadAs(
       "rig.xml",
       Mjcf("<asset><mesh name=\"m\" vertex=\"1 0 0  1.2 0 0  1 .2 0  1 0 .2\"/></asset><worldbody><body "

@@ -81,7 +81,7 @@ TEST(MjcfFilesTest, AnEqualityThatCannotBeReadIsLeftOut) {
   EXPECT_THAT(messages, HasSubstr("a <connect> is left out, as libmujoco says: "));
 }
 
-/// The scenery that a world of these has: a floor, a shelf with a mask of its own, and `bodies`.
+/// The scenery of a world of these: a floor, a shelf with its own mask, and `bodies`.
 std::string Shelf(const std::string& bodies, const std::string& rest = {}) {
   return Mjcf(
       "<worldbody><geom type=\"plane\" size=\"5 5 1\"/><geom name=\"shelf\" type=\"box\" "
@@ -175,7 +175,7 @@ TEST(MjcfFilesTest, WhatANewerVersionHasIsLeftOutAndSaid) {
   EXPECT_THAT(answer.messages, AllOf(HasSubstr("'fancy' of <joint> is not known to libmujoco"),
                                      HasSubstr("'implicitfast' of 'integrator' of <option> is not known"),
                                      Not(HasSubstr("<frame>"))));
-  // A frame's shapes stay, and so does the greatest torque.
+  // A frame keeps its shapes, and the greatest torque.
   EXPECT_NEAR(answer.robot->links[0].mass_kg, 2.5, 1e-9);
   EXPECT_NEAR(JointOf(answer, "hip")->max_effort, 7, 1e-9);
 }
@@ -291,7 +291,7 @@ TEST(MjcfFilesTest, WhatAKilledProcessLeftIsRemovedAndWhatALivingOneHoldsStays) 
   };
   constexpr const char* kMark = ".coopdyn-meshes";
   const auto left = made("", kMark), held = made("", kMark);
-  // What somebody else has called so.
+  // A file of that name by another user.
   const auto other = made("", "thesis.tex"),
              named = made("of" + std::to_string(::getpid()) + "others", kMark);
   const int lock = ::open(held.c_str(), O_RDONLY | O_DIRECTORY);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// MuJoCo's files that a test writes as texts, and what coopdyn reads of them. One thread.
+// MuJoCo files that a test writes as texts, and their models. One thread.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,8 @@ namespace coopdyn {
 inline std::string Mjcf(const std::string& inside) {
   return "<mujoco model=\"rig\"><compiler autolimits=\"true\"/>\n" + inside + "</mujoco>\n";
 }
-/// The robot of a file with a free body `base` that has `inside`, and `rest` beside the world's body.
+/// The robot of a file with a free body `base` that contains `inside`, and `rest` beside it in the world
+/// body.
 inline ForeignAnswer ReadMjcfText(const std::string& inside, const std::string& rest = {}) {
   return ReadAs("rig.xml",
                 Mjcf("<worldbody><body name=\"base\" pos=\"0 0 1\"><freejoint/><geom name=\"trunk\" "

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Drives that Gazebo's plug-ins make.
+// Drives made from Gazebo's plug-ins.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ ForeignAnswer ReadCar(const std::string& joints) {
                  "<plugin filename=\"gz-sim-diff-drive-system\" name=\"gz::sim::systems::DiffDrive\">" +
                  joints + "</plugin>\n");
 }
-/// The joint that another follows, and how.
+/// The joint that follows another one, and how.
 std::pair<std::string, double> LeaderOf(const RobotModel& robot, const std::string& follower) {
   for (const CouplingModel& one : robot.couplings) {
     if (robot.joints[static_cast<std::size_t>(one.follower)].name == follower)
@@ -160,7 +160,7 @@ TEST(AdoptedDriveTest, AnAckermannDriveSteersItsFrontWheels) {
   EXPECT_EQ(robot->joints[static_cast<std::size_t>(steering->joints[0])].name, "fl_s");
   EXPECT_NEAR(steering->wheelbase_m, 0.4, 1e-9);
   EXPECT_NEAR(steering->half_track_m, 0.2, 1e-9);
-  // Of the stop at 0.5 rad, at the inner wheel.
+  // From the stop at 0.5 rad of the inner wheel.
   EXPECT_NEAR(steering->max_curvature_1_m, std::tan(0.5) / (0.4 + 0.2 * std::tan(0.5)), 1e-9);
   EXPECT_TRUE(robot->couplings.empty());  // the front wheels roll freely
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// <coopdyn:channel>: what is read of it, and what is wrong with it.
+// <coopdyn:channel>: its content and its errors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

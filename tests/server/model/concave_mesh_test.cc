@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Concave meshes of links that move, and meshes of every format.
+// Concave meshes of moving links, and meshes of every format.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ std::string ObjOf(const Triangles& of) {
   return text;
 }
 
-/// A model of one link that collides as this `<mesh …>` of hook.obj.
+/// A model of one link with this `<mesh …>` of hook.obj as collision.
 ForeignAnswer ReadHook(const std::string& mesh, bool is_static = false, const SearchPath& path = {}) {
   const TempFolder folder;
   folder.Write("hook.obj", ObjOf(Hook()));

@@ -15,7 +15,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Pair;
 
-/// A folder with controllers and a library that finds them, besides the shipped robots.
+/// A folder with controllers and a library that finds them, in addition to the shipped robots.
 class ControllerLineTest : public ::testing::Test {
  protected:
   ControllerLineTest() : library_(SearchPath{{SourceDir(), folder_.path() / "path"}}) {
@@ -26,7 +26,7 @@ class ControllerLineTest : public ::testing::Test {
     folder_.Write("elsewhere/other.so", "");
   }
 
-  /// What the reader makes of a robot with `line` as its fourth.
+  /// The reader's result for a robot with `line` as its fourth line.
   std::shared_ptr<const Scenario> Read(const std::string& line, bool by_socket = false) {
     Diagnostics diagnostics;
     const std::string file = by_socket ? "(text)" : (folder_.path() / "beside/a.scenario").string();

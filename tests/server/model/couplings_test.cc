@@ -35,7 +35,7 @@ std::string RodOf(const std::string& name) {
          "</sphere></geometry></collision></link>\n";
 }
 
-/// A turning joint; `inside` its axis.
+/// A revolute joint with `inside` in its axis.
 std::string TurnOf(const std::string& name, const std::string& parent, const std::string& child,
                    const std::string& inside = "", const std::string& xyz = "0 0 1") {
   return "<joint name=\"" + name + "\" type=\"revolute\"><parent>" + parent + "</parent><child>" + child +
@@ -117,7 +117,7 @@ TEST(CouplingsTest, TheTextOfARecordingGivesTheSameCouplings) {
   EXPECT_DOUBLE_EQ(again.robot->couplings[0].multiplier, 2);
 }
 
-// Each looks only at those that it may fix: if all were looked at for each, this would take minutes.
+// Each joint checks only those that it may fix: checking all for each would take minutes.
 TEST(CouplingsTest, AVeryLongChainThatFollowsAFixedJointIsFixed) {
   constexpr int kCount = 30'000;
   XmlNode model;
@@ -192,7 +192,7 @@ TEST(CouplingsTest, AGearboxTurnsItsChildTheOtherWay) {
 }
 
 TEST(CouplingsTest, TheSignsOfAGearboxAreThoseOfItsJointsAxesAndOrder) {
-  // k turns about -z, and j joins the base to a the other way round.
+  // k turns about -z, and j joins the base to a in the opposite direction.
   const auto [robot, messages] =
       ReadRods(TurnOf("j", "a", "base") + TurnOf("k", "base", "b", "", "0 0 -1") +
                    GearboxOf(kThreeToOne, "0 0 1", "0 0 1") + TurnOf("l", "b", "c"),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// <coopdyn:drivetrain> in a joint, and what is wrong with it.
+// <coopdyn:drivetrain> in a joint, and its errors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

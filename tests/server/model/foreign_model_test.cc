@@ -43,7 +43,7 @@ TEST(UrdfTest, LinksStandWhereTheirJointsPutThem) {
   EXPECT_NEAR((joint.axis_R - Vector3::UnitY()).norm(), 0, 1e-4);
   EXPECT_EQ(joint.lower, -1);
   EXPECT_EQ(joint.max_effort, 5);
-  // It reaches 0.1 m below its origin, so it stands that much higher.
+  // The model reaches 0.1 m below its origin, so it is placed that much higher.
   EXPECT_NEAR(robot->links[1].X_RL.p.z(), 0.4, 1e-9);
   EXPECT_NEAR(robot->height_m, 0.5, 1e-9);
   EXPECT_THAT(messages, HasSubstr("0.1 m below its origin"));
@@ -310,7 +310,7 @@ TEST(ForeignModelTest, AControllerPlugInGivesAllItsJointsMotors) {
     return "<joint name=\"" + name + "\" type=\"revolute\"><parent>base</parent><child>" + child +
            "</child><axis><xyz>0 0 1</xyz></axis></joint>\n";
   };
-  for (const std::string named : {kNamed, ""}) {  // without names it moves all
+  for (const std::string named : {kNamed, ""}) {  // without names it moves all joints
     const auto [robot, messages] =
         ReadSdf(SdfLink("base", "0 0 0.1 0 0 0", kSdfBox) + SdfLink("a", "0 0 0.5 0 0 0", kSdfBox) +
                 SdfLink("b", "0 0 0.9 0 0 0", kSdfBox) + joint("j", "a") + joint("k", "b") +
@@ -390,7 +390,7 @@ TEST(ForeignModelTest, ASensorInTheWrongPlaceIsLeftOut) {
 }
 
 TEST(ForeignModelTest, AutoInertiaIsThatOfTheShapesByTheirDensities) {
-  // Two cubes of 0.2 m, 0.4 m apart: 8 kg of the link's density, and 4 kg of its own.
+  // Two cubes of 0.2 m, 0.4 m apart: 8 kg by the link's density, and 4 kg by its own.
   const std::string cube = "<geometry>" + kSdfBox + "</geometry>";
   const std::string shapes = "<collision name=\"a\">" + cube + "</collision>" +
                              "<collision name=\"b\"><pose>0.4 0 0 0 0 0</pose><density>500</density>" + cube +
@@ -417,7 +417,7 @@ TEST(ForeignModelTest, AutoInertiaOfASolidIsItsClosedForm) {
     const char* geometry;
     double volume_m3;
     Vector3 moments_m2;  // for 1 kg, about the centre of mass
-    double z_m;          // where that is
+    double z_m;          // height of the centre of mass
   };
   const double pi = std::numbers::pi;
   const double r = 0.3, h = 0.8, ends = 4 * r / (4 * r + 3 * h);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Models made for other programs that a test writes as texts, and what the readers make of them. One thread.
+// Models of other programs that a test writes as texts, and the readers' results. One thread.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The common form of both files: what people's editors and habits produce.
+// The syntax shared by both files: products of editors and habits.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// The one object of `text`, which must be good.
+/// The only object of `text`, which must be valid.
 WorldObject Only(const std::string& text) {
   const auto [world, messages] = ReadWorldText(text);
   EXPECT_EQ(messages, "") << text;

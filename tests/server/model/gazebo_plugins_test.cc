@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What plug-ins of Gazebo make of a model.
+// Effects of Gazebo's plug-ins on a model.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -98,8 +98,8 @@ TEST(GazeboPluginsTest, AMotorModelIsAThrusterWithItsReaction) {
       EXPECT_NEAR(thruster.torque_per_force_m, reaction, 1e-12);
       EXPECT_TRUE(thruster.axis_R.isApprox(Vector3::UnitZ()));
       EXPECT_TRUE(thruster.p_RJ.isApprox(Vector3(0.3, 0, 0.3), 1e-9));
-      EXPECT_EQ(thruster.child, 0);                            // what holds the propeller
-      EXPECT_THAT(JointsOf(*robot, "joints"), ElementsAre());  // which turns freely
+      EXPECT_EQ(thruster.child, 0);                            // the propeller's mount
+      EXPECT_THAT(JointsOf(*robot, "joints"), ElementsAre());  // the propeller turns freely
     }
   }
 }
@@ -198,7 +198,7 @@ TEST(GazeboPluginsTest, OthersAreToldOnceWithWhyTheyMatter) {
             HasSubstr("'box' is not attached, and moves on its own"), HasSubstr("its tracks do not move")));
 }
 
-/// A robot of two boards, whose files lie in `folder`.
+/// A robot of two boards, with files in `folder`.
 std::string TwoBoards(const std::string& file, const std::string& inside = {}) {
   return "<sdf version=\"1.6\"><model name=\"rig\">\n" + kCar +
          Plugin("gz-sim-yarp-controlboard-system", "gzyarp::ControlBoard",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Joints of a model: fixed ones, axes with stops, springs and dampers, and what is wrong with them.
+// Joints of a model: fixed ones, axes with stops, springs and dampers, and their errors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -56,7 +56,8 @@ TEST(JointsReaderTest, FixedJointsMakeOneLinkOfTheirLinks) {
   EXPECT_EQ(link.name, "a");
   EXPECT_DOUBLE_EQ(link.mass_kg, 4);
   EXPECT_NEAR((link.X_LI.p - Vector3(0.2, 0, 0)).norm(), 0, 1e-12);
-  // About the common centre: the cubes' own moments, and twice m d² with d = 0.2 m across the way between.
+  // About the common centre: the cubes' moments, and twice m d² with d = 0.2 m perpendicular to the line
+  // between them.
   const Matrix3 R = link.X_LI.q.toRotationMatrix();
   const Matrix3 inertia = R * link.inertia_kg_m2.asDiagonal() * R.transpose();
   EXPECT_NEAR((inertia - Matrix3(Vector3(0.02, 0.18, 0.18).asDiagonal())).norm(), 0, 1e-12);
@@ -240,7 +241,7 @@ TEST(JointsReaderTest, LimitsWithoutZeroMakeAJointStartAtTheNearest) {
   EXPECT_EQ(robot->joints[0].start, 0.5);
   EXPECT_EQ(robot->joints[0].lower, 0.5);
   EXPECT_EQ(robot->joints[1].start, -0.2);
-  // SDF's joint frame is that of the child: b turns in its place, and c goes with it and 0.2 m back.
+  // SDF's joint frame is that of the child: b turns in place, and c moves with it and 0.2 m back.
   const Vector3 ahead(std::cos(0.5), std::sin(0.5), 0);
   EXPECT_NEAR((robot->links[1].X_RL.p - Vector3(0.3, 0, 0.1)).norm(), 0, 1e-12);
   EXPECT_NEAR((robot->links[2].X_RL.p - Vector3(0.3, 0, 0.1) - 0.1 * ahead).norm(), 0, 1e-12);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Parts of meshes that are kept in files.
+// Parts of meshes that are cached in files.
 #include "server/model/kept_parts.h"
 
 #include <gtest/gtest.h>

@@ -91,7 +91,7 @@ TEST(LightsTest, PointLightsOfSdfWorlds) {
 
 // --- textures
 
-/// A red and a blue point side by side.
+/// A red and a blue pixel side by side.
 std::string TwoPoints() {
   const std::vector<unsigned char> points = {255, 0, 0, 0, 0, 255};
   png_image image{};
@@ -106,7 +106,7 @@ std::string TwoPoints() {
   return bytes;
 }
 
-/// A scenario's file with a texture beside it, and what is read of it.
+/// A scenario's file with a texture beside it, and the reader's result.
 class TexturesTest : public ::testing::Test {
  protected:
   void SetUp() override {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Files that are far beyond what anybody writes are refused soon, in few words.
+// Absurdly large files are refused quickly, in few words.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -52,7 +52,7 @@ TEST(ReaderLimits, WrongTargetsAreSaidAHundredTimes) {
 }
 
 TEST(ReaderLimits, TheFirstLinesAreKeptThoughOthersAreReadBefore) {
-  // [SIMULATION] is read first, wherever it stands.
+  // [SIMULATION] is read first, at any position.
   const std::string messages =
       Read(Numbered("[BAD_", "]\n", 300) + "[SIMULATION]\nmode fast\n" + "gravity -1\n").messages;
   EXPECT_THAT(messages, ::testing::StartsWith("test.scenario:1: error: [BAD_0]"));
@@ -87,7 +87,7 @@ TEST(ReaderLimits, CopiesAndSwarmsAreCountedTogether) {
   EXPECT_THAT(messages, HasSubstr("all swarms together have more than 200000 robots"));
 }
 
-/// What the reader says about a model that has `inside` its <model>.
+/// The reader's messages for a model that has `inside` in its <model>.
 std::string ReadModel(const std::string& inside) {
   const std::string text =
       "<sdf version=\"1.9\" xmlns:coopdyn=\"https://coopdyn.dev/sdf\"><model name=\"m\">" + inside +
@@ -107,7 +107,7 @@ TEST(ModelLimits, ElementsOfAnyNameAreCounted) {
   EXPECT_THAT(ReadModel(Repeat("<coopdyn:x/>", 20'000)), HasSubstr("at most 10000 elements"));
 }
 
-/// What the reader says about a world of `inside`.
+/// The reader's messages for a world of `inside`.
 std::string ReadWorld(const std::string& inside) {
   const TempFolder folder;
   folder.Write("lab.sdf", "<sdf version=\"1.9\"><world name=\"lab\">" + inside + "</world></sdf>");
@@ -150,7 +150,7 @@ TEST(SearchNames, OnlyScenariosAndWorldsAreFound) {
   EXPECT_TRUE(path.FindScenario("lesson"));
   EXPECT_TRUE(path.FindScenario("room.world"));
   EXPECT_TRUE(path.FindWorld("room", folder.path()));
-  EXPECT_TRUE(path.FindScenario((folder.path() / "notes.txt").string()));  // a path of one's own
+  EXPECT_TRUE(path.FindScenario((folder.path() / "notes.txt").string()));  // an explicit path
 }
 
 }  // namespace

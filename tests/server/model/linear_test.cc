@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Files that are eight times as long take about eight times as long to read, good ones and bad ones alike.
+// Files eight times as long take about eight times as long to read, valid and invalid ones alike.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -40,7 +40,7 @@ TEST(MeshTest, WhatMovesCollidesByItsHull) {
   EXPECT_NEAR(robot->footprint_radius_m, std::sqrt(2.0), 1e-6);
 }
 
-/// The volume that a fixed mesh of this .obj encloses, and what was said.
+/// The volume that a fixed mesh of this .obj encloses, and the messages.
 std::pair<double, std::string> FixedVolume(const std::string& obj) {
   const TempFolder folder;
   folder.Write("part.obj", obj);
@@ -61,7 +61,7 @@ TEST(MeshTest, ASolidThatLooksInwardIsTurned) {
   EXPECT_THAT(said, HasSubstr("warning: mesh 'part.obj': its triangles look inwards: they are turned"));
   EXPECT_NEAR(FixedVolume(cube).first, 1, 1e-6);
   EXPECT_THAT(FixedVolume(cube).second, Not(HasSubstr("inwards")));
-  // What is open has no inside.
+  // An open mesh has no inside.
   EXPECT_THAT(FixedVolume(corners + "f 2 3 4 1\nf 8 7 6 5\n").second, Not(HasSubstr("inwards")));
 }
 
@@ -163,7 +163,7 @@ TEST(MeshTest, AMeshOfTooManyTrianglesForAModelIsReduced) {
   EXPECT_THAT(messages, HasSubstr("(the meshes of a model have at most 500000 together)"));
 }
 
-/// A tetrahedron of 0.2 x 0.4 x 0.6 m as a .dae file; `node`: what stands in its node.
+/// A tetrahedron of 0.2 x 0.4 x 0.6 m as a .dae file; `node`: content of its node.
 std::string Collada(const std::string& up, const std::string& node = "") {
   return "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" "
          "version=\"1.4.1\"><asset><up_axis>" +

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The shipped swarm robot: what its README promises.
+// The shipped swarm robot keeps its README's promises.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -58,7 +58,7 @@ TEST(MinibotTest, ModulesComeInTheOrderOfPorts) {
   EXPECT_EQ(Minibot().Find<NeighboursModel>()->message_range_m, 1);
 }
 
-// As the README says: its motors cannot tip it over, nor make its wheels slip.
+// By the README, its motors can neither tip it over nor make its wheels slip.
 TEST(MinibotTest, MotorsNeitherTipNorSlip) {
   const RobotModel& robot = Minibot();
   constexpr double kGravity = 9.81, kCaster_m = 0.065;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A robot's model, served by itself: a world with that robot alone.
+// A robot's model, served directly: a world with only that robot.
 #include <gtest/gtest.h>
 
 #include "tests/server/model/read_text.h"

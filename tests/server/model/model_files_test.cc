@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Files that models name: heightmaps, textures, materials; and malformed ones: each is refused with file,
-// line and what to do.
+// line and cure.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <png.h>
@@ -58,7 +58,7 @@ std::string HeightmapOf(const std::string& inside) {
 
 TEST(HeightmapTest, ItsPointsStandAsHighAsThePictureIsBright) {
   const TempFolder folder;
-  // The brightest point lies on the right of the upper row.
+  // The brightest point is at the right end of the upper row.
   folder.Write("h.png", PngOf(3, 2, {0, 100, 200, 0, 0, 0}));
   folder.Write("model.sdf", FixedModel(HeightmapOf("<uri>h.png</uri><size>4 2 3</size><pos>1 0 0.5</pos>")));
   const auto [robot, messages] = ReadIn(folder, "model.sdf");
@@ -77,7 +77,7 @@ TEST(HeightmapTest, ItsPointsStandAsHighAsThePictureIsBright) {
     }
   }
   EXPECT_NEAR((top - Vector3(3, 1, 3.5)).norm(), 0, 1e-6);
-  // From above every triangle is seen from outside.
+  // All triangles face upwards.
   for (const auto& t : mesh.triangles) {
     const Vector3& a = mesh.vertices[t[0]];
     EXPECT_GT((mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).z(), 0);
@@ -193,7 +193,7 @@ TEST(TextureTest, AnObjHasTheMaterialsOfItsMtl) {
   EXPECT_EQ(mesh.skin->materials[0].color, (std::array<double, 3>{0, 1, 0}));
   EXPECT_NE(mesh.skin->materials[1].texture, nullptr);
   EXPECT_EQ(mesh.skin->corners.size(), mesh.vertices.size());
-  // A recording keeps all of it.
+  // A recording stores all of it.
   Diagnostics diagnostics;
   const auto again = ReadRobotModelText(robot->text, "model.sdf", "rig", diagnostics);
   ASSERT_NE(again, nullptr) << diagnostics.ToString();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where models of other programs have their files, and what stands for a mesh that is nowhere.
+// Where other programs' models have their files, and the substitute for a mesh that is not found.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ std::string UrdfOf(const std::string& uri) {
          "<collision><geometry><mesh filename=\"" + uri + "\"/></geometry></collision></link>\n</robot>";
 }
 
-/// The model `file`, a robot with the mesh at `uri`, which must be there.
+/// The model `file`, a robot with the mesh at `uri`, which must exist.
 ForeignAnswer ReadWith(const TempFolder& folder, const std::string& file, const std::string& uri,
                        SearchPath path = {}) {
   folder.Write(file, UrdfOf(uri));

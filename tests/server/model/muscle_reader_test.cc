@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// <coopdyn:muscle>, and what is wrong with it.
+// <coopdyn:muscle>, and its errors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ constexpr const char* kPlaces =
     "from=\"a\" from_point=\"0 0 0.1\" to=\"b\" to_point=\"0.1 0 0\" max_force_n=\"30\" "
     "optimal_length_m=\"0.5\" ";
 
-/// Two links that nothing but muscles joins; the first of these stands in line 3.
+/// Two links joined only by muscles; the first muscle is in line 3.
 std::string MuscleText(const std::string& muscles, bool fixed = true) {
   const auto link = [](const char* name, const char* pose) {
     return std::string("<link name=\"") + name + "\"><pose>" + pose +

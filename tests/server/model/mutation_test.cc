@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Damaged files: a reader says what is wrong or returns something sane, and always returns.
+// Damaged files: a reader reports errors or returns a sane result, and always returns.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -11,7 +11,7 @@
 namespace coopdyn {
 namespace {
 
-/// `text` with a few bytes changed, cut, doubled or replaced by words that hurt.
+/// `text` with a few bytes changed, cut, duplicated or replaced by harmful words.
 std::string Mutate(std::string text, std::mt19937& random) {
   const auto below = [&](std::size_t n) { return n == 0 ? 0 : std::size_t{random()} % n; };
   static const std::vector<std::string> kWords = {"nan",  "inf",  "-1",   "1e308", "1e-320", "0",
@@ -67,7 +67,7 @@ TEST(MutationTest, ScenariosNeverCrashAndStayFinite) {
     }
     for (const Target& target : result.scenario->targets) ASSERT_TRUE(target.p_WT.allFinite());
   }
-  EXPECT_GT(good, 100);  // else the mutations would be too coarse to reach what lies behind the tokeniser
+  EXPECT_GT(good, 100);  // otherwise the mutations would be too coarse to get past the tokeniser
 }
 
 TEST(MutationTest, RobotModelsNeverCrashAndStayFinite) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// [RANDOM] of scenarios: what is drawn, and what is said about mistakes.
+// [RANDOM] of scenarios: drawn values, and messages about mistakes.
 #include "server/model/random_sections.h"
 
 #include <gtest/gtest.h>
@@ -76,7 +76,7 @@ TEST(RandomValueTest, UniformHasItsMomentsAndBounds) {
 TEST(RandomValueTest, NormalHasItsMomentsAndIsCutAtThreeDeviations) {
   const Moments moments = MomentsOf("normal 0.3 0.05");
   EXPECT_NEAR(moments.mean, 0.3, 0.002);
-  EXPECT_NEAR(moments.deviation, 0.05 * 0.9866, 0.001);  // that of the normal distribution without its ends
+  EXPECT_NEAR(moments.deviation, 0.05 * 0.9866, 0.001);  // of the truncated normal distribution
   EXPECT_GE(moments.least, 0.15);
   EXPECT_LE(moments.most, 0.45);
 }
@@ -108,7 +108,7 @@ TEST(RandomValueTest, DependsOnSeedKeyComponentAndTry) {
   EXPECT_NE(once, Draw("uniform 0 1 uniform 0 1", 1, "box_2.size"));
   EXPECT_NE(once, Draw("uniform 0 1 uniform 0 1", 1, "box_1.size", 1));
   EXPECT_NE(once.substr(0, once.find(' ')), once.substr(once.find(' ') + 1));
-  // What stands beside it does not matter, so that a file can grow.
+  // Other sections have no effect, so that a file can grow.
   EXPECT_EQ(once.substr(0, once.find(' ')), Draw("uniform 0 1", 1));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Scenarios and worlds that a test writes as texts, and what the readers make of them. One thread.
+// Scenarios and worlds that a test writes as texts, and the readers' results. One thread.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ inline RobotLibrary& ShippedRobots() {
   return library;
 }
 
-/// What ReadScenario makes of `text`, called "test.scenario".
+/// The result of ReadScenario for `text`, called "test.scenario".
 struct ReadResult {
   std::shared_ptr<const Scenario> scenario;
   std::string messages;
@@ -32,13 +32,13 @@ inline ReadResult Read(const std::string& text, bool by_socket = false) {
   auto scenario = ReadScenario(text, "test.scenario", ShippedRobots(), by_socket, diagnostics);
   return {scenario, diagnostics.ToString()};
 }
-/// The scenario of `text`, which must be good.
+/// The scenario of `text`, which must be valid.
 inline std::shared_ptr<const Scenario> Good(const std::string& text) {
   const ReadResult result = Read(text);
   EXPECT_EQ(result.messages, "") << text;
   return result.scenario != nullptr ? result.scenario : std::make_shared<Scenario>();
 }
-/// The content of a file of the source tree, named from its root; it must have some.
+/// The content of a file of the source tree, named from its root; must not be empty.
 inline std::string FileText(const std::string& name) {
   std::ifstream stream(SourceDir() + "/" + name, std::ios::binary);
   std::stringstream text;
@@ -46,7 +46,7 @@ inline std::string FileText(const std::string& name) {
   EXPECT_FALSE(text.str().empty()) << name;
   return text.str();
 }
-/// What ReadWorld makes of `text`, called "test.world".
+/// The result of ReadWorld for `text`, called "test.world".
 struct WorldResult {
   WorldModel world;
   std::string messages;

@@ -29,7 +29,7 @@ std::string CoopbotText() {
   return text.str();
 }
 
-/// What the reader says about the shipped robot with `from` replaced by `to`; empty if the model is good.
+/// The reader's messages for the shipped robot with `from` replaced by `to`; empty if the model is valid.
 std::string ReadChanged(const std::string& from, const std::string& to) {
   std::string text = CoopbotText();
   const auto at = text.find(from);
@@ -42,7 +42,7 @@ std::string ReadChanged(const std::string& from, const std::string& to) {
   return folder.Strip(diagnostics.ToString());
 }
 
-/// The line of the shipped model in which `text` first stands.
+/// The line of the shipped model that first contains `text`.
 std::string LineOf(const std::string& text) {
   const std::string all = CoopbotText();
   const auto at = all.find(text);
@@ -133,9 +133,9 @@ TEST(CoopbotTest, StartsWithoutSlippingOrTipping) {
   const double height = moment / mass;
   const double force = 2 * robot->drive()->max_torque_nm / robot->drive()->wheel_radius_m;
   const double acceleration = force / mass;
-  EXPECT_LT(0.5 / acceleration, 0.3);                   // s to 0.5 m/s
-  EXPECT_LT(force, 0.6 * mass * 9.81 / 2);              // traction at mu 1, with room
-  EXPECT_LT(acceleration * height, 0.3 * 9.81 * 0.14);  // the load of a caster changes by less than a third
+  EXPECT_LT(0.5 / acceleration, 0.3);                   // time to 0.5 m/s [s]
+  EXPECT_LT(force, 0.6 * mass * 9.81 / 2);              // traction at mu 1, with margin
+  EXPECT_LT(acceleration * height, 0.3 * 9.81 * 0.14);  // a caster's load changes by less than a third
 }
 
 TEST(CoopbotTest, HasFourModulesInTheOrderOfPorts) {
@@ -285,7 +285,7 @@ TEST(RobotModelTest, BrokenXmlHasALine) {
               HasSubstr("write version=\"1.9\""));
 }
 
-// The console belongs to the program: everything libsdformat has to say comes as diagnostics.
+// The console belongs to the program: all output of libsdformat becomes diagnostics.
 TEST(RobotModelTest, PrintsNothing) {
   ::testing::internal::CaptureStderr();
   ::testing::internal::CaptureStdout();
@@ -316,7 +316,7 @@ TEST(RobotLibraryTest, TypesAreBareNames) {
 
 const std::string kPoseModule = "<coopdyn:module type=\"pose\"/>";
 
-/// What the reader says about the shipped robot with more elements before its last module.
+/// The reader's messages for the shipped robot with more elements before its last module.
 std::string WithElements(const std::string& elements) {
   return ReadChanged(kPoseModule, elements + kPoseModule);
 }

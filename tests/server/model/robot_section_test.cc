@@ -225,7 +225,7 @@ TEST(SwarmTest, SeedOfTheRunReplacesTheScenarios) {
   const auto scenario = with_seed("[SIMULATION]\nseed 5\n" + kSwarm, 2);
   EXPECT_EQ(scenario->simulation.seed, 2u);
   EXPECT_EQ(scenario->robots[7].X_WR.p, Good(kSwarm + "seed 2\n")->robots[7].X_WR.p);
-  // A seed of the swarm's own fixes the places.
+  // The swarm's own seed fixes the positions.
   EXPECT_EQ(with_seed(kSwarm + "seed 2\n", 9)->robots[7].X_WR.p, scenario->robots[7].X_WR.p);
 }
 

@@ -35,7 +35,7 @@ TEST(RoundShapesTest, AnEllipsoidHasTheInertiaOfTheSolid) {
 }
 
 TEST(RoundShapesTest, AConeHasItsMassAQuarterAboveItsBase) {
-  // Its point looks along x.
+  // Its tip points along x.
   const auto [robot, messages] = ReadRound(kCone, "0 0 1 0 1.5707963267948966 0");
   ASSERT_NE(robot, nullptr) << messages;
   const LinkModel& link = robot->links.at(0);
@@ -52,7 +52,7 @@ TEST(RoundShapesTest, TheirMeshesReachAsFarAsTheyDo) {
   const auto* mesh = std::get_if<Mesh>(&robot->links.at(0).collisions.at(0).shape);
   ASSERT_NE(mesh, nullptr);
   EXPECT_NEAR((mesh->data->half_m - Vector3(0.1, 0.2, 0.3)).norm(), 0, 2e-3);
-  // The hull lies within: 5 % of the volume is outside.
+  // The hull lies inside: 5 % of the volume is outside of it.
   const double volume_m3 = 4 * std::numbers::pi / 3 * 0.1 * 0.2 * 0.3;
   EXPECT_NEAR(mesh->data->volume_m3 / volume_m3, 1, 0.06);
 }

@@ -68,7 +68,7 @@ TEST(ScatteredTest, OrientationIsKeptBesideTheTurn) {
       Good("[LOG]\ntype cylinder\nsize 0.2 0.2 1\norientation 90deg 0 0\nmass 1\ncount 5\n");
   ASSERT_EQ(scenario->objects.size(), 5u);
   for (const WorldObject& log : scenario->objects) {
-    EXPECT_NEAR((log.X_WO.q * Vector3::UnitZ()).z(), 0, 1e-12);  // they lie
+    EXPECT_NEAR((log.X_WO.q * Vector3::UnitZ()).z(), 0, 1e-12);  // they lie on their sides
     EXPECT_NEAR(log.X_WO.p.z(), 0.1, 1e-12);
   }
 }
@@ -109,7 +109,7 @@ TEST(ScatteredTest, AWorldMayScatterToo) {
   ASSERT_EQ(scenario->objects.size(), 31u);
   EXPECT_EQ(scenario->objects[0].name, "CRATE_1");
   EXPECT_EQ(scenario->objects[30].name, "PILLAR_1");
-  // Alone it has seed 1, or that of the run.
+  // Alone it has seed 1, or the run's seed.
   const auto place = [&](std::optional<std::uint64_t> seed) {
     const auto world =
         LoadScenario((folder.path() / "a.world").string(), ShippedRobots(), diagnostics, false, seed);

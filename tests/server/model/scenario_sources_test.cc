@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A scenario carries the texts of all that it names: read again from these alone, it is the same.
+// A scenario carries the texts of all files that it names: read again from these alone, it is the same.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 
 const std::string kFloor = "[FLOOR]\nsize 12 9\ncolor white\n";
 
-/// All that a scenario says, numbers bit for bit.
+/// All data of a scenario, numbers bit for bit.
 class Portrait {
  public:
   explicit Portrait(const Scenario& scenario) {
@@ -124,7 +124,7 @@ std::string Messages(const std::string& text, const std::string& file, RobotLibr
   return diagnostics.ToString();
 }
 
-/// That `scenario`, read again from what it carries, is the same, though no file can be found.
+/// Checks that `scenario`, read again from its own texts without any files, is the same.
 void ExpectCarriesAll(const Scenario& scenario) {
   ASSERT_NE(scenario.text, "");
   RobotLibrary library(SearchPath{}, scenario.sources);
@@ -276,7 +276,7 @@ TEST(ScenarioSourcesTest, WhatIsNotEmbeddedIsLookedForOnThePathAndSuggestedFromB
               HasSubstr("unknown robot type 'wolker'; did you mean 'walker'?"));
   EXPECT_THAT(Messages("[WORLD]\nfile walker\n", "a.scenario", library),
               HasSubstr("there is no world 'walker'"));
-  // A kind is part of the name; a path that came by socket is refused unless it is embedded.
+  // The kind is part of the name; a path received by socket is refused unless the file is embedded.
   EXPECT_THAT(Messages("[WORLD]\nfile /etc/walker.world\n", "", library, true),
               HasSubstr("by the bare name"));
 }

@@ -24,7 +24,8 @@ ReadResult Load(const std::string& file) {
   return {scenario, diagnostics.ToString()};
 }
 
-/// Of a.scenario that says `scenario`, beside a world `name` that says `world`; both without their folder.
+/// The messages for a.scenario with text `scenario`, beside a world `name` with text `world`; both without
+/// their folder.
 ReadResult LoadBeside(const TempFolder& folder, const std::string& name, const std::string& world,
                       const std::string& scenario) {
   folder.Write(name, world);
@@ -253,7 +254,7 @@ TEST(WorldFileTest, AWorldLoadsAsAScenarioWithoutRobots) {
   ASSERT_NE(result.scenario, nullptr);
   EXPECT_EQ(Summary(*result.scenario),
             "no robots, 3 objects (1 static), no targets, floor 10 x 8 m, realtime 10 ms");
-  // What is kept of it reads back the same.
+  // The stored text reads back the same.
   EXPECT_EQ(Good(result.scenario->text)->objects.size(), 3u);
 }
 

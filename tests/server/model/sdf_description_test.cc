@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The short description reads files as the whole one does.
+// The short description reads files like the full one.
 #include "server/model/sdf_description.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace coopdyn {
 namespace {
 
-/// What libsdformat makes of `text`: its errors, then what it has read.
+/// libsdformat's result for `text`: its errors, then its content.
 std::string ReadBy(sdf::SDFPtr (*describe)(const tinyxml2::XMLElement&), const std::string& text) {
   tinyxml2::XMLDocument document;
   EXPECT_EQ(document.Parse(text.c_str()), tinyxml2::XML_SUCCESS);

@@ -37,7 +37,7 @@ std::string SensorLink(const std::string& name, const std::string& pose, const s
          "<collision name=\"body\"><geometry><box><size>0.2 0.2 0.2</size></box></geometry></collision>" +
          inside + "</link>";
 }
-/// A base on which a head is fixed; `sensor` stands in the head's link, at line 2.
+/// A base with a fixed head; `sensor` is in the head's link, at line 2.
 SdfAnswer ReadHead(const std::string& sensor, const std::string& version = "1.9", bool own = false) {
   return ReadSdfModel(std::string("<sdf version=\"") + version + "\"" +
                       (own ? " xmlns:coopdyn=\"https://coopdyn.dev/sdf\"" : "") + "><model name=\"rig\">\n" +
@@ -197,7 +197,7 @@ TEST(SdfSensorsTest, AContactSensorHasTheCollisionsThatItNames) {
   const auto contact = SdfSensorOf<ContactModel>(
       "<sensor name=\"bumper\" type=\"contact\"><contact><collision>body</collision></contact></sensor>");
   ASSERT_EQ(contact.parts.size(), 1u);
-  EXPECT_EQ(contact.parts[0].collision, 1u);  // after the base's own
+  EXPECT_EQ(contact.parts[0].collision, 1u);  // after the base's collision
   const auto other = ReadHead(
       "<sensor name=\"bumper\" "
       "type=\"contact\"><contact><collision>lump_collision</collision></contact></sensor>");

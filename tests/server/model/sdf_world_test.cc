@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// SDF worlds as scenarios: what becomes of their models, includes, floor and physics.
+// SDF worlds as scenarios: their models, includes, floor and physics.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ using ::testing::Not;
 
 class SdfWorldTest : public ::testing::Test {
  protected:
-  /// The scenario of a world that holds `inside`; messages() has what was said.
+  /// The scenario of a world that contains `inside`; messages() returns the messages.
   std::shared_ptr<const Scenario> Load(const std::string& inside) {
     const std::string ground = "<include><uri>model://ground_plane</uri></include>";
     return LoadText("<sdf version=\"1.9\"><world name=\"lab\">" + ground + "\n" + inside + "</world></sdf>");
@@ -125,7 +125,7 @@ TEST_F(SdfWorldTest, BodiesThatNoJointHoldsTogetherAreThingsAndRobotsOfTheirOwn)
   ASSERT_NE(scenario, nullptr) << messages();
   EXPECT_EQ(messages(), "");
   ASSERT_EQ(scenario->robots.size(), 1u);
-  EXPECT_EQ(scenario->robots[0].name, "m_set");  // [SET] is a section of its own
+  EXPECT_EQ(scenario->robots[0].name, "m_set");  // [SET] is a reserved section
   ASSERT_EQ(scenario->objects.size(), 2u);
   EXPECT_EQ(scenario->objects[0].name, "m_set_cube");
   EXPECT_NEAR((scenario->objects[0].X_WO.p - Vector3(1, 3, 0.1)).norm(), 0, 1e-9);
@@ -174,7 +174,7 @@ TEST_F(SdfWorldTest, WhatOverlapsIsPushedOutAndAThingInTheFloorIsPutOnIt) {
   const auto scenario = Load(Model("crate", Link("l", "0 0 0 0 0 0"), "0 -2 0 0 0 0"));
   ASSERT_NE(scenario, nullptr) << messages();
   EXPECT_TRUE(scenario->simulation.overlaps);
-  EXPECT_EQ(scenario->objects.at(0).where.line, 2);  // of the world, in whose second line the crate stands
+  EXPECT_EQ(scenario->objects.at(0).where.line, 2);  // of the world, whose second line defines the crate
   EXPECT_NEAR(scenario->objects.at(0).X_WO.p.z(), 0.1, 1e-9);
   EXPECT_THAT(messages(), HasSubstr("model 'crate' stands 0.1 m below the floor: it is put on the floor"));
 }
@@ -200,7 +200,7 @@ TEST_F(SdfWorldTest, AModelBelowTheFloorIsPutOnIt) {
   EXPECT_EQ(scenario->robots.at(0).X_WR.p.z(), 0);
 }
 
-/// A moving body whose shape is a mesh, 0.4 m wide and 0.6 m high about its origin.
+/// A moving body with a mesh, 0.4 m wide and 0.6 m high about its origin.
 std::string Rock(const TempFolder& folder) {
   folder.Write("rock.obj",
                "v -0.2 -0.2 -0.3\nv 0.2 -0.2 -0.3\nv 0.2 0.2 -0.3\nv -0.2 0.2 -0.3\nv -0.2 -0.2 0.3\n"
@@ -362,7 +362,7 @@ TEST_F(SdfWorldTest, PosesMayBeInDegreesQuaternionsAndRelativeToModelsAndFrames)
 }
 
 TEST_F(SdfWorldTest, APosePlacesTheFrameThatIsNamed) {
-  // X_WM = X_WF X_MF^-1, of a link, of a frame in a model inside, and of one that an include names.
+  // X_WM = X_WF X_MF^-1, for a link, for a frame in a nested model, and for one that an include names.
   folder().Write("part/model.sdf", "<sdf version=\"1.9\">" + Model("part", kArm) + "</sdf>");
   const std::string turned = "<pose>5 0 0 0 0 1.5707963267948966</pose>";
   const auto scenario = Load(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Our own elements for sensors: what they say, what is taken without a word, and what is wrong.
+// Our own elements for sensors: their values, accepted elements, and errors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -229,7 +229,7 @@ TEST(SensorElementsTest, AnElementWithoutItsModuleIsAnError) {
       HasSubstr("<coopdyn:imu> needs its module: write <coopdyn:module type=\"imu\" name=\"chest\"/>"));
 }
 
-// --- the robots that ship with them
+// --- the shipped robots that have them
 
 std::shared_ptr<const RobotModel> ShippedRobot(const std::string& type) {
   Diagnostics diagnostics;
@@ -247,7 +247,7 @@ TEST(SensorRobotsTest, TheTurtleHasLidarDepthCameraBumperImuBatteryAndOdometry) 
   EXPECT_NE(turtle->Find<ImuModel>(), nullptr);
   EXPECT_NE(turtle->Find<BatteryModel>(), nullptr);
   EXPECT_NEAR(turtle->Find<OdometryModel>()->resolution_rad * 2578.33, 2 * std::numbers::pi, 1e-3);
-  // The lidar stands above all collisions, so that it does not see the robot.
+  // The lidar is above all collisions, so it does not see the robot.
   EXPECT_GT(turtle->Find<LidarModel>()->mount.X_LS.p.z(), turtle->height_m);
 }
 

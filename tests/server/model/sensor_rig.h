@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A robot of four links for elements of sensors, and what is read of them.
+// A robot of four links for tests of sensor elements, and the reader's results.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// --set SECTION.key=value, on scenarios as texts.
+// --set SECTION.key=value, applied to scenarios as texts.
 #include "server/model/settings.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What ships loads without a word; lessons for one robot can be solved; the examples of docs/formats.md are
-// good files.
+// Shipped files load without messages; lessons for one robot can be solved; the examples of docs/formats.md
+// are valid files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 const fs::path kSource = SourceDir();
 
-/// What ships, and files in the place of the controllers, which the build makes elsewhere.
+/// The shipped files, and placeholders for the controllers, which the build makes elsewhere.
 class ShippedLibrary {
  public:
   ShippedLibrary() : library_(SearchPath{{SourceDir(), folder_.path()}}) {
@@ -59,7 +59,7 @@ TEST(ShippedTest, EveryScenarioLoadsWithoutDiagnostics) {
   EXPECT_GE(files.size(), 8u);
   for (const std::string& file : files) {
     EXPECT_EQ(LoadShipped(file).messages, "");
-    // By its bare name too.
+    // Also by its bare name.
     EXPECT_NE(LoadShipped(fs::path(file).stem().string()).scenario, nullptr) << file;
   }
 }
@@ -103,8 +103,7 @@ TEST(ShippedTest, RobotsStartClearOfEverything) {
   }
 }
 
-// So that a robot of 0.36 m with 0.4 m on either side comes through anywhere; what stands at a wall leaves no
-// gap.
+// So that a robot of 0.36 m with 0.4 m on either side passes everywhere; things at a wall leave no gap.
 TEST(ShippedTest, PassagesOfLessonsAreWide) {
   constexpr double kPassage_m = 1.2;
   for (const char* name : {"empty", "corridor", "box_maze", "cluttered", "fig4", "classroom"}) {
@@ -115,7 +114,7 @@ TEST(ShippedTest, PassagesOfLessonsAreWide) {
     EXPECT_EQ(scenario->targets[0].color_name, "red");
     for (const WorldObject& object : scenario->objects) {
       EXPECT_GT(DistanceToShadow(object, target.x(), target.y()), 0.5) << name;
-      // Along the shadow of each other thing (not a wall), at its edge.
+      // Along the edge of the shadow of each other thing (except walls).
       if (object.name.starts_with("WALL")) continue;
       for (const WorldObject& other : scenario->objects) {
         if (&other == &object) continue;
@@ -146,7 +145,7 @@ TEST(ShippedTest, ClassroomIsTheFirstLesson) {
   ASSERT_EQ(scenario->targets.size(), 1u);
   const Vector3 from = scenario->robots[0].X_WR.p, to = scenario->targets[0].p_WT;
   EXPECT_LT((to - from).norm(), 4);
-  // The straight way is free by more than the metre at which the hello program slows down.
+  // The straight path is free by more than the metre at which the hello program slows down.
   for (double t = 0; t <= 1; t += 0.01) {
     const Vector3 p = from + t * (to - from);
     for (const WorldObject& object : scenario->objects) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Joints of several axes as a model's file says them.
+// Joints of several axes in a model's file.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

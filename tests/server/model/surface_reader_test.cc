@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// <surface> of SDF: friction with a grain, of rolling and of spinning.
+// <surface> of SDF: anisotropic, rolling and spinning friction.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

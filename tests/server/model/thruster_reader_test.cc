@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// <coopdyn:thruster>, and what is wrong with it.
+// <coopdyn:thruster>, and its errors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// A link that is turned a quarter of a turn to the left; the thruster stands in line 3.
+/// A link turned by 90° to the left; the thruster is in line 3.
 std::string TextWith(const std::string& more) {
   return "<sdf version=\"1.9\" xmlns:coopdyn=\"https://coopdyn.dev/sdf\"><model name=\"craft\">\n"
          "<link name=\"hull\"><pose>1 0 0.5 0 0 1.5707963267948966</pose><inertial><pose>0.1 0 0 0 0 0</pose>"

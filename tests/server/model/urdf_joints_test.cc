@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Joints of URDF that SDF does not have, and who commands them.
+// Joints of URDF that SDF lacks, and the modules that command them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ TEST(UrdfJointsTest, ARobotFloatsOnAnEmptyLinkOfAnyName) {
     ASSERT_NE(robot, nullptr) << messages;
     EXPECT_FALSE(robot->fixed_base);
     ASSERT_EQ(robot->links.size(), 2u);
-    // Where the floating joint puts it.
+    // At the pose of the floating joint.
     EXPECT_NEAR(robot->links[0].X_RL.p.z(), 1, 1e-12);
     EXPECT_THAT(messages, HasSubstr("joint 'base_j' of type floating is left out"));
   }
@@ -118,7 +118,7 @@ TEST(UrdfJointsTest, EachOfSeveralControlsIsAGroup) {
   ASSERT_EQ(robot->actuators.size(), 3u);
   EXPECT_EQ(robot->actuators[0].module, "left_arm");
   EXPECT_EQ(robot->actuators[1].module, "gripper");
-  EXPECT_EQ(robot->actuators[2].module, "joints");  // what none of them commands
+  EXPECT_EQ(robot->actuators[2].module, "joints");  // not commanded by any plug-in
   EXPECT_THAT(messages, testing::Not(HasSubstr("ros2_control")));
 }
 

@@ -62,7 +62,7 @@ TEST(WorldTest, SphereTakesOneOrThreeEqualDiameters) {
 TEST(WorldTest, TwoNumbersRestOnTheFloor) {
   EXPECT_DOUBLE_EQ(ReadWorldText("[B]\ntype box\nsize 1 1 3\nposition 0 0\n").world.objects.at(0).X_WO.p.z(),
                    1.5);
-  // A cylinder that lies on its side rests on its radius.
+  // A cylinder on its side rests at the height of its radius.
   EXPECT_NEAR(ReadWorldText("[B]\ntype cylinder\nsize 0.4 0.4 2\nposition 0 0\norientation 90deg 0 0\n")
                   .world.objects.at(0)
                   .X_WO.p.z(),

@@ -70,7 +70,7 @@ TEST(YarpIniTest, ADeviceMayStandInAnotherFile) {
   EXPECT_EQ(boards[0].name, "arm");
   EXPECT_EQ(boards[0].ini, 1u);
   EXPECT_THAT(boards[0].joints, ElementsAre("u0", "u1", "h0"));
-  EXPECT_THAT(left_out, ElementsAre("upper"));  // the wider one has its joints
+  EXPECT_THAT(left_out, ElementsAre("upper"));  // the wider board has its joints
 }
 
 TEST(YarpIniTest, CoupledJointsAreThereThemselves) {

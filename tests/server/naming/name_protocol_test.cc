@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The bytes of real programs' sessions with YARP's own name server, where it answers the same.
+// The bytes of real programs' sessions with YARP's own name server, to which ours gives the same answers.
 #include "server/naming/name_protocol.h"
 
 #include <gmock/gmock.h>

@@ -30,7 +30,7 @@ class NameServerTest : public ::testing::Test {
   }
   TestClient Connect() { return TestClient::Connect(names_->port()); }
   TestClient ConnectLocal() { return TestClient::ConnectLocal(NameServer::LocalName(names_->port())); }
-  /// `open` and a binary request behind it, at once; the module answers the request.
+  /// `open` and a binary request directly after it; the module answers the request.
   static void ExpectEcho(TestClient client, const std::string& open) {
     Message request;
     request.command = ScriptedEndpoint::kEcho;

@@ -30,7 +30,7 @@ TEST(NameTable, GivesFreePortsOfItsRangeOnly) {
   EXPECT_EQ(table.Register("/c", "", "", 0, {"127.0.0.1"}).entry.port, 12001);
 }
 
-/// CPU time, s, to ask 2,000 times for a port beside so many own names.
+/// CPU time, s, of 2,000 requests for a port with `own` names.
 double AskingTime_s(int names) {
   NameTable table;
   for (int i = 0; i < names; ++i) table.AddOwn("/robot" + std::to_string(i) + "/motors", 10002 + i, nullptr);
@@ -71,7 +71,7 @@ TEST(NameTable, IsBounded) {
     ASSERT_EQ(table.SetProperty("/x1", std::to_string(i), "v", {}).refused, "");
   }
   EXPECT_NE(table.SetProperty("/x1", "more", "v", {}).refused, "");
-  EXPECT_TRUE(table.AddOwn("/robot1/motors", 10002, nullptr));  // the daemon's always fit
+  EXPECT_TRUE(table.AddOwn("/robot1/motors", 10002, nullptr));  // the daemon's own names are always accepted
 }
 
 TEST(NameTable, KnowsTheNearestName) {
@@ -151,7 +151,7 @@ TEST(NameTableStrangers, AllAddressesTogetherAreBoundedInBytes) {
       const std::string path = "/p" + std::to_string(address) + "_" + std::to_string(name);
       table.Register(path, "tcp", "", 5, asker);
       for (std::size_t i = 0; i < NameTable::kMaxProperties; ++i) {
-        // A name that was refused has no properties.
+        // A refused name has no properties.
         if (!table.SetProperty(path, std::to_string(i), value, asker).entry.name.empty()) {
           bytes += value.size();
         }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A third encoding, known to nobody but this test: what a session must be able to do for others than its own.
+// A third encoding that only this test knows: sessions must support encodings other than their own.
 #include "server/net/encoding.h"
 
 #include <gmock/gmock.h>
@@ -19,8 +19,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// `HI NAME` is answered in two parts; then `add N` collects numbers until `ask` sends them as one request,
-/// whose reply is `= N`; `tell` is the same without reply.
+/// The reply to `HI NAME` has two parts; then `add N` collects numbers until `ask` sends them as one request,
+/// with the reply `= N`; `tell` is the same without a reply.
 class ChattyEncoding final : public Encoding {
  public:
   std::string Greeting() override { return "hello\n"; }
@@ -34,7 +34,7 @@ class ChattyEncoding final : public Encoding {
       incoming.answer = "welcome " + line.substr(3) + "\n";
     } else if (line.starts_with("add ")) {
       request_.data.push_back(std::stod(line.substr(4)));
-    } else if (line.starts_with("count to ")) {  // a request each, one answer
+    } else if (line.starts_with("count to ")) {  // a request for each, one reply
       left_ = std::stoi(line.substr(9)) - 1;
       wants_reply_ = true;
       incoming.status = DecodeStatus::kMessage;
@@ -163,7 +163,7 @@ TEST_F(EncodingTest, AConnectionOfDatagramsEndsWhenNothingHasComeForItsTime) {
   const IoThread::Poster poster = thread_.poster();
   std::shared_ptr<Session> session;
   TestClient client(std::move(ours));
-  client.Send("hold 1\n");  // it is there when the silence begins
+  client.Send("hold 1\n");  // arrives before the silence begins
   thread_.Call([&, fd = theirs.Release()] {
     session = std::make_shared<Session>(
         thread_.context(), Session::Socket(thread_.context(), Session::AnyProtocol(), fd),
@@ -173,7 +173,7 @@ TEST_F(EncodingTest, AConnectionOfDatagramsEndsWhenNothingHasComeForItsTime) {
   });
   ASSERT_TRUE(Sees("request 501 1"));
   EXPECT_TRUE(Sees("input ended"));
-  EXPECT_EQ(endpoint_.Count("closed"), 0);  // what it has asked for is still answered
+  EXPECT_EQ(endpoint_.Count("closed"), 0);  // its pending requests are still answered
   Release();
   EXPECT_THAT(client.Line(), HasSubstr(" 501 "));
   EXPECT_TRUE(Sees("closed"));

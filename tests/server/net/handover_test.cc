@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A module takes the place of another: port and connections go over.
+// A module replaces another: its port and connections are handed over.
 #include "server/net/handover.h"
 
 #include <gmock/gmock.h>
@@ -19,12 +19,12 @@ using ::testing::HasSubstr;
 
 constexpr std::size_t kManyNumbers = 1 << 18;
 
-/// What the world answers to "ask", when the test says so.
+/// The world's reply to "ask", sent when the test requests it.
 struct Asked {
   std::vector<ReplyFunction> waiting;
 };
 
-/// Lines: "get" echoes, "hold" waits for the endpoint, "ask" for Asked, "much" gets a long answer.
+/// Lines: "get" echoes, "hold" waits for the endpoint, "ask" for Asked, "much" has a long reply.
 class StayingEncoding final : public Encoding {
  public:
   explicit StayingEncoding(Asked& asked) : asked_(asked) {}

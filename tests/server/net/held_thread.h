@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A thread that reads no sockets for a while, as one that is busy.
+// Makes a thread read no sockets for a while, as if busy.
 #pragma once
 
 #include <future>
@@ -8,7 +8,7 @@
 
 namespace coopdyn {
 
-/// Holds the thread from its making to its end.
+/// Holds the thread during its lifetime.
 class HeldThread {
  public:
   explicit HeldThread(IoThread& thread) {

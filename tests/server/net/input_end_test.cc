@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The end of a client's input, seen by another thread while that of the connection is busy.
+// The end of a client's input, detected by another thread while the connection's thread is busy.
 #include <gmock/gmock.h>
 
 #include <memory>

@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 using ModuleServerTest = ServerFixture;
 
 TEST_F(ModuleServerTest, ABusyPortIsNamedWithItsHolder) {
-  thread_.Stop();  // so that servers may be destroyed here
+  thread_.Stop();  // servers may then be destroyed here
   ModuleServer second(thread_, endpoint_, services_, "/second");
   const std::string error = second.Listen({"127.0.0.1"}, server_->port());
   EXPECT_THAT(error,
@@ -42,7 +42,7 @@ TEST_F(ModuleServerTest, LoopbackListensOnBothAddressesWithOnePort) {
   }
   v4.Close();
   v6.Close();
-  thread_.Stop();  // so that it may be destroyed here
+  thread_.Stop();  // it may then be destroyed here
 }
 
 TEST_F(ModuleServerTest, ItsPortIsFreeAgainAtItsEnd) {
@@ -100,7 +100,7 @@ TEST_F(ModuleServerTest, RunningOutOfDescriptorsIsSurvived) {
   TestClient served = Connect();
   served.Send("echo 1\n");
   ASSERT_THAT(served.Line(), HasSubstr(" 500 "));
-  // Clients up to the limit: each needs two, so the last ones cannot be accepted.
+  // Clients up to the limit: each needs two descriptors, so the last ones cannot be accepted.
   rlimit low = old;
   low.rlim_cur = static_cast<rlim_t>(OpenDescriptors() + 20);
   ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &low), 0);
@@ -129,7 +129,7 @@ TEST(NetServicesTest, ExhaustionIsLoggedOnceUntilItHasBeenOverForAMinute) {
     const std::string text = log.str();
     return std::count(text.begin(), text.end(), '\n');
   };
-  for (int i = 0; i < 200; ++i) {  // it comes and goes for longer than a minute
+  for (int i = 0; i < 200; ++i) {  // for more than a minute
     services.LogExhausted("cannot accept connections for now");
     clock.Advance(kNanosecondsPerSecond);
   }

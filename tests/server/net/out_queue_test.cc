@@ -28,7 +28,7 @@ UnaskedPtr PushOf(int i, std::string text = "") {
 class OutQueueTest : public ::testing::Test {
  protected:
   OutQueueTest() { queue_.set_encoding(*text_); }
-  /// The one that standard clients with these first bytes get.
+  /// The encoding for clients that begin with these bytes.
   std::unique_ptr<Encoding> EncodingOf(std::string_view first_bytes) {
     return Choose(StandardEncodings(), first_bytes)->make(endpoint_);
   }
@@ -53,7 +53,7 @@ TEST_F(OutQueueTest, DropsTheOldestOfMoreThan64PushesAndTheNextOneSaysHowMany) {
   EXPECT_EQ(std::count(sent.begin(), sent.end(), '\n'), 64);
 }
 
-/// Wants each push acknowledged.
+/// Expects an acknowledgement of each push.
 class Acknowledged final : public Encoding {
  public:
   Incoming Decode(std::string_view /*bytes*/) override { return {}; }
@@ -177,14 +177,14 @@ TEST(WaitingNote, RepeatsAfterTwoSecondsOrWhenWhomChanges) {
 TEST(PeerLooksDead, OnlyIfSomethingIsOutstandingAndNothingWasHeardForLong) {
   tcp_info info{};
   info.tcpi_last_ack_recv = 30'000;
-  EXPECT_FALSE(PeerLooksDead(info));  // idle: keepalive's business
+  EXPECT_FALSE(PeerLooksDead(info));  // idle: covered by keepalive
   info.tcpi_unacked = 1;
   EXPECT_TRUE(PeerLooksDead(info));
   info.tcpi_last_ack_recv = 5'000;
   EXPECT_FALSE(PeerLooksDead(info));
   info.tcpi_unacked = 0;
   info.tcpi_last_ack_recv = 30'000;
-  info.tcpi_probes = 1;  // a reader that does not read answers probes
+  info.tcpi_probes = 1;  // a client that does not read still answers probes
   EXPECT_FALSE(PeerLooksDead(info));
   info.tcpi_probes = 4;
   EXPECT_TRUE(PeerLooksDead(info));

@@ -12,7 +12,7 @@ using std::chrono::milliseconds;
 const Polling::Time kStart{std::chrono::hours(1)};
 constexpr microseconds kSpin{50};
 
-/// Loses the core as soon as it polls again, `times` times; returns when it polled last.
+/// Is preempted whenever it polls again, `times` times; returns the time of its last poll.
 Polling::Time LoseCore(Polling& polling, int times, Polling::Time now) {
   std::int64_t losses = 0;
   for (int i = 0; i < times; ++i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// An endpoint that does what its requests say and remembers what happened. Called on the io thread; `Saw()`
-// and the like from the test's.
+// An endpoint that acts as its requests say and remembers the events. Called on the io thread; `Saw()` etc.
+// from the test's thread.
 #pragma once
 
 #include <deque>
@@ -54,7 +54,7 @@ class ScriptedEndpoint : public Endpoint {
       case kPushes:
         for (int i = 1; i <= static_cast<int>(request.data.at(0)); ++i) connection.Push(PushOf(i), 0);
         break;
-      case kDrop:  // another connection is taken over
+      case kDrop:  // take another connection over
         for (auto& [id, other] : connections_) {
           if (id != connection.id()) other->Close("taken over");
         }
@@ -86,7 +86,7 @@ class ScriptedEndpoint : public Endpoint {
 
   // --- io thread ---
   std::size_t held() const { return held_.size(); }
-  /// With this text, if it says something.
+  /// Replies with this text, unless empty.
   void ReleaseOne(const std::string& text = {}) {
     auto [reply, answer] = std::move(held_.front());
     held_.pop_front();

@@ -128,7 +128,7 @@ TEST_F(SessionTest, NoticesAKilledPeerThoughItIsFarAhead) {
   client.Send("hold 1\n");
   ASSERT_TRUE(Sees("request 501 1"));
   const std::string comments(std::size_t{1} << 16, '#');
-  int stuck = 0;  // until the server reads no more
+  int stuck = 0;  // until the server stops reading
   while (stuck < 200) {
     stuck = client.SendSome(comments) == 0 ? stuck + 1 : 0;
     if (stuck > 0) ::poll(nullptr, 0, 1);
@@ -159,7 +159,7 @@ TEST_F(SessionTest, RequestsOfAPeerThatIsGoneSaySo) {
   EXPECT_EQ(endpoint_.Count("request 501 1 of the deaf"), 0);
 }
 
-/// Each request takes 1 ms of a clock of the test's own.
+/// Each request takes 1 ms of the test's clock.
 class SlowEndpoint : public ScriptedEndpoint {
  public:
   explicit SlowEndpoint(ManualClock& clock) : clock_(clock) {}
@@ -372,7 +372,7 @@ TEST_F(SessionTest, CloseSendsANoticeInTheClientsEncodingAndDropsWhatWaits) {
   EXPECT_EQ(silent.Rest(), "# taken over\n");
   EXPECT_TRUE(Sees("closed", 3));
   EXPECT_THAT(taker.Line(), HasSubstr(" 506 "));
-  Release();  // a late reply goes nowhere
+  Release();  // a late reply is dropped
   taker.Send("echo 1\n");
   EXPECT_THAT(taker.Line(), HasSubstr(" 500 "));
 }
@@ -392,7 +392,7 @@ TEST_F(SessionTest, AClosingConnectionIsGivenUpThoughItsPeerNeitherReadsNorClose
   client.Send("CDS1" + Frame(ScriptedEndpoint::kBig, {1'000'000}));
   ASSERT_TRUE(Sees("request 503"));
   thread_.Call([this] { server_->CloseAll("taken over"); });
-  EXPECT_TRUE(Sees("closed"));  // at once; the socket follows after Session::kLinger
+  EXPECT_TRUE(Sees("closed"));  // immediately; the socket follows after Session::kLinger
   EXPECT_TRUE(NoSessions());
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A client of the tests: a blocking socket whose every wait ends after kPatience. One thread.
+// A client for tests: a blocking socket whose waits end after kPatience. One thread.
 #pragma once
 
 #include <sys/socket.h>
@@ -19,7 +19,7 @@ class TestClient {
 
   /// Takes over a connected socket.
   explicit TestClient(UniqueFd fd) : fd_(std::move(fd)) {}
-  /// Connects; `ok()` says whether that worked.
+  /// Connects; `ok()` says whether it succeeded.
   static TestClient Connect(int port, const std::string& ip = "127.0.0.1");
   /// Connects to a unix socket of the abstract namespace.
   static TestClient ConnectLocal(const std::string& name);
@@ -29,14 +29,14 @@ class TestClient {
   /// "127.0.0.1:PORT" of this side.
   std::string address() const;
 
-  /// Writes all; false if it cannot within the patience.
+  /// Writes all bytes; false after kPatience.
   bool Send(std::string_view bytes);
-  /// Writes what fits without waiting; returns how much.
+  /// Writes the bytes that fit without waiting; returns their number.
   std::size_t SendSome(std::string_view bytes);
-  /// A line without its '\n'; "<end>" if the connection ended before, "<nothing>" if nothing came.
+  /// A line without its '\n'; "<end>" if the connection ended before it, "<nothing>" if nothing arrived.
   std::string Line();
   std::string Exactly(std::size_t count);
-  /// Everything until the server closes.
+  /// Reads until the server closes.
   std::string Rest();
   /// Decodes one binary frame.
   Message Frame();
@@ -47,7 +47,7 @@ class TestClient {
   void Reset();
 
  private:
-  /// Appends to buffer_; false at the end or out of patience.
+  /// Appends to buffer_; false at the end or after kPatience.
   bool More();
 
   UniqueFd fd_;
@@ -55,8 +55,8 @@ class TestClient {
   bool ended_ = false;
 };
 
-/// A port of the loopback that no other program is given while this lives; whoever shares addresses may
-/// listen.
+/// A loopback port that no other program is given during its lifetime; a socket with SO_REUSEADDR may listen
+/// on it.
 class HeldPort {
  public:
   HeldPort();
@@ -69,9 +69,9 @@ class HeldPort {
 
 /// A connected pair of unix sockets.
 std::pair<UniqueFd, UniqueFd> SocketPair(int type = SOCK_STREAM);
-/// The descriptors this process has open.
+/// The number of open descriptors of this process.
 int OpenDescriptors();
-/// Waits until `condition()`; false out of patience.
+/// Waits until `condition()`; false after kPatience.
 template <typename Condition>
 bool Eventually(Condition condition);
 

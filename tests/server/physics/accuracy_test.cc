@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Every fidelity against ideal kinematics of a differential drive, at several step sizes.
+// Every fidelity against the ideal kinematics of a differential drive, at several step sizes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ const char* NameOf(Fidelity fidelity) {
   return fidelity == Fidelity::kFull ? "full" : fidelity == Fidelity::kRolling ? "rolling" : "planar";
 }
 
-/// How far from the ideal a robot may be at the end, after a second to get up to speed.
+/// Allowed deviation of a robot from the ideal at the end, after one second of acceleration.
 struct Tolerance {
   double position_m = 0, heading_rad = 0;
 };
@@ -52,7 +52,7 @@ class Accuracy : public testing::TestWithParam<std::tuple<Fidelity, int>> {
       EXPECT_LT(TiltOf(end), 1e-3);
     }
   }
-  /// `full` steps hinges and wheels of their own, whose error grows with the square of the step.
+  /// Fidelity `full` steps hinges and wheel bodies, whose error grows with the square of the step.
   Tolerance Of(double closed_m, double closed_rad, double full_m, double full_rad) const {
     if (fidelity() != Fidelity::kFull) return {closed_m, closed_rad};
     const double grows = step_ms() <= 10 ? 1 : 4;
@@ -92,14 +92,14 @@ INSTANTIATE_TEST_SUITE_P(Fidelities, Accuracy,
                                   std::to_string(std::get<1>(info.param)) + "ms";
                          });
 
-/// A wall's shadow: robots this near to a wall go through ODE although they do not touch it.
+/// A wall's shadow: robots this near to a wall use ODE although they do not touch it.
 class AccuracyBesideAWall : public testing::TestWithParam<std::tuple<Fidelity, int>> {};
 
 TEST_P(AccuracyBesideAWall, StraightTenMetresAlongIt) {
   PhysicsScene scene;
   scene.step_length = std::get<1>(GetParam()) * 1'000'000;
   scene.fidelity = std::get<0>(GetParam());
-  // Its side is 0.05 mm away: near enough to be tested against it in every step.
+  // Its side is 0.05 mm away: near enough for a collision test in every step.
   scene.AddRobot(0, 0).Add(Box{Vector3(30, 0.1, 0.5)}, {{0, 0.18005 + 0.05, 0.25}, Quaternion::Identity()});
   scene.SetVelocity(0, 0.5, 0);
   scene.RunFor(1);
@@ -115,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(Fidelities, AccuracyBesideAWall,
                          testing::Combine(testing::Values(Fidelity::kRolling, Fidelity::kPlanar),
                                           testing::Values(1, 10, 20)));
 
-/// On a box robots of fidelity rolling always go through ODE.
+/// On a box, robots of fidelity rolling always use ODE.
 class AccuracyOnABox : public testing::TestWithParam<int> {};
 
 TEST_P(AccuracyOnABox, CircleOfHalfAMetreForThirtySeconds) {

@@ -12,7 +12,7 @@
 namespace coopdyn {
 namespace {
 
-/// A graph of bodies and its matrix, whole as well.
+/// A graph of bodies and its matrix, also as a dense one.
 class BlockCholeskyTest : public testing::Test {
  protected:
   void Make(int nodes, const std::vector<std::pair<int, int>>& edges, double weight = 100) {
@@ -20,7 +20,7 @@ class BlockCholeskyTest : public testing::Test {
     solver_.Plan(nodes, edges);
     whole_.setZero(6 * nodes, 6 * nodes);
     for (int i = 0; i < nodes; ++i) {
-      // The diagonal outweighs the rest.
+      // The matrix is diagonally dominant.
       const BlockCholesky::Block any = Any();
       solver_.diagonal(i) = any * any.transpose() + weight * BlockCholesky::Block::Identity();
       whole_.block<6, 6>(6 * i, 6 * i) = solver_.diagonal(i);

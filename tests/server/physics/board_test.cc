@@ -238,7 +238,7 @@ TEST_P(BoardTest, SwitchingModesInMotionGivesNoJump) {
   Tune(2, 10);
   Command(ControlMode::kPosition, 1.2);
   scene_.RunFor(0.3);
-  // Effort and weight together bound what a step can change.
+  // Effort and weight together bound the change per step.
   const double most = (40 + kMass_kg * kGravity_m_s2 * kArm_m) / kInertia_kg_m2 * step_s() * 1.01;
   double before = velocity();
   const ControlMode modes[] = {ControlMode::kVelocity, ControlMode::kPosition, ControlMode::kIdle,
@@ -291,7 +291,7 @@ TEST_P(BoardTest, AJointThatWasKeptFromItsTargetBeginsTheNextWayWhereItIs) {
   Command(ControlMode::kPosition, 1);
   scene_.Run(1);
   JointControl control = scene_.world().controls()[0];
-  control.reference = control.start = 1.5;  // as if something had stood in its way
+  control.reference = control.start = 1.5;  // as if an obstacle had blocked it
   scene_.world().Tune(0, control);
   Command(ControlMode::kPosition, -0.5);
   scene_.Run(StepsIn(0.3));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Beside pairs_test.cc, which compares boxes with brute force.
+// Complements pairs_test.cc, which compares boxes with brute force.
 #include "server/physics/box_contacts.h"
 
 #include <gtest/gtest.h>

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-/// How far `x` is from a solution.
+/// The residual of `x`.
 double Error(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, const Eigen::VectorXd& lower,
              const Eigen::VectorXd& upper, const Eigen::VectorXd& x) {
   const Eigen::VectorXd w = A * x - b;
@@ -48,7 +48,7 @@ TEST(BoxLcpTest, SolvesRandomProblemsOfContactsThatShareTheirLoads) {
   BoxLcp lcp;
   for (int trial = 0; trial < 500; ++trial) {
     const Eigen::Index n = 3 + trial % 40, rank = 1 + trial % 12;
-    // Fewer freedoms than rows, as of legs that stand: only the softness makes it definite.
+    // Fewer degrees of freedom than rows, as with standing legs: only the softness makes it definite.
     const Eigen::MatrixXd J = Eigen::MatrixXd::NullaryExpr(n, rank, [&] { return normal(random); });
     Eigen::MatrixXd A = J * J.transpose();
     A.diagonal().array() += 1e-4;

@@ -13,7 +13,7 @@ namespace coopdyn {
 
 namespace {
 
-/// Adds `direction` unless it, or its opposite, is there.
+/// Adds `direction` unless it, or its opposite, is present.
 void AddOnce(std::vector<Vector3>& directions, const Vector3& direction) {
   if (!(direction.squaredNorm() > 1e-20)) return;
   const Vector3 unit = direction.normalized();
@@ -24,7 +24,7 @@ void AddOnce(std::vector<Vector3>& directions, const Vector3& direction) {
   directions.push_back(unit);
 }
 
-/// Directions all round, evenly.
+/// Uniformly distributed directions.
 const std::vector<Vector3>& AllRound() {
   static const std::vector<Vector3> directions = [] {
     constexpr int kCount = 500;
@@ -39,7 +39,7 @@ const std::vector<Vector3>& AllRound() {
   return directions;
 }
 
-/// Walks from `best` to where the overlap is least.
+/// Descends from `best` to the least overlap.
 template <typename Along>
 void Refine(const Along& along, BruteOverlap& best, double step) {
   for (int round = 0; step > 1e-5; ++round) {

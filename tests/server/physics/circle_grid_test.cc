@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The grid of discs finds exactly what all pairs would.
+// The grid of discs finds exactly the same pairs as a full search.
 #include "server/physics/broad_phase.h"
 
 #include <gtest/gtest.h>

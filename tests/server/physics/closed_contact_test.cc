@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Contacts found by formula: where, which way, how deep; and when to ask ODE instead.
+// Contacts by formula: position, normal, depth; and when to use ODE instead.
 #include <gtest/gtest.h>
 
 #include <cmath>

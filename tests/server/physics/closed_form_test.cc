@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Objects move as mechanics says. Each tolerance is stated with its test.
+// Objects move by the laws of mechanics. Each tolerance is stated with its test.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Concave meshes that move: they collide as they look.
+// Concave meshes that move: they collide with their exact shape.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -48,7 +48,7 @@ TEST(ConcaveTest, PiecesAreOneCollision) {
   for (const Part& part : mechanism.parts) EXPECT_EQ(part.collision, 0);
 }
 
-/// What a robot of `model` touches of the floor at `X_WR`.
+/// The floor contacts of a robot of `model` at `X_WR`.
 std::vector<FoundContact> OnFloor(const Mechanism& mechanism, const Pose& X_WR) {
   Thing thing;
   thing.mechanism = &mechanism;
@@ -117,7 +117,7 @@ TEST_P(StepLengths, AHookHangsOnABar) {
   PhysicsScene scene;
   scene.step_length = GetParam() * Nanoseconds{1'000'000};
   scene.robot_model = Free(Hook(), 0.2);
-  // Its bar is 5 mm above the other.
+  // Its bar is 5 mm above the other one.
   scene.AddRobot(At(0, 0, 0.4));
   scene.Add(Cylinder{kBar_m, 0.3},
             {{0, 0, 0.4 + 0.1 - kBar_m - 0.005}, FromRollPitchYaw(std::numbers::pi / 2, 0, 0)});

@@ -17,7 +17,7 @@ namespace {
 void Populate(PhysicsScene& scene) {
   for (int i = 0; i < 16; ++i) {
     const double x = 0.4 * (i % 4), y = 0.4 * (i / 4);
-    scene.AddRobot(x, y, std::atan2(0.61 - y, 0.6 - x));  // facing the middle
+    scene.AddRobot(x, y, std::atan2(0.61 - y, 0.6 - x));  // facing the centre
   }
   scene.AddRobot(5, 5).AddRobot(6, -5, 2);
   scene.Add(Box{Vector3(0.1, 6, 0.5)}, At(1.8, 0, 0.25))
@@ -49,7 +49,7 @@ TEST(Determinism, SameSceneTwiceGivesTheSameHashes) {
 }
 
 TEST(Determinism, TheCrowdUsesTheIterativeSolver) {
-  // Else the tests here would say nothing about it: it is the one that draws from the random seed.
+  // Otherwise the tests here would prove little: only the iterative solver uses the random seed.
   PhysicsScene scene;
   Populate(scene);
   Hashes(scene, 0, 60);
@@ -132,7 +132,7 @@ void PopulateMixed(PhysicsScene& scene, int copies) {
   }
 }
 
-/// The robots of the crowd drive into each other and rest in turns; the last two of each copy stay parked.
+/// The robots of the crowd alternately drive into each other and rest; the last two of each copy stay parked.
 void CommandMixed(PhysicsScene& scene, int step) {
   for (int i = 0; i < scene.robot_count(); ++i) {
     const bool parked = i % 30 >= 28 || (step / 80 + i) % 5 == 0;
@@ -147,7 +147,7 @@ TEST(Determinism, MixedFidelitiesRestoredInMidRunContinueBitByBit) {
   PhysicsScene running;
   PopulateMixed(running, 1);
   for (int step = 0; step < 300; step += 50) {
-    // Each part of the run in a world of its own, which knows nothing but the frame before.
+    // Each part of the run in a new world, which knows only the previous frame.
     PhysicsScene part;
     PopulateMixed(part, 1);
     part.Restore(*running.Capture());
@@ -158,7 +158,7 @@ TEST(Determinism, MixedFidelitiesRestoredInMidRunContinueBitByBit) {
 }
 
 TEST(Determinism, TheMixedSceneSleepsTouchesAndUsesBothSolvers) {
-  // Else the tests with it would say little.
+  // Otherwise the tests of this scene would prove little.
   PhysicsScene scene;
   PopulateMixed(scene, 1);
   const std::uint64_t seed = scene.Capture()->solver_seed;
@@ -177,7 +177,7 @@ TEST(Determinism, AnyNumberOfThreadsGivesTheSameHashes) {
     WorkerPool pool(threads);
     PhysicsScene scene;
     scene.pool = threads == 0 ? nullptr : &pool;
-    PopulateMixed(scene, 12);  // enough robots for the loops to be shared out
+    PopulateMixed(scene, 12);  // enough robots for parallel loops
     const auto hashes = Hashes(scene, 0, 60, CommandMixed);
     if (threads == 0) expected = hashes;
     EXPECT_EQ(hashes, expected) << threads;

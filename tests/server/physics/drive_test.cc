@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A robot drives as an ideal differential drive does, at every step size.
+// A robot moves like an ideal differential drive, at every step size.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Drive trains against their equations, and whole motions against a reference that is integrated at a
-// hundredth of the step: a turntable about a vertical axis, or an arm with a weight.
+// Drive trains against their equations, and whole motions against a reference integrated with a hundredth of
+// the step: a turntable about a vertical axis, or an arm with a weight.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ DriveTrainModel Train() {
   return train;
 }
 
-/// A disc on a post; `mass_kg` hangs beside the axis, which then lies level.
+/// A disc on a post; `mass_kg` is attached off the axis, which is then horizontal.
 RobotModel Turntable(const DriveTrainModel& train, double arm_m = 0) {
   RobotModel model;
   model.type = "turntable";
@@ -231,7 +231,7 @@ TEST_F(TrainTest, TheFreeRotorSwingsOnItsSpringAtItsFrequency) {
   EXPECT_NEAR(crossings, 2 * std::sqrt(1 / kRotor_kg_m2) / (2 * std::numbers::pi), 1);
 }
 
-/// The rotor is twisted by 0.1 rad against a disc of the same inertia; then both are free.
+/// The rotor is twisted by 0.1 rad against a disc of the same inertia; then both are released.
 RobotModel TwoEqualMasses(double stiffness_nm_rad) {
   DriveTrainModel train = Train();
   train.rotor_inertia_kg_m2 = kInertia_kg_m2 / (kRatio * kRatio);
@@ -254,7 +254,7 @@ TEST_F(TrainTest, AnUndampedCouplingKeepsItsAmplitude) {
     }
     EXPECT_NEAR(most, 0.1, 1e-3) << step_ms;
     EXPECT_NEAR(least, -0.1, 1e-3) << step_ms;
-    EXPECT_NEAR(joint().position, (0.1 - twist()) / 2, 1e-6) << step_ms;  // what they have in common rests
+    EXPECT_NEAR(joint().position, (0.1 - twist()) / 2, 1e-6) << step_ms;  // their common motion is at rest
   }
 }
 

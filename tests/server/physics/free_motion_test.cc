@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What moves without contacts keeps its energy and its momentum, at 1, 5 and 10 ms.
+// Bodies without contacts keep their energy and momentum, at 1, 5 and 10 ms.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,7 +33,7 @@ class FreeMotionTest : public ::testing::TestWithParam<int> {
     return sum_j;
   }
 
-  /// The most by which the energy, as the mean of a second, leaves that of the start.
+  /// The greatest deviation of the energy, averaged over a second, from that at the start.
   double Drift_j(int duration_s, double gravity_m_s2 = kG) {
     const double before_j = Energy_j(gravity_m_s2);
     double worst_j = 0;
@@ -49,7 +49,7 @@ class FreeMotionTest : public ::testing::TestWithParam<int> {
     return worst_j;
   }
 
-  /// The least and the most of what `measure` says in the steps of a second.
+  /// Minimum and maximum of `measure` in the steps of a second.
   template <typename Measure>
   std::pair<double, double> Range(const Measure& measure) {
     double least = 1, most = -1;
@@ -65,7 +65,7 @@ class FreeMotionTest : public ::testing::TestWithParam<int> {
   PhysicsScene scene_;
 };
 
-/// `links` of together 2.4 m and 1.2 kg that hang on each other, level.
+/// A horizontal chain of `links` with a total of 2.4 m and 1.2 kg.
 RobotModel Chain(int links) {
   RobotModel model = OnAPost();
   const double length_m = 2.4 / links, mass_kg = 1.2 / links;
@@ -91,7 +91,7 @@ TEST_P(FreeMotionTest, ALimpChainFallsAsItDoesInSmallSteps) {
   Add(Chain(12));
   scene_.RunFor(1);
   const Vector3 tip_W = LinkPose(*scene_.Capture(), 0, 12).p;
-  EXPECT_LT((tip_W - Vector3(-1.801, 0, 1.676)).norm(), 0.01 * GetParam());  // of 1 ms and less
+  EXPECT_LT((tip_W - Vector3(-1.801, 0, 1.676)).norm(), 0.01 * GetParam());  // from short steps
 }
 
 TEST_P(FreeMotionTest, AGyroscopePrecessesAtItsRate) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A body that explodes is held; the rest goes on.
+// A body that explodes is frozen; the rest continues.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -59,7 +59,7 @@ TEST(Freeze, TheRestGoesOnBitByBit) {
 
 TEST(Freeze, BodyThatIsNotFiniteIsHeldWithoutEndingTheProcess) {
 #if defined(__SANITIZE_ADDRESS__)
-  // ODE fails an assertion in the middle of its step, and loses the 80 bytes of a job when that throws.
+  // ODE fails an assertion during its step, and leaks the 80 bytes of a job when that throws.
   const __lsan::ScopedDisabler odes_own_leak;
 #endif
   Exploding test({kNan, 0, 0});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Friction of every kind against closed forms, at 1, 5 and 10 ms: round where nothing slips yet, rolling,
-// spinning, with a grain. Each by ODE and by the solver of limbs, which a robot with a thruster goes to.
+// Friction of every kind against closed forms, at 1, 5 and 10 ms: isotropic at the onset of sliding, rolling,
+// spinning, anisotropic. Each by ODE and by the solver of limbs, which handles robots with thrusters.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -80,7 +80,7 @@ LinkShape Sledge(double friction) {
   return {Box{{0.3, 0.3, 0.1}}, {}, {}, friction, false};
 }
 
-/// On a slope that falls towards 45°, where a pyramid along the axes would hold √2 of the friction.
+/// On a slope that falls towards 45°, where a pyramid along the axes would allow √2 of the friction.
 class SlopeTest : public FrictionTest {
  protected:
   static constexpr double kFriction = 0.5;
@@ -104,7 +104,7 @@ TEST_P(SlopeTest, WhatIsLessSteepStands) {
   AddOnSlope(0.45);  // its tangent is 0.483
   const Vector3 start = Now().p_WB;
   scene_.RunFor(10);
-  EXPECT_LT((Now().p_WB - start).norm(), 5e-4);  // until it sleeps, contacts come and go
+  EXPECT_LT((Now().p_WB - start).norm(), 5e-4);  // until it sleeps, contacts appear and vanish
 }
 
 TEST_P(FrictionTest, ABallRollsToRestByItsFormula) {
@@ -144,7 +144,7 @@ TEST_P(FrictionTest, ASpinningBallStopsByItsFormula) {
 }
 
 TEST_P(FrictionTest, RollingFrictionHoldsABallOnAGentleSlope) {
-  constexpr double kSlope_rad = 0.015;  // below the share of friction's arm in the radius, 0.02
+  constexpr double kSlope_rad = 0.015;  // below the ratio of friction's arm to the radius, 0.02
   const Quaternion q = FromRollPitchYaw(0, kSlope_rad, kDiagonal_rad);
   scene_.Add(Box{Vector3(30, 4, 0.2)}, {{0, 0, 3}, q});
   const Vector3 start = Vector3(0, 0, 3) + q * Vector3(0, 0, 0.1 + kRadius_m);
@@ -200,7 +200,7 @@ INSTANTIATE_TEST_SUITE_P(Steps, SlopeTest, kAll);
 
 class PushTest : public testing::TestWithParam<int> {
  protected:
-  /// How far a box of 2 kg, friction 0.5, has come in 2 s by a force at 45°.
+  /// Distance that a box of 2 kg, friction 0.5, moves in 2 s by a force at 45°.
   double Pushed_m(double force_n) {
     PhysicsScene scene;
     scene.step_length = GetParam() * 1'000'000;

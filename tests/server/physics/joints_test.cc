@@ -47,7 +47,7 @@ class JointsTest : public ::testing::TestWithParam<int> {
   }
   double Angle(int link) { return 2 * std::atan2(Where(link).q.y(), Where(link).q.w()); }
 
-  /// How long a pendulum takes from its start to the vertical.
+  /// Time of a pendulum from its start to the vertical.
   double TimeToHang_s() {
     int steps = 0;
     while (Where(1).p.x() < 0 && steps * step_s() < 10) {
@@ -57,7 +57,7 @@ class JointsTest : public ::testing::TestWithParam<int> {
     return steps * step_s();
   }
 
-  /// Where a pendulum that is so resisted lies that fell from level onto a stop 0.5 rad below.
+  /// Rest angle of a damped pendulum that falls from the horizontal onto a stop 0.5 rad below.
   double AngleAtStop(double damping, double friction) {
     RobotModel model = Pendulum(0.5, kPi / 2, 0.02);
     model.joints[0].lower = -0.5;
@@ -77,7 +77,7 @@ TEST_P(JointsTest, APendulumSwingsWithItsPeriod) {
   Add(Pendulum(length_m, 0.05, inertia_kg_m2));
   const double period_s =
       2 * kPi * std::sqrt((inertia_kg_m2 + length_m * length_m) / (kGravity_m_s2 * length_m));
-  // Ten swings: counted where it passes the vertical.
+  // Ten swings, counted at the vertical.
   int crossings = 0;
   double last_s = 0, before = Where(1).p.x();
   for (int step = 1; crossings < 20; ++step) {
@@ -118,7 +118,7 @@ TEST_P(JointsTest, AUniversalJointKeepsItsChildFromTwisting) {
   for (int i = 0; i < static_cast<int>(1 / step_s()); ++i) {
     scene_.Run(1);
     const Matrix3 R = Where(1).q.toRotationMatrix();
-    // The first axis stays the base's, the second one the child's, at right angles.
+    // The first axis stays the base's, the second one the child's, at right angles to it.
     most = std::max(most, std::abs(Vector3::UnitX().dot(R * Vector3::UnitY())));
   }
   EXPECT_LT(most, 2e-3);
@@ -215,7 +215,7 @@ TEST_P(JointsTest, AFourBarLinkageStaysClosed) {
   double worst_m = 0;
   for (int i = 0; i < static_cast<int>(3 / step_s()); ++i) {
     scene_.Run(1);
-    // The ends of the coupler keep to their circles: the crank's of 0.2 m, the rocker's of 0.3 m.
+    // The coupler's ends stay on their circles: the crank's of 0.2 m, the rocker's of 0.3 m.
     const Pose X_WC = Where(2);
     const Vector3 b = X_WC * Vector3(-0.2, 0, -0.05), c = X_WC * Vector3(0.2, 0, 0.05);
     worst_m = std::max({worst_m, std::abs((b - Vector3(0, 0, 3)).norm() - 0.2),
@@ -255,7 +255,7 @@ TEST_P(JointsTest, AnArmatureSlowsWhatFallsOnARail) {
 }
 
 TEST_P(JointsTest, WhatSlidesMayHaveNoRoomAcross) {
-  // A ball on two rails, along x and z: nothing lets it move along y.
+  // A ball on two rails, along x and z: it cannot move along y.
   RobotModel model = OnAPost();
   model.links.push_back(Link("carriage", {0, 0, 0.02}, 1e-6, 1e-12));
   model.links.push_back(Link("ball", {0, 0, 0.02}, 2, 0.01));
@@ -303,7 +303,7 @@ TEST_P(JointsTest, AFollowerKeepsToItsLeader) {
 }
 
 TEST_P(JointsTest, AWinchLetsItsLoadFallByTheFormula) {
-  // The drum turns many times: nothing is lost beyond ±π.
+  // The drum turns many times: its angle is not wrapped at ±π.
   RobotModel model = Carriage();
   model.joints[0].axis_R = Vector3::UnitZ();
   model.links.push_back(Link("drum", {0, 0, 3}, 1, 0.01));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What touches robots with limbs: boxes, crowds, wheeled robots.
+// Contacts of robots with limbs: boxes, crowds, wheeled robots.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace coopdyn::limbs {
 namespace {
 
-/// A block that is fixed to the world, 0.2 m wide and high, with an arm on top that hangs freely.
+/// A block fixed to the world, 0.2 m wide and high, with an arm on top that hangs freely.
 std::shared_ptr<const RobotModel> Block() {
   RobotModel model;
   model.type = "block";
@@ -38,7 +38,7 @@ std::shared_ptr<const RobotModel> Block() {
   return std::make_shared<const RobotModel>(std::move(model));
 }
 
-/// `count` boxes in a row that begins at the block.
+/// `count` boxes in a row that starts at the block.
 void AddRow(PhysicsScene& scene, int count) {
   scene.robot_model = Block();
   scene.AddRobot(0, 0);
@@ -64,7 +64,7 @@ TEST(LimbsTest, MoreBoxesThanAreSolvedDirectlyStayAtRest) {
   PhysicsScene scene;
   AddRow(scene, 20);
   scene.RunFor(2);
-  ExpectRest(scene, 20, 3e-3);  // by iteration they creep a little
+  ExpectRest(scene, 20, 3e-3);  // the iterative solver creeps slightly
 }
 
 TEST(LimbsTest, ARowThatIsPushedMovesAsOne) {
@@ -125,7 +125,7 @@ TEST(LimbsTest, ThreadsDoNotChangeABit) {
 }
 
 TEST(LimbsTest, WhatWasNotSolvedExactlyIsCounted) {
-  // Chips of 0.1 g under blocks of a thousand tons: numbers of 16 digits do not suffice.
+  // Chips of 0.1 g under blocks of a thousand tons: 16 digits do not suffice.
   PhysicsScene scene;
   scene.robot_model = Block();
   scene.AddRobot(0, 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Motors whose greatest effort is set, and the energy that motors give: a sledge on a level rail.
+// Motors with a set effort limit, and the energy of motors: a sledge on a horizontal rail.
 #include <gtest/gtest.h>
 
 #include <memory>

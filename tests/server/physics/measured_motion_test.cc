@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What physics measures while things move, stand on feet, lie in piles or go on from a frame, against closed
-// forms.
+// Measurements of physics while things move, stand on feet, lie in piles or continue from a frame, against
+// closed forms.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@
 namespace coopdyn::measured_motion {
 namespace {
 
-/// Force and torque through `joint`, of all of its child.
+/// Total force and torque through `joint` on its child.
 WrenchModel WrenchAt(const RobotModel& model, const JointModel& joint) {
   WrenchModel wrench;
   wrench.joint = joint.name;
@@ -34,7 +34,7 @@ JointModel HingeAt(const Vector3& p_RJ) {
   return hinge;
 }
 
-/// A base that is fixed to the world, 1 m high, and `moving` on one joint there.
+/// A base fixed to the world, 1 m high, and `moving` on a joint there.
 std::shared_ptr<RobotModel> OneJoint(LinkModel moving, JointModel joint) {
   auto model = std::make_shared<RobotModel>();
   model->type = "joint";
@@ -57,7 +57,7 @@ Vector3 Three(std::span<const double> values) {
   return {values[0], values[1], values[2]};
 }
 
-/// Force of all contacts on a robot, or on one of its links.
+/// Total contact force on a robot, or on one of its links.
 Vector3 ForceOn(PhysicsScene& scene, int robot, int link = -1) {
   Vector3 force = Vector3::Zero();
   for (const Contact& contact : scene.Capture()->contacts) {
@@ -81,9 +81,9 @@ INSTANTIATE_TEST_SUITE_P(Milliseconds, MotionAtSteps, testing::Values(1, 5, 10))
 
 // --- wrenches in motion
 
-// A rod that is let go level: along it m (g cos θ + ω² l / 2), across it m g sin θ / 4, and no torque about
-// its axis. θ and ω are those of the middle of the step. The torque's arms are those of its start: it is off
-// by half a step's turn, at most m l² / 4 · ω³ dt / 2 (5 % of m g l / 2 at 10 ms).
+// A rod released from the horizontal: along it m (g cos θ + ω² l / 2), across it m g sin θ / 4, and no torque
+// about its axis. θ and ω are those of the middle of the step. The torque's arms are those of the step's
+// start, an error of half a step's turn, at most m l² / 4 · ω³ dt / 2 (5 % of m g l / 2 at 10 ms).
 TEST_P(MotionAtSteps, ASwingingRodPullsAsThePendulumsLawSays) {
   constexpr double kLength_m = 0.6, kMass_kg = 2;
   scene_.robot_model =
@@ -141,7 +141,7 @@ TEST_P(MotionAtSteps, WhatFallsFreelyPassesNoForceThroughItsJoints) {
   for (const double value : Read(scene_)) EXPECT_NEAR(value, 0, 1e-6);
 }
 
-// A crate of 2 kg that is welded to a foot of 1 kg, on which it stands: through the weld go the crate's 2 kg.
+// A crate of 2 kg welded to a foot of 1 kg, on which it stands: the weld carries the crate's 2 kg.
 TEST_P(MotionAtSteps, AWeldedFootCarriesWhatStandsOnIt) {
   auto model = std::make_shared<RobotModel>();
   model->type = "welded";
@@ -211,10 +211,10 @@ TEST_P(OneBody, ABatteryGivesTheEnergyOfTheMotion) {
   EXPECT_NEAR(Read(scene)[1], 0, 1e-6);
 }
 
-// --- contacts of what has many
+// --- bodies with many contacts
 
 TEST(MeasuredContacts, ALargeIslandPressesTheFloorByItsWeight) {
-  // Sixteen crates side by side: more rows than are solved exactly.
+  // Sixteen crates side by side: more rows than the exact solver handles.
   constexpr int kCrates = 16;
   PhysicsScene scene;
   auto model = std::make_shared<RobotModel>();
@@ -286,7 +286,7 @@ TEST(MeasuredContacts, ARobotAtAWallFeelsWhatItsWheelsPush) {
   EXPECT_NEAR(pushed_n, 2 / 0.075, 0.05 * 2 / 0.075);
 }
 
-// --- going on from a frame
+// --- continuing from a frame
 
 TEST(MeasuredRestore, AnotherWorldGoesOnWithTheSameBits) {
   const auto begin = [](PhysicsScene& scene) {
@@ -325,7 +325,7 @@ TEST(MeasuredRestore, AStateWithoutValuesBeginsWithThoseOfTheStart) {
   scene.AddRobot(0, 0);
   scene.RunFor(1);
   EXPECT_NEAR(Read(scene)[0], 40, 1e-9);
-  Frame without;  // as a run has it that was recorded before there were sensors
+  Frame without;  // like a frame of a run recorded before there were sensors
   without.scene = scene.Capture()->scene;
   scene.world().Fill(without);
   without.measured.clear();
@@ -338,7 +338,7 @@ TEST(MeasuredRestore, AStateWithoutValuesBeginsWithThoseOfTheStart) {
 // --- odometry
 
 TEST(MeasuredOdometry, SlipScattersTheWaysAsItsDeviationSays) {
-  // Each wheel's way of each step is scattered by itself: after n steps of w by s w √n.
+  // Noise scatters each wheel's way in each step: after n steps of w by s w √n.
   constexpr double kSlip = 0.1;
   constexpr int kRobots = 60, kSteps = 100;
   PhysicsScene scene;
@@ -349,7 +349,7 @@ TEST(MeasuredOdometry, SlipScattersTheWaysAsItsDeviationSays) {
   for (int i = 0; i < kRobots; ++i) scene.AddRobot(0, 2.0 * i);
   const double speed_m_s = 0.4, way_m = speed_m_s * 0.01, track_m = model->drive()->track_m;
   for (int i = 0; i < kRobots; ++i) scene.SetVelocity(i, speed_m_s, 0);
-  scene.RunFor(1);  // the same noise in each step: this makes all steps whole
+  scene.RunFor(1);  // to full speed; the same noise in each step
   std::vector<double> before;
   for (int i = 0; i < kRobots; ++i) before.push_back(Read(scene, i)[2]);
   const std::vector<Setpoint> setpoints(2 * kRobots, {speed_m_s / 0.075, ControlMode::kVelocity});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What physics measures for sensors, against closed forms.
+// Measurements of physics for sensors, against closed forms.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ std::shared_ptr<RobotModel> Crate() {
   return model;
 }
 
-/// A base that is fixed to the world and a beam of `length_m` and 2 kg on a hinge about y, 1 m up.
+/// A base fixed to the world and a beam of `length_m` and 2 kg on a hinge about y, 1 m high.
 std::shared_ptr<RobotModel> Arm(double length_m) {
   auto model = std::make_shared<RobotModel>();
   model->type = "arm";
@@ -73,7 +73,7 @@ TEST_P(MeasuresAtSteps, ContactForcesAddUpToTheWeight) {
   scene.step_length = GetParam() * 1'000'000;
   scene.robot_model = Crate();
   scene.AddRobot(0, 0);
-  scene.RunFor(0.4);  // it does not sleep yet
+  scene.RunFor(0.4);  // not asleep yet
   const Vector3 force = ForceOn(scene, 0);
   EXPECT_NEAR(force.z(), 3 * kG, 0.01 * 3 * kG);
   EXPECT_NEAR(force.x(), 0, 0.1);
@@ -164,7 +164,7 @@ TEST_P(MeasuresAtSteps, WhatFallsIsAcceleratedByGravity) {
   EXPECT_NEAR((First(MeasuredBy(scene)) - Vector3(0, 0, -kG)).norm(), 0, 1e-6);
 }
 
-/// A plate on a vertical axis, which a motor turns.
+/// A plate on a vertical axis, driven by a motor.
 std::shared_ptr<RobotModel> Turntable() {
   auto model = std::make_shared<RobotModel>();
   model->type = "turntable";
@@ -207,7 +207,7 @@ TEST_P(MeasuresAtSteps, AHangingBeamsWrenchIsItsWeight) {
   PhysicsScene scene;
   scene.step_length = GetParam() * 1'000'000;
   auto model = Arm(0.6);
-  // It hangs: its far end is below.
+  // The beam hangs: its far end is below.
   model->links[1].X_RL = {{0, 0, 0.7}, FromRollPitchYaw(0, std::numbers::pi / 2, 0)};
   scene.robot_model = model;
   scene.AddRobot(0, 0);
@@ -248,7 +248,8 @@ TEST(MeasuresTest, TheOtherDirectionHasTheOtherSign) {
 }
 
 TEST(MeasuresTest, ASwingingBeamPullsMoreThanItsWeight) {
-  // Let go level. At the bottom a rod has ω² = 3 g / l, and pulls with m g + m ω² l / 2 = 5/2 m g.
+  // Released from the horizontal. At the bottom a rod has ω² = 3 g / l, and pulls with m g + m ω² l / 2 = 5/2
+  // m g.
   constexpr double kLength_m = 0.6;
   PhysicsScene scene;
   scene.step_length = 1'000'000;
@@ -298,7 +299,7 @@ TEST(MeasuresTest, ALoadThatIsPutOnIsWeighed) {
 }
 
 TEST(MeasuresTest, AWrenchCountsItsOwnRobotsContactsOnWhicheverEnd) {
-  // Nothing but contacts holds a free crate: with all of them counted, nothing is left for the joint.
+  // Only contacts hold a free crate: with all of them counted, the joint carries nothing.
   PhysicsScene scene;
   auto model = Crate();
   model->sensors.clear();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Drives of four wheels against their formulas: Mecanum, by friction along the rollers' axes alone, and
-// skid steering, by the balance of all friction.
+// Drives of four wheels against their formulas: Mecanum, by friction only along the rollers' axes, and skid
+// steering, by the balance of all friction.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kRadius_m = 0.1, kHalfBase_m = 0.2, kHalfTrack_m = 0.25;
 
-/// A wheel whose rollers lie along 1 `y` 0 of the chassis where it touches the floor; 0: it has none.
+/// A wheel whose rollers at the floor lie along 1 `y` 0 of the chassis; 0: no rollers.
 std::string Wheel(const std::string& name, double x_m, double y_m, int y) {
   const std::string rollers =
       "<mu2>0</mu2><fdir1 gz:expressed_in='chassis'>1 " + std::to_string(y) + " 0</fdir1>";
@@ -69,7 +69,7 @@ class MecanumTest : public ::testing::TestWithParam<int> {
     scene_.Build();
     ASSERT_EQ(scene_.diagnostics().ToString(), "");
   }
-  /// Has the wheels turn for this velocity, and waits until the rover is as fast.
+  /// Sets the wheels for this velocity, and waits until the rover has reached it.
   void Drive(double vx_m_s, double vy_m_s, double wz_rad_s) {
     scene_.setpoints.clear();
     for (const double speed : WheelSpeeds(vx_m_s, vy_m_s, wz_rad_s))
@@ -109,8 +109,8 @@ TEST_P(MecanumTest, ItsWayIsThatOfItsVelocity) {
   EXPECT_NEAR(TiltOf(scene_.robot(0)), 0, 0.01);
 }
 
-// The friction of each wheel is against its slip: W b along the wheel less than it turns, W a across. All
-// that turns the rover is W_wheels b² = W (a² + b²).
+// Each wheel's friction opposes its slip: (W - W_wheels) b along the wheel, W a across. The moments about the
+// vertical balance if W_wheels b² = W (a² + b²).
 TEST_P(MecanumTest, WithoutRollersItTurnsAsFarAsFrictionLets) {
   constexpr double kShare =
       kHalfTrack_m * kHalfTrack_m / (kHalfBase_m * kHalfBase_m + kHalfTrack_m * kHalfTrack_m);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Muscles against Hill's equations: a bob on a level rail, or on nothing, that a muscle pulls to a post.
+// Muscles against Hill's equations: a muscle pulls a bob, on a horizontal rail or free, to a post.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ MuscleModel Biceps() {
   return muscle;
 }
 
-/// Channel 0 is the rail's motor, 1 the muscle. Both links are where the muscle ends.
+/// Channel 0 is the rail's motor, 1 the muscle. The origins of both links are the muscle's ends.
 RobotModel Rail(MuscleModel muscle, double length_m) {
   RobotModel model;
   model.type = "rail";
@@ -57,7 +57,7 @@ RobotModel Rail(MuscleModel muscle, double length_m) {
   return model;
 }
 
-/// The bob hangs on nothing but its muscle, below the post.
+/// The bob hangs below the post, held only by its muscle.
 RobotModel Hanging(const MuscleModel& muscle, double length_m) {
   RobotModel model = Rail(muscle, length_m);
   model.links[1].X_RL.p = {0, 0, 3 - length_m};

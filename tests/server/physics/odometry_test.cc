@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the wheels' encoders say that a robot is, against where it is.
+// The pose by the wheels' encoders, against the true pose.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ class OdometryOf : public testing::TestWithParam<Fidelity> {
     scene_.fidelity = GetParam();
     scene_.AddRobot(1, 2, 0.5);
   }
-  /// Where the robot is in R as it started.
+  /// The robot's pose in its start frame R.
   Pose Moved() {
     const Pose X_WR0{{1, 2, 0}, FromRollPitchYaw(0, 0, 0.5)};
     return X_WR0.Inverse() * scene_.robot(0);

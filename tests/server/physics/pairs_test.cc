@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Each two kinds of shapes, a thousand times: where brute force says that they overlap there are contacts
-// that part them; where it says that they are apart there is none.
+// Each pair of kinds of shapes, a thousand times: if brute force finds an overlap, there are contacts that
+// separate the shapes; if it finds a gap, there are none.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ const char* NameOf(ShapeKind kind) {
   return kNames[static_cast<std::size_t>(kind)];
 }
 
-/// Shapes and poses as scenarios have them, and by chance.
+/// Shapes and poses, typical ones of scenarios and random ones.
 class Dice {
  public:
   explicit Dice(std::uint64_t seed) : engine_(seed) {}
@@ -44,7 +44,7 @@ class Dice {
     return v.normalized();
   }
   Quaternion AnyRotation() { return Quaternion(Eigen::AngleAxisd(Between(0, kWholeTurn_rad), Direction())); }
-  /// Whole degrees about some axes.
+  /// Integer degrees about some axes.
   Quaternion TidyRotation() {
     const auto angle = [&] { return Of(2) == 0 ? 0 : (Of(2) == 0 ? 5 : 90) * Of(72) * kWholeTurn_rad / 360; };
     return FromRollPitchYaw(angle(), angle(), angle());
@@ -53,7 +53,7 @@ class Dice {
     return FromRollPitchYaw(Of(4) * kWholeTurn_rad / 4, Of(4) * kWholeTurn_rad / 4,
                             Of(4) * kWholeTurn_rad / 4);
   }
-  /// None at all, or one of 1e-16 to 1e-6 rad.
+  /// Zero, or one of 1e-16 to 1e-6 rad.
   Quaternion TinyRotation() {
     if (Of(3) == 0) return Quaternion::Identity();
     return Quaternion(Eigen::AngleAxisd(std::pow(10, Between(-16, -6)), Direction()));
@@ -114,7 +114,7 @@ std::vector<std::unique_ptr<const MeshData>> Dice::MakeMeshes() {
   return made;
 }
 
-/// The least way that all contacts ask for.
+/// The least displacement that satisfies all contacts.
 Vector3 WayOf(const ContactList& list) {
   Vector3 way = Vector3::Zero();
   for (int round = 0; round < 200; ++round) {
@@ -138,7 +138,7 @@ BodyState StateAt(const Pose& pose) {
   return state;
 }
 
-/// Two shapes, and how far they overlap by brute force.
+/// Two shapes, and their overlap by brute force.
 struct Pair {
   Part part_a, part_b;
   Pose X_WA, X_WB;
@@ -146,7 +146,7 @@ struct Pair {
   BruteOverlap truth;
 };
 
-/// Two that overlap by some millimetres, or miss each other by as much.
+/// Two shapes that overlap or miss each other by some millimetres.
 Pair MakePair(Dice& dice, ShapeKind kind_a, ShapeKind kind_b) {
   const bool on_floor = kind_b == ShapeKind::kFloor, is_tidy = dice.Of(5) < 3;
   Part part_a, part_b;
@@ -159,7 +159,7 @@ Pair MakePair(Dice& dice, ShapeKind kind_a, ShapeKind kind_b) {
   }
   X_WA.q = is_tidy ? (X_WB.q * dice.QuarterTurns() * dice.TinyRotation()).normalized() : dice.AnyRotation();
   const BruteSolid b = on_floor ? BruteSolid::Floor() : BruteSolid(part_b.shape, X_WB);
-  // They meet along a face of B, mostly.
+  // Mostly they meet along a face of B.
   Vector3 n = on_floor ? Vector3::UnitZ() : dice.Direction();
   const std::vector<Vector3> faces = b.faces();
   if (!faces.empty() && dice.Of(4) != 0) {
@@ -179,7 +179,7 @@ Pair MakePair(Dice& dice, ShapeKind kind_a, ShapeKind kind_b) {
   return {part_a, part_b, X_WA, X_WB, BruteSolid(part_a.shape, X_WA), b, truth};
 }
 
-/// How far two overlap after `way_m` of A.
+/// The overlap of two shapes after A has moved by `way_m`.
 double LeftAfter(const Pair& pair, const Vector3& way_m) {
   BruteSolid moved = pair.a;
   moved.MoveBy(way_m);
@@ -217,7 +217,7 @@ TEST_P(PairsTest, ContactsAreWhereBruteForceSaysThatTheyTouchAndPartThem) {
     EXPECT_GT(list.count, 0) << "overlap by " << depth_m;
     const Vector3 way_m = WayOf(list);
     EXPECT_LT(LeftAfter(pair, way_m), kHeld_m) << "overlap by " << depth_m << ", pushed by " << way_m.norm();
-    // Deep in a box ODE pushes a capsule somewhat further.
+    // Deep inside a box, ODE pushes a capsule somewhat farther.
     EXPECT_LT(way_m.norm(), 1.1 * depth_m + kHeld_m);
     for (const ContactPoint& one : list.all()) {
       EXPECT_LT(std::max(Outside(pair.a, one.p_W), Outside(pair.b, one.p_W)), depth_m + kHeld_m);

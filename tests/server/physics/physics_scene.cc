@@ -27,13 +27,13 @@ Pose Raised(double x_m, double z_m) {
   return {{x_m, 0, z_m}, Quaternion::Identity()};
 }
 
-/// Of a round chassis with two balls under it and a wheel on either side.
+/// A round chassis with two balls under it and a wheel on either side.
 struct Dimensions {
   const char* type;
   double mass_kg;  // of the chassis; its centre of mass lies at this height
   double center_z_m;
   Vector3 inertia_kg_m2;
-  Cylinder hull;  // with its middle at this height
+  Cylinder hull;  // with its centre at this height
   double hull_z_m;
   double ball_radius_m;
   double ball_x_m;

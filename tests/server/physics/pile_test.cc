@@ -81,7 +81,7 @@ INSTANTIATE_TEST_SUITE_P(Steps, TowerTest, testing::Values(1, 2, 5, 10),
 INSTANTIATE_TEST_SUITE_P(Steps, SlideTest, testing::Values(1, 5, 10),
                          [](const auto& info) { return std::to_string(info.param) + "ms"; });
 
-/// `count` things dropped between four walls, each turned otherwise.
+/// `count` things dropped between four walls, each with another orientation.
 class PileScene : public PhysicsScene {
  public:
   PileScene(int count, const Shape& shape, unsigned seed = 3) {

@@ -41,7 +41,7 @@ TEST_P(Push, ASlantedWallDeflects) {
   for (int i = 0; i < 60; ++i) {
     scene.RunFor(0.1);
     ASSERT_LT((scene.robot(0).p - Vector3(1, 0, 0)).dot(normal), -0.05 - 0.18 + 0.002);
-    ASSERT_NEAR(scene.robot(0).p.z(), 0, 2e-3);  // the impact makes it nod
+    ASSERT_NEAR(scene.robot(0).p.z(), 0, 2e-3);  // the impact makes it pitch
   }
 }
 
@@ -49,7 +49,7 @@ TEST_P(Push, ARobotPushesABoxOfAKilogram) {
   scene.AddRobot(0, 0).Add(Box{Vector3(0.3, 0.3, 0.3)}, At(0.5, 0, 0.15), 1, 0.4).SetVelocity(0, 0.2, 0);
   scene.RunFor(6);
   const double gap = scene.object(0).p.x() - scene.robot(0).p.x() - 0.18 - 0.15;
-  // Pushed at one point the box may turn, but neither enters the other.
+  // Pushed at one point the box may turn, but the two do not overlap.
   EXPECT_GT(gap, -0.003);
   EXPECT_LT(gap, 0.07);
   EXPECT_GT(scene.object(0).p.x(), 1.2);
@@ -125,7 +125,7 @@ TEST(MixedFidelities, PushEachOtherAlike) {
   scene.RunFor(5);
   for (int i = 0; i < 6; i += 2) {
     EXPECT_NEAR((scene.robot(i).p - scene.robot(i + 1).p).norm(), 0.36, 0.003) << i;
-    // Equal motors: neither pushes the other away at anything like its own speed (1.5 m).
+    // Equal motors: neither pushes the other away at nearly its own speed (1.5 m).
     EXPECT_NEAR(scene.robot(i).p.x() + scene.robot(i + 1).p.x(), 0, 0.5) << i;
   }
 }
@@ -156,7 +156,7 @@ TEST(Rolling, SlidesOnIceAsFarAsFrictionLetsIt) {
   scene.fidelity = Fidelity::kRolling;
   scene.SetFloorFriction(0.05).AddRobot(0, 0).SetVelocity(0, 1, 0);
   scene.RunFor(1);
-  // Half of the weight is on the wheels: 0.05 · 9.81 / 2 m/s² for one second; the wheels spin.
+  // The wheels carry half of the weight: 0.05 · 9.81 / 2 m/s² for one second; the wheels spin.
   EXPECT_NEAR(scene.Capture()->bodies[0].v_WB.x(), 0.05 * 9.81 / 2, 0.01);
   EXPECT_NEAR(SpeedsOf(*scene.Capture(), 0)[0], 1 / 0.075, 1e-9);
 }

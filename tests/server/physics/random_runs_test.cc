@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Random runs in lockstep give the same hash in each step, whatever the order in which commands arrive, the
-// clients that send them, and the threads that step.
+// Random runs in lockstep give the same hash in each step, for any order of commands, and any number of
+// clients and stepping threads.
 #include <algorithm>
 #include <iterator>
 #include <numeric>
@@ -23,10 +23,10 @@ constexpr int kRuns = 50;  // ten times slower
 #else
 constexpr int kRuns = 1000;
 #endif
-constexpr int kRunSteps = 30, kHeldSteps = 15;  // a command is held so long that robots meet
+constexpr int kRunSteps = 30, kHeldSteps = 15;  // a command is held long enough that robots meet
 
-/// A crowd of robots and boxes close to each other. One run in 25 has so many robots apart from it that the
-/// engine shares out their islands to threads, one in 500 so many that it shares out every loop.
+/// A crowd of robots and boxes close to each other. One run in 25 has enough separate robots that the engine
+/// distributes their islands to threads, one in 500 enough that it distributes every loop.
 struct RandomRun {
   explicit RandomRun(unsigned number)
       : random(number),
@@ -146,7 +146,7 @@ TEST_F(RandomRunsTest, AnyOrderClientsAndThreadsGiveTheSameHashes) {
 }
 
 TEST_F(RandomRunsTest, TheirRobotsPushEachOther) {
-  // Else the equal hashes would say little. With another command for one robot others end elsewhere, too.
+  // Otherwise the equal hashes would prove little: another command for one robot must change the end.
   int pushing = 0;
   for (unsigned number = 1; number <= 20; ++number) {
     RandomRun run(number);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A world in which one thing more or less stands goes on to the last bit as one that was built with it.
+// A world after an insertion or removal continues bit for bit like one that was built with the new scene.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kStepsAfter = 120;
 
-/// Places in a frame that a copy of the scene leaves out.
+/// Indices in a frame that a copy of the scene omits.
 struct Left {
   std::size_t object = ~std::size_t{0};
   std::size_t robot = ~std::size_t{0};
@@ -67,7 +67,7 @@ SavedState StateOf(std::shared_ptr<const Frame> frame) {
   return state;
 }
 
-/// The steps that a world takes which was built for the scene of `frame`.
+/// The steps of a world that was built for the scene of `frame`.
 std::vector<std::uint64_t> Fresh(const std::shared_ptr<const Frame>& frame, StepHelpers helpers) {
   SteppedSimulation fresh(frame->scene, 1, helpers);
   EXPECT_EQ(fresh->Restore(StateOf(frame), 1), "");
@@ -124,7 +124,7 @@ INSTANTIATE_TEST_SUITE_P(Things, RebuildTest,
                                          RebuildCase{{kNone, 7}, 2}, RebuildCase{{kNone, 22}}));
 
 TEST(RebuildOnceTest, TheLastRobotOfItsKindTakesItsBodiesAlong) {
-  // Robot 0 is the only one of several bodies.
+  // Only robot 0 has several bodies.
   const auto scene =
       SimulationScene({Fidelity::kFull, Fidelity::kRolling, Fidelity::kRolling, Fidelity::kPlanar}, 4);
   SteppedSimulation simulation(scene);

@@ -32,7 +32,7 @@ std::string Rotor(const std::string& name, double x_m, double y_m, const std::st
          "<momentConstant>0.016</momentConstant></plugin>\n";
 }
 
-/// Two rotors in front and behind, which turn one way, two at the sides, which turn the other.
+/// Two rotors in front and behind, which turn one way, two at the sides, which turn the other way.
 std::shared_ptr<const RobotModel> Quadrotor() {
   const std::string text =
       "<sdf version='1.9'><model name='quad'>\n<link name='base'><pose>0 0 1 0 0 0</pose><inertial><mass>" +
@@ -59,7 +59,7 @@ class RotorTest : public ::testing::TestWithParam<int> {
     scene_.Build();
     ASSERT_EQ(scene_.diagnostics().ToString(), "");
   }
-  /// Thrusts of the speeds of the rotors.
+  /// Thrusts for the speeds of the rotors.
   void Turn(double rad_s_0, double rad_s_1, double rad_s_2, double rad_s_3) {
     scene_.setpoints.clear();
     for (const double rad_s : {rad_s_0, rad_s_1, rad_s_2, rad_s_3})
@@ -87,7 +87,8 @@ TEST_P(RotorTest, ItClimbsByTheThrustAboveItsWeight) {
 }
 
 TEST_P(RotorTest, ItYawsAgainstTheRotorsThatTurnFaster) {
-  // The faster ones turn to the left: their reaction turns it to the right. The sum stays its weight.
+  // The faster ones turn to the left: their reaction turns the copter to the right. The total thrust equals
+  // its weight.
   const double more = std::sqrt(1.2) * hover_rad_s_, less = std::sqrt(0.8) * hover_rad_s_;
   Turn(more, more, less, less);
   scene_.RunFor(1);

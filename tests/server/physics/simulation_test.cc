@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A simulation begun anew, or taken up at any of its states, goes on as one that has just been built.
+// A simulation that is restarted, or restored to any of its states, continues like a newly built one.
 #include "server/physics/simulation.h"
 #include "server/base/sanitizers.h"
 
@@ -71,7 +71,7 @@ TEST_P(RestartTest, RestoredAtAnyStepItGoesOnBitForBit) {
     saved.push_back(run->Save());
   }
   SteppedSimulation same(scene);
-  // To and fro, so that each state is taken up from quite another.
+  // Back and forth, so that each state is restored from a very different one.
   for (const int at : {150, 3, 299, 0, 61, 60, 119, 7, 250, 1}) {
     EXPECT_EQ(same->Restore(saved[static_cast<std::size_t>(at)], 5), "");
     EXPECT_EQ(same->frame()->epoch, 5u);
@@ -99,7 +99,7 @@ INSTANTIATE_TEST_SUITE_P(Fidelities, RestartTest,
                          });
 
 TEST(SimulationSceneTest, ItSaysSomething) {
-  // Else the tests with it would say little: seeds matter, bodies sleep, broadcasts are under way.
+  // Otherwise the tests of this scene would prove little: seeds matter, bodies sleep, broadcasts are pending.
   const auto scene = SimulationScene({Fidelity::kFull});
   SteppedSimulation simulation(scene), other(scene, 2);
   other.Steps(250);
@@ -172,7 +172,7 @@ TEST(SimulationTest, BroadcastsOnTheirWayAreRestoredAndForgottenByARestart) {
   EXPECT_TRUE(simulation->frame()->messages.empty());
   EXPECT_EQ(simulation->Restore(saved, 3), "");
   EXPECT_EQ(simulation->frame()->messages.size(), count);
-  EXPECT_EQ(simulation->frame()->messages.front().step, 16u);  // it may be heard for four steps more
+  EXPECT_EQ(simulation->frame()->messages.front().step, 16u);  // it may be heard for four more steps
 }
 
 TEST(SimulationTest, StepsOfAnotherLengthAreRestored) {

@@ -36,7 +36,7 @@ std::shared_ptr<const RobotModel> Parse(const std::string& parts) {
   return robot;
 }
 
-/// A body of 2 kg on a post, joined to it by `axes` in its centre of mass.
+/// A body of 2 kg joined to a post by `axes` at its centre of mass.
 std::string OnPost(const std::string& axes) {
   return "<joint name=\"held\" type=\"fixed\"><parent>world</parent><child>post</child></joint>" +
          BoxLink("post", "0 0 3 0 0 0", 1, kMoments, kSmall) +
@@ -79,7 +79,8 @@ class SixAxisTest : public ::testing::TestWithParam<int> {
 };
 
 TEST_P(SixAxisTest, EachAxisSwingsOnItsSpringWithItsPeriod) {
-  // From 0 about its rest; z also carries the weight. All at once: the springs meet in the centre of mass.
+  // From 0 about its rest position; z also carries the weight. All at once: the springs act at the centre of
+  // mass.
   std::string axes;
   const char* const names[] = {"x", "y", "z", "rx", "ry", "rz"};
   const double stiffness[] = {80, 120, 200, 0.9, 1.1, 1.3}, inertia[] = {2, 2, 2, 0.02, 0.03, 0.04};
@@ -117,14 +118,15 @@ TEST_P(SixAxisTest, ADampedSpringFollowsTheFormula) {
     const double t_s = i * step_s();
     const double way_m =
         std::exp(-decay * t_s) * (std::cos(omega * t_s) + decay / omega * std::sin(omega * t_s));
-    // An implicit step damps by ω² h / 2 more.
+    // An implicit step adds damping of ω² h / 2.
     const double more = 25 * step_s() / 2 * t_s * std::exp(-decay * t_s);
     ASSERT_NEAR(Axes()[0], 0.2 * (1 - way_m), 0.2 * more + 1e-4 * GetParam()) << t_s;
   }
 }
 
 TEST_P(SixAxisTest, StopsHoldAndLockedAxesDoNotMove) {
-  // It falls onto the stop of z; springs far beyond the stops pull the others onto theirs.
+  // The body falls onto the stop of z; springs with rest positions far beyond the stops pull the others onto
+  // theirs.
   Add(OnPost(Axis("x", "lower=\"-0.1\" upper=\"0.05\" stiffness=\"40\" rest=\"1\"") +
              Axis("z", "lower=\"-0.1\" upper=\"0\"") +
              Axis("rx", "lower=\"-0.3\" upper=\"0.2\" stiffness=\"1\" rest=\"-2\"") +

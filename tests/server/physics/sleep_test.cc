@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What rests sleeps by whole islands, and wakes as a whole.
+// Resting bodies sleep and wake by whole islands.
 #include <gtest/gtest.h>
 
 #include "server/physics/rest.h"
@@ -102,7 +102,7 @@ TEST(Sleep, WhatFallsOnASleeperWakesIt) {
 }
 
 TEST(Sleep, AMovingIslandKeepsItsRestingMembersAwake) {
-  // The box on the robot's way rests on nothing that moves; the one that it pushes moves.
+  // The box in the robot's way rests on nothing that moves; the one that the robot pushes moves.
   PhysicsScene scene;
   scene.AddRobot(0, 0).Add(kCrate, At(0.4, 0, 0.15), 1).SetVelocity(0, 0.1, 0);
   for (int i = 0; i < 30; ++i) {

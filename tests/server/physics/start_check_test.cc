@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What starts inside something else is an error that says by how much.
+// Things that overlap at the start are errors that state the depth.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

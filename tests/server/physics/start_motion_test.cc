@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Things that begin with a speed, bounce, and fall by gravity of any size, at 1, 5 and 10 ms.
+// Things with an initial speed, bouncing, and gravity of any size, at 1, 5 and 10 ms.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -121,7 +121,7 @@ TEST_P(StartMotionTest, GravityMayPointAside) {
   EXPECT_LT((scene_.object(0).p - Vector3(0.25, -0.125, 1 + 0.5 - 0.375)).norm(), 1e-9);
 }
 
-// A floor under gravity aside is a slope.
+// With gravity to the side, a floor is a slope.
 TEST_P(StartMotionTest, ABoxSlidesWhereGravityPointsAside) {
   const double along_m_s2 = kG * std::sin(0.4), down_m_s2 = kG * std::cos(0.4);
   scene_.SetGravity(Vector3(0, along_m_s2, -down_m_s2));

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the stepper makes of loaded controllers, with a driver written by hand. No threads: the tests run the
-// steps.
+// The stepper with loaded controllers, by a driver written by hand. No threads: the tests run the steps.
 #include <gtest/gtest.h>
 
 #include "tests/server/model/sensor_of.h"
@@ -56,7 +55,7 @@ class Driver final : public ControllerDriver {
 
 class StepperControllersTest : public StepperBoards {
  protected:
-  /// robot1, driven by `controller`, and robot2; both hear each other after `delay_steps`.
+  /// robot1, driven by `controller`, and robot2; they hear each other after `delay_steps`.
   static std::shared_ptr<const Scenario> TwoRobots(const std::string& controller, int delay_steps = 0) {
     const auto read = Read(
         "[ROBOT_1]\ntype coopbot\nname robot1\nposition 0 0\n"
@@ -81,7 +80,7 @@ class StepperControllersTest : public StepperBoards {
     stepper_->Start(std::move(scenario), diagnostics);
     return diagnostics.ToString();
   }
-  /// Five steps as fast as `options` let them be, by the loop of the physics thread.
+  /// Five steps as fast as `options` allow, by the loop of the physics thread.
   void RunFive(RunOptions options) {
     options.mode = Mode::kFree;
     options.duration_s = 0.05;
@@ -92,7 +91,7 @@ class StepperControllersTest : public StepperBoards {
     stepper_->Run(stop.get_token());
     EXPECT_EQ(frames_.Latest()->step, 5u);
   }
-  /// Makes robot2, the one participant, ready: which runs the step.
+  /// Makes robot2, the only participant, ready, which runs the step.
   void Step() {
     board_.Ready(board_.FindSlot("robot2"), {1, "ana", "a"}, 1, [](const StepResult&) {});
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What steps cost, by parts; the tests own the clock, which stands still but where they say so.
+// The costs of steps, by parts; the tests control the clock, which otherwise stands still.
 #include <gtest/gtest.h>
 
 #include "stepper_restore_fixture.h"
@@ -11,7 +11,7 @@ constexpr Nanoseconds kMs = 1'000'000;
 
 class StepperCostsTest : public StepperRestoreTest {
  protected:
-  /// A journal that takes 3 ms for a step.
+  /// A journal that needs 3 ms per step.
   class SlowJournal final : public RunJournal {
    public:
     explicit SlowJournal(ManualClock& clock) : clock_(clock) {}
@@ -26,7 +26,7 @@ class StepperCostsTest : public StepperRestoreTest {
   };
 
   StepperCostsTest() { clock_.Advance(kNanosecondsPerSecond); }
-  /// As published; it is, at the latest, when the run pauses.
+  /// As published, which happens at the latest when the run pauses.
   StepCosts Costs() {
     clock_.Advance(kNanosecondsPerSecond);
     Step();

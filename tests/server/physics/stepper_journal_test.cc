@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the stepper tells the journal of a run.
+// The stepper's reports to the journal of a run.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Saved states and resets, as the stepper makes them.
+// Saved states and resets of the stepper.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the stepper does for a supervisor, with a driver written by hand. No threads: the tests run the steps.
+// The stepper with a supervisor, by a driver written by hand. No threads: the tests run the steps.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// Wants what the test has written down for the step after each frame.
+/// Returns the actions that the test has scripted for the step after each frame.
 class Scripted final : public ControllerDriver {
  public:
   void Step(const FramePtr& frame, std::span<Setpoint> /*setpoints*/,
@@ -23,7 +23,7 @@ class Scripted final : public ControllerDriver {
   Supervision TakeSupervision() override { return script[now]; }
   std::vector<StoppedController> TakeStopped() override { return std::exchange(stopped, {}); }
 
-  std::map<std::uint64_t, Supervision> script;  // by the frame that is seen
+  std::map<std::uint64_t, Supervision> script;  // by the step of the frame seen
   std::vector<StoppedController> stopped;
   std::uint64_t now = 0;
 };
@@ -47,7 +47,7 @@ class StepperSupervisorTest : public StepperBoards {
     Diagnostics diagnostics;
     ASSERT_TRUE(stepper_->Start(scenario, diagnostics)) << diagnostics.ToString();
   }
-  /// Makes robot1, the one participant, ready: which runs the step. Returns the frame that it is told.
+  /// Makes robot1, the only participant, ready, which runs the step. Returns the reported frame.
   FramePtr Step() {
     FramePtr told;
     board_.Ready(board_.FindSlot("robot1"), {1, "ana", "a"}, 1,

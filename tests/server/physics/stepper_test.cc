@@ -42,7 +42,7 @@ class StepperTest : public StepperBoards {
     if (thread_.joinable()) thread_.join();
   }
 
-  /// A StepDone whose result the returned future gets.
+  /// A StepDone whose result goes to the returned future.
   static std::future<StepResult> Expect(StepDone& done) {
     auto promise = std::make_shared<std::promise<StepResult>>();
     done = [promise](const StepResult& result) { promise->set_value(result); };

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kGravity_m_s2 = 9.81;
 
-/// One link with one shape, its centre in the origin of R.
+/// One link with one shape, centred at the origin of R.
 RobotModel Body(const std::string& type, const Shape& shape, double mass_kg) {
   RobotModel model;
   model.type = type;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Nothing passes through thin things, however fast it is, at 1, 5 and 10 ms.
+// Nothing tunnels through thin things at any speed, at 1, 5 and 10 ms.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +14,7 @@ class SweepTest : public ::testing::TestWithParam<int> {
  protected:
   void SetUp() override { scene_.step_length = GetParam() * 1'000'000; }
 
-  /// Sets the speed of objects, as if they had been thrown.
+  /// Sets the speed of objects, as if thrown.
   void Throw(std::initializer_list<Vector3> velocities) {
     scene_.Build();
     ASSERT_EQ(scene_.diagnostics().ToString(), "");

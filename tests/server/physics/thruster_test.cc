@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Thrusters against Newton's and Euler's laws: a ball that flies, and what hangs on it.
+// Thrusters against Newton's and Euler's laws: a flying ball, and bodies attached to it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@ JointModel Thruster(JointModel::Kind kind, const Vector3& axis, const Vector3& p
   return joint;
 }
 
-/// A ball high up, with these thrusters.
+/// A ball high above the floor, with these thrusters.
 RobotModel Ball(const std::vector<JointModel>& thrusters) {
   RobotModel model;
   model.type = "ball";
@@ -97,7 +97,7 @@ TEST_F(ThrusterTest, AForceBesideTheCentreTurnsTheBody) {
 TEST_F(ThrusterTest, ADirectionTurnsWithTheBody) {
   Add(Ball({Thruster(JointModel::Kind::kForce, Vector3::UnitX(), kCentre),
             Thruster(JointModel::Kind::kTorque, Vector3::UnitZ(), kCentre)}));
-  // A quarter of a turn: half of it faster and faster, half of it slower.
+  // A quarter turn: half of it accelerating, half decelerating.
   const double torque_nm = 0.1, half_s = std::sqrt(std::numbers::pi / 2 * kInertia_kg_m2 / torque_nm);
   scene_.setpoints[1] = {torque_nm, ControlMode::kEffort};
   scene_.RunFor(half_s);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What docs/formats.md says of run files is true of the files that are written.
+// The written files agree with docs/formats.md's description of run files.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -36,7 +36,7 @@ std::string PythonBlock() {
   return section.substr(code, section.find("```", code) - code);
 }
 
-/// What a Python program prints.
+/// The output of a Python program.
 std::string Python(const std::string& file) {
   std::FILE* output = ::popen(("python3 " + file).c_str(), "r");
   EXPECT_NE(output, nullptr);

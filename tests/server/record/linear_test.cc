@@ -16,7 +16,7 @@ constexpr std::size_t kSteps = 500;
 
 class LinearRunTest : public testing::Test {
  protected:
-  /// Fails unless `read` takes as long as the recording that it is given.
+  /// Fails unless the time of `read` is linear in the length of its recording.
   template <typename Read>
   void Expect(const Read& read) {
     std::map<std::size_t, std::string> files;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A file of SQLite as a bad disk leaves it: each page in turn, in several ways.
+// Damages an SQLite file as a bad disk does: each page in turn, in several ways.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,15 +13,15 @@
 
 namespace coopdyn {
 
-/// The page size that a file of SQLite names in its header.
+/// The page size in the header of an SQLite file.
 inline std::size_t PageSizeOf(const std::string& bytes) {
   const std::size_t size =
       static_cast<unsigned char>(bytes.at(16)) * 256U + static_cast<unsigned char>(bytes.at(17));
   return size == 1 ? 65536 : size;
 }
 
-/// Writes `whole` to `file` with one damage after the other, and calls `use` with what it is. At the end the
-/// file is whole again.
+/// Writes `whole` to `file` with one damage after another, and calls `use` with the damage's name. Restores
+/// the file at the end.
 inline void ForEachDamage(const std::string& whole, const std::string& file,
                           const std::function<void(const std::string& what)>& use) {
   const std::size_t size = PageSizeOf(whole);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which frame of a recording is shown when.
+// Which frame of a recording is shown at which time.
 #include "server/record/player.h"
 
 #include <fstream>
@@ -192,7 +192,7 @@ TEST_F(PlayerCoreTest, AGrowingFileIsSeenToGrowWhilePaused) {
 class OnePlay : public PlayerFixture {
  public:
   void TestBody() override {}
-  /// The steps that were shown; nothing if it was said that something is wrong.
+  /// The steps shown; empty if an error was reported.
   std::optional<std::vector<std::uint64_t>> Play(const std::string& file,
                                                  std::shared_ptr<const Scenario> scenario) {
     std::string error;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What edits do to a playback, and which are refused.
+// Effects of edits on a playback, and refused edits.
 #include "tests/server/record/player_fixture.h"
 #include "tests/server/state/wheels.h"
 
@@ -9,7 +9,7 @@ namespace {
 class PlayerEditsTest : public PlayerFixture {
  protected:
   void RecordPaused() { Record({}, {.paused = true}); }
-  /// Pushes `step` and returns where its end will be put.
+  /// Pushes `step`; returns where its result will be stored.
   std::shared_ptr<std::optional<StepResult>> PushStep(int steps) {
     auto result = std::make_shared<std::optional<StepResult>>();
     edits_.Push({edit::Step{steps}, nullptr, [result](const StepResult& end) { *result = end; }});
@@ -216,7 +216,7 @@ TEST_F(PlayerEditsTest, RestoreEndsThePlayback) {
 
 TEST_F(PlayerEditsTest, WhatComesAfterARestoreStaysInOrderForTheLiveRun) {
   RecordPaused();
-  // The first of them is applied here, and while it is another one arrives.
+  // While the first of them is applied here, another one arrives.
   edits_.Push({edit::SetLoop{true}, [this](const EditResult&) {
                  edits_.Push({edit::Note{"late"}, nullptr});
                }});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A player of the sample recording, without threads: the test owns the time.
+// A player of the sample recording, without threads: the test controls the time.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ class PlayerFixture : public testing::Test {
   }
   Player::Boards boards() { return {frames_, board_, edits_, control_, bell_}; }
 
-  /// Plays what is in the file; the first frame is shown.
+  /// Plays the file, and shows its first frame.
   void Start(PlayOptions options = {}) {
     core_ = std::make_unique<Player>(boards(), OpenReader(), clock_, NullLogger(), options, 0);
     ASSERT_EQ(core_->Start(now_), "");
@@ -42,7 +42,7 @@ class PlayerFixture : public testing::Test {
     Start(play);
   }
 
-  /// Lets time run to `wall`, and looks whenever the player wants to.
+  /// Advances the time to `wall`, and polls whenever the player asks for it.
   void RunUntil(Nanoseconds wall) {
     for (int looks = 0; looks < 100'000; ++looks) {
       Player::Work work = core_->WorkOnce(now_);
@@ -59,7 +59,7 @@ class PlayerFixture : public testing::Test {
     }
     FAIL() << "it does not come to rest";
   }
-  /// Applies an edit now; what it answered, if it did.
+  /// Applies an edit now; returns its reply, if any.
   std::optional<EditResult> Do(EditAction action) {
     std::optional<EditResult> answer;
     edits_.Push({std::move(action), [&answer](const EditResult& result) { answer = result; }});
@@ -88,7 +88,7 @@ class PlayerFixture : public testing::Test {
   EditQueue edits_{bell_};
   RunControl control_;
   std::vector<FramePtr> shown_;
-  SteadyClock clock_;  // of Player::Run() alone
+  SteadyClock clock_;  // for Player::Run() only
   std::unique_ptr<Player> core_;
   std::optional<Edit> ended_by_;
   Nanoseconds now_ = 1'000'000'000, wake_ = 0;

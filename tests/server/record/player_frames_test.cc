@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the frames of a playback hold, against the run that was recorded.
+// The frames of a playback, against the recorded run.
 #include "server/record/player_frames.h"
 
 #include <cmath>
@@ -18,7 +18,7 @@ class PlayerFramesTest : public PlayerFixture {
     reader_ = OpenReader();
     maker_ = std::make_unique<PlayFrames>(*reader_);
   }
-  /// What the run's frame `step` had in force is in `frame`.
+  /// Checks that `frame` has the values in force at the run's step `step`.
   void ExpectInputsOf(std::uint64_t step, const Frame& frame) {
     const FramePtr run = sample_.FrameAt(step);
     for (int i = 0; i < static_cast<int>(run->scene->robots.size()); ++i) {

@@ -67,7 +67,7 @@ TEST(PoseCodecTest, OrientationsAreWithinTheirBound) {
     EXPECT_NEAR(read[i].orientation().norm(), 1, 1e-15);
   }
   EXPECT_LE(largest_rad, 4.7e-6);
-  EXPECT_GE(largest_rad, 1e-6);  // the bound is no idle one
+  EXPECT_GE(largest_rad, 1e-6);  // the bound is tight
 }
 
 TEST(PoseCodecTest, TurnsAboutTheVerticalAreWithinTheirNarrowerBound) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Chains and seal of a run file, after docs/formats.md alone and without the code that writes and checks
-// them: what another tool makes of a file. One thread.
+// Chains and seal of a run file, computed from docs/formats.md alone, without the code that writes and checks
+// them, like another tool would. One thread.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -42,7 +42,7 @@ class Rechainer {
          [&](sqlite3_stmt* row) { chain = Chained(chain, Row(row, 2)); });
     Run("UPDATE meta SET value = " + Number(chain) + " WHERE key = 'seal'");
   }
-  /// All chains, and what meta says of them, to be compared.
+  /// All chains and meta's values of them, for comparison.
   std::string Dump() {
     std::string dump;
     for (const std::string table : {"scene", "step", "keyframe", "input", "event"}) {
@@ -59,7 +59,7 @@ class Rechainer {
     const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(row, column));
     return text == nullptr ? "NULL" : text;
   }
-  /// As SQLite holds it, with a sign.
+  /// As a signed integer, as in SQLite.
   static std::string Number(std::uint32_t chain) { return std::to_string(static_cast<std::int32_t>(chain)); }
   static std::uint32_t Chained(std::uint32_t before, const std::string& row) {
     const std::string bytes = Little(before, 4) + row;
@@ -110,11 +110,11 @@ class Rechainer {
          [&](sqlite3_stmt* row) { chain = Chained(chain, Row(row, 4)); });
     return chain;
   }
-  /// Its end, for meta.
+  /// The end of a table's chain, for meta.
   std::string Table(const std::string& table) {
     std::vector<std::pair<std::string, std::uint32_t>> chains;  // by row
     std::uint32_t chain = 0;
-    // All columns are there but the last, `chain`.
+    // All columns except the last, `chain`.
     Each("SELECT * FROM " + table + " ORDER BY rowid", [&](sqlite3_stmt* row) {
       std::string bytes = Row(row, sqlite3_column_count(row) - 1);
       const std::string id = Text(row, 0);
@@ -135,7 +135,7 @@ class Rechainer {
   sqlite3* database_ = nullptr;
 };
 
-/// Makes `file` right, whatever was done to it: as if it had been recorded like that.
+/// Recomputes all chains of a changed `file`, as if it had been recorded like that.
 inline void Rechain(const std::string& file) {
   Rechainer(file).All();
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Scenes and frames for tests of recordings, without physics: numbers with all their bits, from a fixed seed.
+// Scenes and frames for tests of recordings, without physics: numbers with random bits, from a fixed seed.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -57,7 +57,7 @@ fidelity planar
 sockets off
 )";
 
-/// The robot models are read once for all tests.
+/// Reads the robot models once for all tests.
 inline RobotLibrary& RecordLibrary() {
   static RobotLibrary library([] {
     SearchPath path;
@@ -78,7 +78,7 @@ inline std::shared_ptr<const Scene> RecordScene(const std::string& text = kRecor
   return MakeScene(ReadRecordScenario(text));
 }
 
-/// The same with a first robot that has sensors: what an IMU measures, contacts, samples at 30 Hz.
+/// The same with a first robot that has sensors: an IMU's measurements, contacts, samples at 30 Hz.
 inline std::shared_ptr<const Scene> SensingScene() {
   auto scenario = std::make_shared<Scenario>(*ReadRecordScenario());
   auto model = std::make_shared<RobotModel>(*scenario->robots[0].model);
@@ -88,7 +88,7 @@ inline std::shared_ptr<const Scene> SensingScene() {
   return MakeScene(scenario);
 }
 
-/// Random frames of a scene; each call differs, each program run is the same.
+/// Random frames of a scene; each call returns another one, each program run the same ones.
 class FrameMaker {
  public:
   explicit FrameMaker(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {}
@@ -116,7 +116,7 @@ class FrameMaker {
     return body;
   }
 
-  /// Frame `step`, of `step` times 10 ms. Every robot gets another set-point; none is commanded.
+  /// Frame `step` at `step` times 10 ms. Every robot has a new set-point; none is commanded.
   std::shared_ptr<Frame> Make(std::uint64_t step) {
     auto frame = std::make_shared<Frame>();
     frame->epoch = 1;
@@ -145,8 +145,7 @@ class FrameMaker {
   std::shared_ptr<const Scene> scene_;
 };
 
-/// A writer of `file` with everything recorded, that begins with `state`.
-/// The state after `frame`, if it is wanted.
+/// The state after `frame`, if requested.
 inline SavedStatePtr ExactIf(bool wanted, const FramePtr& frame, Mode mode) {
   if (!wanted) return nullptr;
   const auto state = std::make_shared<SavedState>();
@@ -155,6 +154,7 @@ inline SavedStatePtr ExactIf(bool wanted, const FramePtr& frame, Mode mode) {
   return state;
 }
 
+/// A writer of `file` that begins with `state`; by default records everything.
 inline std::unique_ptr<RunWriter> MakeWriter(const std::string& file, const SavedState& state,
                                              const RecordWhat& what = {true, true, true, true},
                                              Nanoseconds pose_every = 0) {
@@ -171,7 +171,7 @@ inline std::unique_ptr<RunWriter> MakeWriter(const std::string& file, const Save
   return writer;
 }
 
-/// The first column of the first row that `sql` gives of `file`; −1 if there is none.
+/// The first column of the first row of `sql` in `file`; −1 if there is no row.
 inline std::int64_t Ask(const std::string& file, const std::string& sql) {
   std::string error;
   const auto database = Database::Open(file, Database::Access::kReadOnly, error);
@@ -188,7 +188,7 @@ inline std::string AskText(const std::string& file, const std::string& sql) {
   return database->Text(sql).value_or("");
 }
 
-/// The same bits, where == would take 0 for −0.
+/// Bitwise equal, unlike ==, for which 0 equals −0.
 template <typename Numbers>
 bool SameBits(const Numbers& a, const Numbers& b) {
   return std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;

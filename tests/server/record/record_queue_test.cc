@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What waits to be recorded, and who waits for it.
+// The queue of the recorder, and the threads that wait for it.
 #include "server/record/record_queue.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ class RecordQueueTest : public ::testing::Test {
     state.mode = mode;
     return std::make_shared<const SavedState>(std::move(state));
   }
-  /// Begins one file after another, each on its own the next run of a few steps.
+  /// Records several files, each with a run of a few steps.
   std::jthread Begin(int files) {
     return std::jthread([this, files] {
       for (int i = 0; i < files; ++i) {
@@ -31,13 +31,13 @@ class RecordQueueTest : public ::testing::Test {
     });
   }
 
-  /// Step `step` of the run, at `now`, on its own thread; it ends when the step may be answered.
+  /// Adds step `step` of the run, at `now`, on a separate thread; completes when the step may be answered.
   std::future<void> Step(std::uint64_t step, Nanoseconds now, Mode mode = Mode::kLockstep) {
     return std::async(std::launch::async, [this, now, mode, frame = FramePtr(maker_.Make(step))] {
       queue_.PushStep({frame, mode, nullptr, now});
     });
   }
-  /// Whether it still waits after many chances to go on.
+  /// Whether it still waits after many chances to continue.
   static bool Waits(const std::future<void>& step) {
     for (int i = 0; i < 1000; ++i) std::this_thread::yield();
     return step.wait_for(std::chrono::seconds(0)) == std::future_status::timeout;
@@ -56,7 +56,7 @@ TEST_F(RecordQueueTest, AFileThatHasNotBegunIsWaitedForBeforeTheNext) {
   for (int taken = 0; taken < 20; ++taken) {
     while (begun_ < taken) std::this_thread::yield();
     EXPECT_TRUE(queue_.Pop(true));
-    for (int i = 0; i < 1000; ++i) std::this_thread::yield();  // one who does not wait would begin meanwhile
+    for (int i = 0; i < 1000; ++i) std::this_thread::yield();  // without a wait another would begin
     EXPECT_LE(begun_, taken + 1) << "the one in hand: the recorder has not come back for more";
   }
 }
@@ -98,7 +98,7 @@ TEST_F(CrashCostTest, NoStepIsAnsweredWhileAnOldOneIsNotCommitted) {
   EXPECT_TRUE(Waits(next)) << "step 2 is too old now";
   queue_.Stall(0);
   next.get();
-  Step(5, 9 * kAge).get();  // nothing is recorded for now
+  Step(5, 9 * kAge).get();  // nothing is being recorded
 }
 
 TEST_F(CrashCostTest, InRealTimeNoStepWaits) {

@@ -209,7 +209,7 @@ TEST_F(SensedStepTest, AContactOfWhatIsNotThereIsRefused) {
   EXPECT_FALSE(Decode());
 }
 
-/// What `encode` writes of a frame, read again.
+/// Decodes the encoding of a frame by `encode`.
 std::vector<float> FloatsOf(const Frame& frame, void (*encode)(const Frame&, std::vector<std::byte>&)) {
   std::vector<std::byte> blob;
   encode(frame, blob);

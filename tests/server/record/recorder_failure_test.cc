@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is left of a recording when the file may not grow or the process is killed.
+// The recording that remains when the file may not grow or the process is killed.
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -16,7 +16,7 @@
 namespace coopdyn {
 namespace {
 
-/// This process has it open.
+/// Whether this process has the file open.
 bool IsOpen(const std::string& file) {
   for (const auto& descriptor : std::filesystem::directory_iterator("/proc/self/fd")) {
     std::error_code gone;
@@ -25,7 +25,8 @@ bool IsOpen(const std::string& file) {
   return false;
 }
 
-/// In a child process, whose files may not grow beyond 300 kB. Its exit code is what failed; 0: nothing.
+/// Runs `what` in a child process, whose files may not grow beyond 300 kB. Its exit code says what failed; 0:
+/// nothing.
 int RecordWithinLimit(const RecorderOptions& base, FrameMaker& maker) {
   const rlimit limit{300'000, 300'000};
   if (::setrlimit(RLIMIT_FSIZE, &limit) != 0) return 2;
@@ -61,7 +62,7 @@ TEST_F(RecorderTest, AFileThatMayNotGrowEndsTheRecordingNotTheProcess) {
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   ASSERT_TRUE(WIFEXITED(status)) << "signal " << WTERMSIG(status);
   EXPECT_EQ(WEXITSTATUS(status), 0);
-  // What was committed can be read.
+  // Committed data can be read.
   EXPECT_GT(Ask(file_, "SELECT count(*) FROM step"), 10);
   EXPECT_EQ(AskText(file_, "PRAGMA integrity_check"), "ok");
 }
@@ -81,7 +82,7 @@ TEST_F(RecorderTest, WhatItsThreadThrowsEndsTheRecordingNotTheProcess) {
   EXPECT_EQ(recorder.status().failure, told);
 }
 
-/// While it lives no file can grow beyond `bytes`, as on a disk that is full.
+/// During its lifetime no file can grow beyond `bytes`, as on a full disk.
 class SmallDisk {
  public:
   explicit SmallDisk(rlim_t bytes) {
@@ -109,7 +110,7 @@ class FullDiskTest : public RecorderTest {
     options.on_failure = [this](const std::string&) { ++failures_; };
     return options;
   }
-  /// Steps until there is no room; the number of the last one.
+  /// Steps until the disk is full; returns the number of the last step.
   std::uint64_t StepUntilFull(Recorder& recorder, std::uint64_t step) {
     while (recorder.status().stall.empty()) Step(recorder, ++step, Mode::kLockstep);
     return step;
@@ -122,7 +123,7 @@ class FullDiskTest : public RecorderTest {
     }
     EXPECT_EQ(recorder.status().stall, "");
   }
-  /// Its rows are those that were written, and what is missing was said.
+  /// Checks that the file has the written rows, and that missing ones were reported.
   void ExpectSound(const std::string& file) {
     std::string error, ends;
     const auto chain = RunChain::Open(file, error);

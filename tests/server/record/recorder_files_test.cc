@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which files a recorder makes, and which it leaves alone.
+// The files that a recorder makes, and those that it leaves alone.
 #include <fstream>
 
 #include "recorder_fixture.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A recorder of made-up frames, whose clock the test owns. One test at a time; GateClock is for any thread.
+// A recorder of made-up frames, with a clock controlled by the test. One test at a time; GateClock: any
+// thread.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,7 +14,7 @@
 
 namespace coopdyn {
 
-/// The recorder asks for the time after each step that it writes: a closed gate holds it there.
+/// The recorder reads the time after each step that it writes: a closed gate holds it there.
 class GateClock final : public Clock {
  public:
   Nanoseconds Now() const override {
@@ -33,7 +34,7 @@ class GateClock final : public Clock {
     closed_ = false;
     changed_.NotifyAll();
   }
-  /// Returns when somebody stands at the closed gate.
+  /// Waits until a thread stands at the closed gate.
   void AwaitWaiter() {
     const MutexLock lock(mutex_);
     while (waiting_ == 0) changed_.Wait(mutex_);
@@ -42,7 +43,7 @@ class GateClock final : public Clock {
     const MutexLock lock(mutex_);
     now_ += by;
   }
-  /// Whether the gate is closed or not.
+  /// Reads the time whether the gate is closed or not.
   Nanoseconds Peek() const {
     const MutexLock lock(mutex_);
     return now_;
@@ -63,10 +64,10 @@ class RecorderTest : public testing::Test {
     options.file = file_;
     options.version = "1.2.3";
     options.what = RecordWhat();
-    options.commit_every = 0;  // at once
+    options.commit_every = 0;  // immediately
     return options;
   }
-  /// The queue has room for that many steps.
+  /// The queue has room for this number of steps.
   RecorderOptions WithRoomFor(std::size_t steps) {
     const auto frame = maker_.Make(0);
     const std::size_t bytes = sizeof(Frame) + frame->bodies.size() * sizeof(BodyState) +
@@ -75,7 +76,7 @@ class RecorderTest : public testing::Test {
     options.max_queue_bytes = steps * bytes + bytes / 2;
     return options;
   }
-  /// As the stepping thread does.
+  /// Adds a step, as the stepping thread does.
   void Step(Recorder& recorder, std::uint64_t step, Mode mode) {
     const FramePtr frame = maker_.Make(step);
     recorder.Step(frame, mode, ExactIf(recorder.WantsKeyframe(step), frame, mode), clock_.Peek());
@@ -83,7 +84,7 @@ class RecorderTest : public testing::Test {
   void Steps(Recorder& recorder, std::uint64_t first, std::uint64_t last, Mode mode) {
     for (std::uint64_t step = first; step <= last; ++step) Step(recorder, step, mode);
   }
-  /// Begins a run, writes step 1, and holds the recorder there: what comes now waits in the queue.
+  /// Begins a run, writes step 1, and holds the recorder there: later steps wait in the queue.
   void BeginAndHold(Recorder& recorder, Mode mode) {
     clock_.CloseGate();
     recorder.Begin(maker_.Start());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a recorder does while its disk does not keep up.
+// A recorder while its disk is too slow.
 #include <atomic>
 #include <future>
 
@@ -72,7 +72,7 @@ TEST_F(RecorderTest, StepsLostAtTheEndAreSaidToo) {
 }
 
 TEST_F(RecorderTest, ALockstepRunWaitingForRoomIsReleasedByAFailure) {
-  // The second file cannot be made: with its journal's ending its name is too long.
+  // The second file cannot be made: with its journal's suffix its name is too long.
   RecorderOptions options = WithRoomFor(1);
   const std::string name(243, 'x');
   options.file = folder_.File(name + ".run");

@@ -89,7 +89,7 @@ TEST_F(RecorderTest, WhatIsOlderThanTheCommitIntervalIsSafe) {
   Step(recorder, 1, Mode::kRealtime);
   while (recorder.status().steps < 1) std::this_thread::yield();
   EXPECT_EQ(Ask(file_, "SELECT count(*) FROM step"), 1);
-  clock_.Advance(200'000'000);  // nothing more comes: the recorder looks at the clock by itself
+  clock_.Advance(200'000'000);  // no more steps: the recorder checks the clock on its own
   while (Ask(file_, "SELECT count(*) FROM step") < 2) std::this_thread::yield();
   recorder.Close();
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The chains of a run file: those that the docs tell of, and what they find.
+// The chains of a run file: that they agree with the docs, and the changes that they detect.
 #include "server/record/run_chain.h"
 
 #include <gmock/gmock.h>
@@ -61,7 +61,7 @@ class RunChainTest : public ::testing::Test {
     EXPECT_NE(chain, nullptr) << error;
     return chain;
   }
-  /// All that is found in the file: "" or e.g. "22 event 3 chain".
+  /// All findings in the file: "" or e.g. "22 event 3 chain".
   std::string Find() const {
     const auto chain = Open();
     std::string ends;
@@ -134,7 +134,7 @@ TEST_F(RunChainTest, WhatIsCommittedIsSealedWhileItIsRecorded) {
   Record(false);
   EXPECT_EQ(Find(), "");
   EXPECT_EQ(Ask(file_, "SELECT max(step) FROM step"), 27);
-  writer_.reset();  // as a crash leaves it
+  writer_.reset();  // like a crash
   std::string error;
   const auto reader = RunReader::Open(file_, error);
   ASSERT_NE(reader, nullptr) << error;
@@ -262,7 +262,7 @@ TEST_F(RunChainTest, AWalkStepByStepFindsRowsWithTheirStep) {
   const auto row = chain->CheckRows(25);
   ASSERT_TRUE(row);
   EXPECT_EQ(row->what, "the row of step 25");
-  // The rows after it are as they were written.
+  // The later rows are unchanged.
   for (std::uint64_t k = 26; k <= 30; ++k) EXPECT_FALSE(chain->CheckRows(k)) << k;
 }
 
@@ -270,7 +270,7 @@ TEST_F(RunChainTest, WhatStandsInsteadOfAChainIsTold) {
   Change("UPDATE step SET chain = NULL WHERE step = 2; UPDATE step SET chain = 'abc' WHERE step = 4");
   const auto chain = Open();
   EXPECT_EQ(chain->CheckRows(2)->recorded, "NULL");
-  EXPECT_EQ(chain->CheckRows(3)->what, "the row of step 3");  // what it goes on from is not there
+  EXPECT_EQ(chain->CheckRows(3)->what, "the row of step 3");  // its predecessor is missing
   EXPECT_EQ(chain->CheckRows(4)->recorded, "no whole number");
 }
 

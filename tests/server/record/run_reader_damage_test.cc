@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Nothing in a file is trusted: what is no recording, or a damaged one, is a text and never a crash.
+// No file is trusted: one that is no recording, or a damaged one, is an error text and never a crash.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ void WriteBytes(const std::string& file, const std::string& bytes) {
 
 class RunReaderDamageTest : public testing::Test {
  protected:
-  /// The text with which `file_` is refused; empty if it is opened.
+  /// The error text if `file_` is refused; empty if it is opened.
   std::string Refusal() {
     std::string error;
     reader_ = RunReader::Open(file_, error);
@@ -38,7 +38,7 @@ class RunReaderDamageTest : public testing::Test {
     }
     return error;
   }
-  /// Changes the closed sample by SQL, as a hostile hand would, and opens it.
+  /// Changes the closed sample by SQL, as an attacker would, and opens it.
   std::string RefusalAfter(const std::string& sql) {
     sample_.Write(file_);
     std::string error;
@@ -46,7 +46,7 @@ class RunReaderDamageTest : public testing::Test {
     EXPECT_TRUE(database->Try(sql)) << database->error();
     return Refusal();
   }
-  /// Everything that a reader can be asked.
+  /// Calls every query of a reader.
   void ReadAll() {
     if (reader_ == nullptr) return;
     const RunExtent extent = reader_->extent();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Files beside which a kill has left a journal or a log, and files in which nothing was recorded yet.
+// Files beside which a kill has left a journal or a log, and files without recorded steps.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -23,7 +23,7 @@ class RunReaderJournalTest : public testing::Test {
     EXPECT_TRUE(database->Try(sql)) << database->error();
     return database;
   }
-  /// `left`: `file` as a kill in the midst of `sql` leaves it: pages are in the file, the journal is whole.
+  /// `left`: copy of `file` as a kill during `sql` leaves it: pages are in the file, the journal is complete.
   void KillAmid(const std::string& file, const std::string& sql) {
     const auto database = Change(
         file, "PRAGMA journal_mode = DELETE; PRAGMA cache_size = 1; PRAGMA cache_spill = 1; BEGIN; " + sql);
@@ -31,7 +31,7 @@ class RunReaderJournalTest : public testing::Test {
     fs::copy_file(file + "-journal", left_ + "-journal");
     database->Run("ROLLBACK");
   }
-  /// Overwrites many pages; each is spilled as the cache holds one.
+  /// Overwrites many pages; each is spilled because the cache holds one.
   static std::string ManyChanges() {
     return "UPDATE step SET hash = 0, poses = zeroblob(5000); UPDATE meta SET value = 'x';";
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Files that are being written, that a crash has left, and that may not be written to.
+// Files that are being written, files left by a crash, and read-only files.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -27,7 +27,7 @@ class RunReaderOpenTest : public testing::Test {
     fs::copy_file(file_ + "-wal", left + "-wal");
     return left;
   }
-  /// Ten looks that find nothing new make a reader doubt that anybody writes.
+  /// After ten polls without news a reader checks whether a writer still exists.
   void LookUntilInDoubt() {
     for (int i = 0; i < 12; ++i) reader_->extent();
   }
@@ -111,7 +111,7 @@ TEST_F(RunReaderOpenTest, AWriterThatIsGoneIsNoticedAndTheFileMended) {
   EXPECT_TRUE(reader_->Read(20));
   sample_.Append(*writer, 21, 22);
   EXPECT_EQ(reader_->extent().last, 22u);
-  writer.reset();  // without Close(), as a crash
+  writer.reset();  // without Close(), like a crash
   LookUntilInDoubt();
   EXPECT_FALSE(reader_->growing());
   EXPECT_TRUE(reader_->mended());
@@ -165,7 +165,7 @@ TEST_F(RunReaderOpenTest, WhatMayNotBeWrittenToIsReadAsItIs) {
   fs::permissions(left, fs::perms::owner_read);
   Open(left);
   EXPECT_EQ(reader_->extent().last, 20u);
-  if (::geteuid() == 0) return;  // may write to everything
+  if (::geteuid() == 0) return;  // root may write to everything
   EXPECT_FALSE(reader_->mended());
 }
 

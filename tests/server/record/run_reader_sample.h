@@ -15,14 +15,14 @@
 
 namespace coopdyn {
 
-/// Where the shipped robots are.
+/// The folder of the shipped robots.
 SearchPath SourcePath();
 
 class SampleRun {
  public:
   explicit SampleRun(const std::string& text = kText);
   const std::shared_ptr<const Scenario>& scenario() const { return scene_->scenario; }
-  /// The frame of step k as the run made it: exact.
+  /// The exact frame of step k of the run.
   FramePtr FrameAt(std::uint64_t step) const;
   SavedState StateAt(std::uint64_t step) const;
 
@@ -35,7 +35,7 @@ class SampleRun {
     std::size_t page_size = 0;
     bool channels = true;  // are recorded
   };
-  /// Writes steps 0 … options.steps to `file`; the writer, committed, unless it was closed.
+  /// Writes steps 0 … options.steps to `file`; returns the writer, committed unless it was closed.
   std::unique_ptr<RunWriter> Write(const std::string& file, const Options& options) const;
   std::unique_ptr<RunWriter> Write(const std::string& file) const { return Write(file, Options()); }
   /// Adds steps first … last, and a keyframe each `keyframe_every`, and commits.

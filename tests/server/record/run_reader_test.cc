@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a reader gives back of a recording, and how it finds its way.
+// The data that a reader returns from a recording, and its seeks.
 #include "server/record/run_reader.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which set-points of a step a run file keeps.
+// The set-points of a step that a run file stores.
 #include "run_writer_fixture.h"
 #include "server/record/state_codec.h"
 

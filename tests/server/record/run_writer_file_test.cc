@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The run file on the disk: readers beside the writer, files that are there already, a disk that is full.
+// The run file on disk: concurrent readers, existing files, a full disk.
 #include <filesystem>
 #include <fstream>
 
@@ -28,7 +28,7 @@ TEST_F(RunWriterTest, AFileThatIsOpenElsewhereStaysWholeAndItIsSaid) {
   const auto other = Database::Open(file_, Database::Access::kReadOnly, error);
   ASSERT_NE(other, nullptr);
   Statement rows = other->Prepare("SELECT step FROM step");
-  ASSERT_TRUE(rows.Step());  // a read is under way
+  ASSERT_TRUE(rows.Step());  // a read is in progress
   EXPECT_TRUE(writer->Close(remark));
   EXPECT_NE(remark.find("is open elsewhere"), std::string::npos) << remark;
   EXPECT_EQ(Ask(file_, "SELECT count(*) FROM step"), 2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A run file that a test writes, and its columns of bytes. One test at a time.
+// A run file written by a test, and its blob columns. One test at a time.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 
 namespace coopdyn {
 
-/// Opens a file and keeps it open, for columns that are bytes.
+/// Opens a file and keeps it open, to read blob columns.
 class RunFile {
  public:
   explicit RunFile(const std::string& file) {

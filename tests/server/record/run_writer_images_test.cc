@@ -42,7 +42,7 @@ class RecordedImages : public RunWriterTest {
   }
 };
 
-/// The step as a picture.
+/// A picture that shows the step's number.
 ImageResult DrawStep(const ImageRequest& request) {
   ImageResult result;
   EXPECT_EQ(request.format, ImageFormat::kJpeg);

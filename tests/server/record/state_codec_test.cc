@@ -95,8 +95,8 @@ TEST(StateCodecTest, WhatNoEditHasChangedStaysUnsaid) {
   EXPECT_TRUE(read->setpoints.empty());
 }
 
-/// `state`, which has no scores, as a version without efforts had it. With more versions gone, what follows
-/// bodies and channels begins at `rest`.
+/// `state`, which has no scores, in the encoding of a version without efforts. For still older versions, the
+/// data after bodies and channels begin at `rest`.
 std::vector<std::byte> WithoutEfforts(const SavedState& state, std::ptrdiff_t& rest) {
   std::vector<std::byte> bytes = EncodeState(state);
   bytes[0] = std::byte{7};
@@ -268,7 +268,7 @@ TEST(StateCodecTest, MutatedStatesAreRefusedOrWhole) {
       EXPECT_LE(sent.message.count, RobotMessage::kMaxValues);
     }
   }
-  EXPECT_GT(taken, 0);  // most flips change a number only
+  EXPECT_GT(taken, 0);  // most flips only change a number
 }
 
 // --- scenes
@@ -300,7 +300,7 @@ std::shared_ptr<Scene> FullScene() {
   entry.controller.where = {"a.scenario", 12};
   scene->objects[1].object.shape = Cylinder{0.25, 1.0 / 3};
   scene->floor.friction = 0.5;
-  // Things of the middle have gone: ids and places of bodies have holes.
+  // Removed things leave gaps in the ids and indices of bodies.
   for (std::size_t i = 0; i < scene->body_ids.size(); ++i) {
     scene->body_ids[i] = BodyId{static_cast<std::uint32_t>(2 * i + 5)};
   }

@@ -108,7 +108,7 @@ TEST(CameraTest, WhatARequestLeavesOutComesFromTheDefault) {
       (CameraFor(request, *frame->scene).eye_W - *request.look_m - (standard.eye_W - standard.look_W)).norm(),
       0, 1e-9);
   request.look_m.reset();
-  request.eye_m = standard.look_W;  // the eye where one would look
+  request.eye_m = standard.look_W;  // the eye at the point looked at
   EXPECT_GT((CameraFor(request, *frame->scene).eye_W - CameraFor(request, *frame->scene).look_W).norm(), 0.1);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reads pictures back.
+// Decodes pictures.
 #pragma once
 
 #include <png.h>
@@ -24,7 +24,7 @@ inline Picture DecodePng(const std::vector<std::uint8_t>& bytes) {
   return picture;
 }
 
-/// An empty picture if `bytes` is no JPEG.
+/// Returns an empty picture if `bytes` is not a JPEG.
 inline Picture DecodeJpeg(const std::vector<std::uint8_t>& bytes) {
   Picture picture;
   const std::unique_ptr<void, decltype(&tjDestroy)> turbo(tjInitDecompress(), &tjDestroy);

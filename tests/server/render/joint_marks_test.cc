@@ -81,7 +81,7 @@ TEST(JointMarksTest, TheLegendHasEachTypeThatIsThereOnceInItsColour) {
   EXPECT_EQ(marks.legend[0].text, "hinges");
   EXPECT_EQ(marks.legend[1].text, "sliders");
   EXPECT_NE(marks.legend[0].color.r, marks.legend[1].color.r);
-  EXPECT_EQ(marks.names.size(), 3u);  // a thruster joins nothing
+  EXPECT_EQ(marks.names.size(), 3u);  // a thruster is not a joint
 }
 
 TEST(JointMarksTest, NamesAreAscii) {

@@ -28,7 +28,7 @@ TEST(PictureTest, ARobotIsSeenInItsColourWhereItStands) {
   EXPECT_GT(robot.b, robot.g + 60);
   for (BodyState& body : frame->bodies) body.p_WB.x() -= 2;
   const Pixel floor = Shot(*frame, request).At(top);
-  EXPECT_NEAR(floor.b, floor.r, 25);  // it has gone
+  EXPECT_NEAR(floor.b, floor.r, 25);  // the robot has moved away
 }
 
 TEST(PictureTest, TheHeadingMarkIsAhead) {
@@ -40,7 +40,7 @@ TEST(PictureTest, TheHeadingMarkIsAhead) {
             shot.At(Vector3(0, -0.07, kSampleHeight_m)).brightness() + 150);
 }
 
-/// A robot that is a level square of 1 m, with the texture `image`.
+/// A robot that is a horizontal square of 1 m, with the texture `image`.
 std::shared_ptr<const RobotModel> Carpet(std::shared_ptr<const Image> image) {
   Vector3 middle = Vector3::Zero();
   auto data = std::make_shared<MeshData>(
@@ -133,7 +133,7 @@ TEST(PictureTest, RaysAreDrawnOnRequest) {
   const Pixel without = Shot(*frame, request).At(on_ray);
   request.show_rays = true;
   const Pixel with = Shot(*frame, request).At(on_ray);
-  EXPECT_LT(with.b, without.b - 50);  // orange: it hits
+  EXPECT_LT(with.b, without.b - 50);  // orange: a hit
 }
 
 TEST(PictureTest, NamesAreWrittenAboveRobots) {

@@ -76,7 +76,7 @@ TEST_F(RenderThreadTest, AStreamIsPacedByTheClockAndSinglePicturesAreNot) {
   RenderThread render(images_, frames_, clock_, {RendererKind::kAuto, 50}, NullLogger());
   EXPECT_EQ(Ask(Small(true)).get().error, "");
   std::future<ImageResult> next = Ask(Small(true));
-  EXPECT_EQ(Ask(Small()).get().step, 1U);  // was asked later
+  EXPECT_EQ(Ask(Small()).get().step, 1U);  // requested later
   EXPECT_EQ(next.wait_for(std::chrono::seconds(0)), std::future_status::timeout);
   Publish(2);
   clock_.Advance(kNanosecondsPerSecond / 50);
@@ -89,7 +89,7 @@ TEST_F(RenderThreadTest, AllStreamsShareATick) {
   for (int i = 0; i < 3; ++i) viewers.push_back(Ask(Small(true)));
   RenderThread render(images_, frames_, clock_, {RendererKind::kAuto, 50}, NullLogger());
   const auto bytes = viewers[0].get().bytes;
-  EXPECT_EQ(viewers[1].get().bytes, bytes);  // the very same picture
+  EXPECT_EQ(viewers[1].get().bytes, bytes);  // the same picture, not drawn again
   EXPECT_EQ(viewers[2].get().bytes, bytes);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What robots' cameras see, against geometry.
+// Pictures of robots' cameras, against geometry.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -65,7 +65,7 @@ std::vector<Value> Values(const ImageResult& result) {
   return values;
 }
 
-/// Where the first robot's camera sees a point of the world: x right, y down, px; and its depth.
+/// Where the first robot's camera sees a point of the world: x right, y down, px; and the point's depth.
 Vector3 Project(const Frame& frame, const Vector3& p_W) {
   const auto& model = *ModelOf(frame, 0).Find<CameraModel>();
   const Vector3 p_S = MountPose(frame, 0, model.mount).Inverse() * p_W;
@@ -74,7 +74,7 @@ Vector3 Project(const Frame& frame, const Vector3& p_W) {
 }
 
 TEST(RobotCameraTest, ABoxsOutlineIsWherePinholeSaysWithinAPixel) {
-  // A box whose front face is square to the view.
+  // A box whose front face is perpendicular to the view.
   const auto frame = SampleWorld()
                          .Robot(At(0, 0), Seer(Eye()))
                          .Object(Box{{0.4, 0.8, 0.6}}, Stands(2.2, 0.3, 0.5))
@@ -112,7 +112,7 @@ TEST(RobotCameraTest, DepthIsThatOfTheFaceAndOfTheFloorWithinAMillimetre) {
       const auto at = static_cast<std::size_t>(y * 320 + x);
       const double depth = static_cast<double>(depth_m[at]);
       if (numbers[at] == 1) {
-        // The ray through the pixel's middle meets z = 0.
+        // Intersects the ray through the pixel's centre with z = 0.
         const double expected = kEyeHeight_m * f / (y + 0.5 - 120);
         if (expected > 6) continue;
         EXPECT_NEAR(depth, expected, 1e-3) << x << " " << y;
@@ -161,7 +161,8 @@ TEST(RobotCameraTest, ABallsDepthIsWithinAMillimetreAwayFromItsEdge) {
   int seen = 0;
   for (int y = 0; y < 240; ++y) {
     for (int x = 0; x < 320; ++x) {
-      // Nearest point on the ball of the ray through the pixel's middle; the ray has depth 1 a unit.
+      // The first intersection of the ray through the pixel's centre with the ball; the ray has depth 1 per
+      // unit.
       const Vector3 ray(1, (160 - x - 0.5) / f, (120 - y - 0.5) / f);
       const double along = ray.dot(p_SO) / ray.squaredNorm(), miss_m = (along * ray - p_SO).norm();
       if (miss_m > 0.98 * kRadius_m) continue;
@@ -218,7 +219,7 @@ TEST(RobotCameraTest, ATurnedCameraSeesTheWorldTurned) {
   EXPECT_EQ(numbers[static_cast<std::size_t>(static_cast<int>(at.y()) * 320 + static_cast<int>(at.x()))], 2);
 }
 
-/// A scene with everything.
+/// A scene with things of every kind.
 std::shared_ptr<Frame> Busy(const CameraModel& camera) {
   SampleWorld world;
   world.Robot(At(0, 0), Seer(camera)).Robot(At(2, 0.5, 1)).Robot(At(4, -1, 2));
@@ -274,11 +275,11 @@ TEST(RobotCameraTest, RoundingTwiceIsRoundingOnce) {
 
 // --- colours
 
-/// What docs/physics.md says of a level plane of this grey, high above the floor, seen from straight above.
+/// The formula of docs/physics.md for a horizontal plane of this grey, high above the floor, seen from above.
 double LevelPlane(double grey, const Vector3& lamps) {
   const Vector3 sun = SunDirection().normalized(), up = Vector3::UnitZ();
   const double cosine = sun.z(), half = up.dot((up + sun).normalized());
-  const double light = 0.40 + 0.80 * cosine + lamps.x();  // of red
+  const double light = 0.40 + 0.80 * cosine + lamps.x();  // the red component
   return 255 * std::sqrt(grey * grey * light + 0.22 * cosine * std::pow(half, 36));
 }
 
@@ -315,7 +316,7 @@ TEST(RobotCameraTest, ATextureLiesOnABoxFromTheMiddleOfItsSide) {
   image->width = image->height = 2;
   image->rgb = {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255};
   const auto rgb = Values<std::uint8_t>(Look(*Table({}, {image, 0.5, 0.5}), ImageFormat::kRgb));
-  // The box's x is up in this picture, its y to the left: texture's right is up, its top is left.
+  // The box's x is up in this picture, its y to the left: the texture's right is up, its top is left.
   const double pixels_per_m = Eye(64, 64).focal_px();
   const auto at = [&](double x_m, double y_m) {
     const auto column = static_cast<std::size_t>(32 - y_m * pixels_per_m);
@@ -340,7 +341,7 @@ TEST(RobotCameraTest, NoiseOfThePixelsHasItsMeanAndDeviation) {
   double sum = 0, squares = 0;
   int count = 0;
   for (std::size_t i = 0; i < clean.size(); ++i) {
-    if (clean[i] < 60 || clean[i] > 190) continue;  // where nothing is cut off
+    if (clean[i] < 60 || clean[i] > 190) continue;  // without clipping
     const double difference = static_cast<double>(seen[i]) - clean[i];
     sum += difference;
     squares += difference * difference;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What of the sensors the view shows: where their readings say, in the view alone, and only if asked for.
+// Marks of sensors in the view: at their readings, only in the view, and only on request.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -41,7 +41,7 @@ CameraModel Eye() {
   return camera;
 }
 
-/// A robot that stands on the origin, looks along x and has nothing but this sensor.
+/// A robot at the origin that looks along x and has only this sensor.
 std::shared_ptr<RobotModel> With(const SensorKind& sensor, const SensorTiming& timing = {}) {
   auto model = SampleRobot();
   model->sensors.clear();
@@ -65,7 +65,7 @@ ImageRequest View(bool show_rays) {
   return request;
 }
 
-/// How much a point of the view changes by what sensors see.
+/// The change of a point's colour in the view by marks of sensors.
 Pixel Change(const Frame& frame, const Vector3& p_W) {
   const Pixel with = Shot(frame, View(true)).At(p_W), without = Shot(frame, View(false)).At(p_W);
   return {with.r - without.r, with.g - without.g, with.b - without.b};
@@ -141,7 +141,7 @@ TEST(SensorMarksTest, ASonarsConeEndsAtItsRange) {
   ASSERT_EQ(SonarRanges(*frame, 0)[0], 2);
   const Pixel cap = Change(*frame, Vector3(2 * std::cos(0.1), 0, kEye_m + 2 * std::sin(0.1)));
   EXPECT_LT(cap.b, -60);                                         // one of its arcs
-  EXPECT_LT(Change(*frame, Vector3(1.2, -0.1, kEye_m)).b, -20);  // it is filled
+  EXPECT_LT(Change(*frame, Vector3(1.2, -0.1, kEye_m)).b, -20);  // the arc is filled
   ExpectSame(Change(*frame, Vector3(1.2, -0.6, kEye_m)));
 }
 

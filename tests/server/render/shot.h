@@ -17,7 +17,7 @@ struct Pixel {
   int brightness() const { return r + g + b; }
 };
 
-/// One picture of the view, asked by world points.
+/// A picture of a view, whose pixels are looked up by world points.
 class Shot {
  public:
   Shot(const Frame& frame, ImageRequest request, RendererKind renderer = RendererKind::kOsmesa)

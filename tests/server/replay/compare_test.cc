@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Two recordings against each other; that one was changed is told though what moves is equal.
+// Compares two recordings: changes are reported even if all motion is equal.
 #include <gmock/gmock.h>
 
 #include "tests/server/replay/verify_fixture.h"
@@ -13,7 +13,7 @@ using ::testing::StartsWith;
 
 class CompareTest : public VerifyTest {
  protected:
-  /// Two equal lessons with a note, the second of which `sql` was done to.
+  /// Two equal lessons with a note; `sql` changes the second.
   VerifyReport AgainstChanged(const std::string& sql) {
     for (const char* name : {"a.run", "b.run"}) {
       LiveRun run(File(name), kLesson);
@@ -124,7 +124,7 @@ TEST_F(CompareTest, RunsWithoutCommonStepsAreSaid) {
   EXPECT_THAT(Against(File("a.run"), File("c.run")).error, HasSubstr("no step in common"));
 }
 
-// --- equal, but not all that was recorded of them
+// --- equal motion, but different recordings
 
 TEST_F(CompareTest, CommandsThatWereInForceAlreadyAreNoDamage) {
   for (const bool again : {true, false}) {
@@ -173,7 +173,7 @@ TEST_F(CompareTest, BothAreSaidOnce) {
                 " also has commands that repeat those in force");
 }
 
-// --- inputs that are no commands
+// --- inputs other than commands
 
 TEST_F(CompareTest, AnotherStepLengthIsNamedFirst) {
   for (const bool longer : {false, true}) {
@@ -211,7 +211,7 @@ TEST_F(CompareTest, AnInputThatSetsOtherValuesIsNamedBesides) {
   for (const bool stopped : {true, false}) {
     LiveRun run(File(stopped ? "a.run" : "b.run"), kLesson);
     Drive(run, 30);
-    run.Apply(edit::SetSpeed{stopped ? 2. : 3.});  // decides when steps run, not what they give
+    run.Apply(edit::SetSpeed{stopped ? 2. : 3.});  // decides when steps run, not their results
     if (stopped) run.Apply(edit::StopAll{});
     run.Step(10);
   }
@@ -236,7 +236,7 @@ TEST_F(CompareTest, EqualInputsAreNotNamed) {
   EXPECT_THAT(report.difference->note, ::testing::Not(HasSubstr("input")));
 }
 
-// --- one was changed after it was written
+// --- files changed after recording
 
 struct Changed {
   const char* name;

@@ -54,7 +54,7 @@ TEST_F(ExportCsvTest, RowsAreTheFramesAsFarAsTheyAreRecorded) {
     for (int robot = 0; robot < 2; ++robot) {
       const std::string name = robot == 0 ? "robot1." : "robot2.";
       const Pose X_WR = RobotPose(frame, robot);
-      // Half a micrometre, and 1.4e-6 rad at the arm of the robot's frame in its body.
+      // Half a micrometre, and 1.4e-6 rad times the offset of the robot's frame from its body.
       EXPECT_NEAR(table.Number(i, name + "x_m"), X_WR.p.x(), 2e-6);
       EXPECT_NEAR(table.Number(i, name + "y_m"), X_WR.p.y(), 2e-6);
       EXPECT_NEAR(table.Number(i, name + "heading_rad"), Heading(X_WR.q), 4e-6);
@@ -87,7 +87,7 @@ TEST_F(ExportCsvTest, ChosenSensorsShowWhatTheyShowedThen) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const PlaneMotion motion = MotionOf(*frames[i], 1);
     EXPECT_NEAR(table.Number(i, "robot2.pose_y_m"), motion.y_m, 2e-6);
-    // A difference of two recorded places.
+    // A difference of two recorded positions.
     EXPECT_NEAR(table.Number(i, "robot2.pose_forward_m_s"), motion.forward_m_s, 2e-3) << i;
     const double range_m = Distances(*frames[i], 1)[2];
     const double shown_m = table.Number(i, "robot2.distance_range3_m");
@@ -144,7 +144,7 @@ TEST_F(ExportCsvTest, AfterLostStepsTheKeyframeThatFollowsTellsTheSetPoints) {
   std::string error;
   const auto database = Database::Open(File("run.run"), Database::Access::kReadWrite, error);
   ASSERT_NE(database, nullptr) << error;
-  ASSERT_TRUE(database->Try("DELETE FROM step WHERE step BETWEEN 9 AND 15"));  // the command of step 10, too
+  ASSERT_TRUE(database->Try("DELETE FROM step WHERE step BETWEEN 9 AND 15"));  // with a command
   Rechain(File("run.run"));
   const Table table = Exported();
   ASSERT_EQ(table.rows.size(), 34U);
@@ -158,7 +158,7 @@ TEST_F(ExportCsvTest, ModesAreThereIfTheyDifferFromVelocity) {
   std::string error;
   const auto database = Database::Open(File("run.run"), Database::Access::kReadWrite, error);
   ASSERT_NE(database, nullptr) << error;
-  // Robot 1: of the left joint a position from step 20 on, of the right one an effort always.
+  // Robot 1: the left joint has a position from step 20 on, the right one always an effort.
   ASSERT_TRUE(database->Try(
       "UPDATE step SET commands = CAST(substr(commands, 1, 4) || CASE WHEN step < 20 THEN x'03' ELSE x'01' "
       "END"

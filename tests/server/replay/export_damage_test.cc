@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A recording whose disk has damaged a page, page after page: what is read of it is right and whole, or an
-// error names the file.
+// A recording with a damaged page, for every page: the exported data are correct and complete, or an error
+// names the file.
 #include <gtest/gtest.h>
 
 #include "export_fixture.h"
@@ -28,7 +28,7 @@ class ExportDamageTest : public ExportTest {
     std::string error;
     const auto reader = RunReader::Open(run_, error);
     if (reader == nullptr) return error;
-    reader->UseScenario(scenario_);  // to read it each time is slow
+    reader->UseScenario(scenario_);  // reading it each time is slow
     return ExportCsv(*reader, options, File("run.csv"), nullptr);
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Recorded runs to export, with the exact frames that they were made of.
+// Recorded runs to export, with their exact frames.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -76,7 +76,7 @@ struct RunToMake {
 class ExportTest : public testing::Test {
  protected:
   std::string File(const std::string& name) const { return folder_.File(name); }
-  /// Names of all that is in the test's folder, sorted.
+  /// The sorted names of all files in the test's folder.
   std::vector<std::string> Files() const {
     std::vector<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
@@ -104,9 +104,9 @@ class ExportTest : public testing::Test {
   }
   static bool Commands(std::uint64_t step) { return step % 10 == 0; }
 
-  /// Records a run of 10 ms steps into run.run: the frames, from that of step 0 on.
+  /// Records a run of 10 ms steps into run.run: the given frames, from step 0 on.
   std::vector<FramePtr> Record(const RunToMake& make = {}) {
-    static RobotLibrary library(Path());  // the models are read once for all tests
+    static RobotLibrary library(Path());  // reads the models once for all tests
     Diagnostics diagnostics;
     const auto scenario = ReadScenario(make.scenario, "lesson.scenario", library, false, diagnostics);
     EXPECT_NE(scenario, nullptr) << diagnostics.ToString();
@@ -161,7 +161,7 @@ class ExportTest : public testing::Test {
   SteadyClock clock_;
 };
 
-/// While it lives no file can grow beyond `bytes`, as on a disk that is full.
+/// During its lifetime no file can grow beyond `bytes`, as on a full disk.
 class SmallDisk {
  public:
   explicit SmallDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {

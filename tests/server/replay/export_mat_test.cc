@@ -54,7 +54,7 @@ std::string Characters(const matvar_t* value) {
   return {static_cast<const char*>(value->data), value->nbytes};
 }
 
-/// Both are the same bits; every nan is like every other.
+/// Bitwise equal; all nans are equal.
 bool SameBits(double a, double b) {
   return (a != a && b != b) || std::memcmp(&a, &b, sizeof a) == 0;
 }
@@ -201,7 +201,7 @@ TEST_F(ExportMatTest, ARecordingIsNeverOverwritten) {
               File("other") + " is a recording, which export never overwrites: choose another --out");
   }
   EXPECT_EQ(Text(File("other")), before);
-  Put("begun.run", "");  // by a recorder that has not yet finished the first step
+  Put("begun.run", "");  // of a recorder before the end of the first step
   Put("begun.run-journal", "pages");
   EXPECT_THAT(ExportMat(*Open(), {.overwrite = true}, File("begun.run"), nullptr),
               HasSubstr("begun.run is a recording"));

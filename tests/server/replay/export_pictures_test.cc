@@ -16,7 +16,7 @@ using testing::HasSubstr;
 
 class ExportPicturesTest : public ExportTest {
  protected:
-  /// Small ones, from near by.
+  /// Options of small pictures from near by.
   static PictureOptions Near() {
     PictureOptions options;
     options.image.width = 64;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Runs to repeat: a live run, recorded as by the daemon, whose every step a test decides; and the file it
-// leaves. A run steps on a thread of its own, and ends before anything is repeated.
+// Runs to repeat: a live run, recorded as by the daemon, whose steps a test controls, and its file. A run
+// steps on its own thread, and ends before a test repeats it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ inline ControllerOptions TestControllers(int threads = 1) {
   return options;
 }
 
-/// What a repetition needs.
+/// Everything that a repetition needs.
 struct Repeating {
   explicit Repeating(int threads = 1)
       : logger(NullLogger()),
@@ -66,12 +66,12 @@ struct LiveOptions {
   int threads = 1;
 };
 
-/// A run in free mode that stands but for the steps that the test asks for.
+/// A run in free mode that steps only when the test asks for it.
 class LiveRun {
  public:
   LiveRun(const std::string& file, const std::string& scenario, LiveOptions options = {})
       : LiveRun(file, options) {
-    static RobotLibrary library(TestPath());  // the models are read once for all tests
+    static RobotLibrary library(TestPath());  // reads the models once for all tests
     Diagnostics diagnostics;
     const auto read = ReadScenario(scenario, "lesson.scenario", library, false, diagnostics, options.seed);
     if (read == nullptr || !stepper_.Start(read, diagnostics)) {
@@ -79,7 +79,7 @@ class LiveRun {
     }
     Begin();
   }
-  /// Goes on from `state`.
+  /// Continues from `state`.
   LiveRun(const std::string& file, const SavedStatePtr& state, LiveOptions options = {})
       : LiveRun(file, options) {
     Diagnostics diagnostics;
@@ -89,7 +89,7 @@ class LiveRun {
   ~LiveRun() { End(); }
 
   FramePtr frame() const { return frames_.Latest(); }
-  /// For the next step.
+  /// Sets commands for the next step.
   void Command(const std::string& robot, double left_rad_s, double right_rad_s) {
     const Verdict verdict =
         board_.Command(board_.FindSlot(robot), client_, SetpointsFor({left_rad_s, right_rad_s}), std::nullopt,
@@ -121,7 +121,7 @@ class LiveRun {
   std::uint64_t hash() const { return StateHash(*frame()); }
   std::vector<Event> events() const { return control_.events(); }
 
-  /// Ends the run, and its recording.
+  /// Ends the run and its recording.
   void End() {
     if (!thread_.joinable()) return;
     thread_.request_stop();
@@ -173,7 +173,7 @@ class LiveRun {
   std::jthread thread_;
 };
 
-/// Changes a recording as a fault of a disk would.
+/// Changes a recording like a disk fault.
 class Tamper {
  public:
   explicit Tamper(const std::string& file) {
@@ -182,7 +182,7 @@ class Tamper {
     if (database_ == nullptr) throw std::runtime_error(error);
   }
   void Run(const std::string& sql) { ASSERT_TRUE(database_->Try(sql)) << database_->error(); }
-  /// Flips bit `bit` of the blob that `select` finds, and writes it back with `update`, whose ?1 it is.
+  /// Flips bit `bit` of the blob that `select` finds, and writes it back with `update`, bound to its ?1.
   void FlipBit(const std::string& select, const std::string& update, std::size_t bit) {
     Statement read = database_->Prepare(select);
     ASSERT_TRUE(read.Step()) << select;

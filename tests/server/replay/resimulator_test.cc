@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Runs with loaded controllers and broadcasts: the controllers compute again what they did.
+// Runs with loaded controllers and broadcasts: the controllers compute the same again.
 #include "server/replay/resimulator.h"
 
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Twelve robots that a controller drives, and one that clients drive.
+/// Twelve robots driven by a controller, and one by clients.
 std::string Swarm(const std::string& controller) {
   return "[SWARM_1]\ntype minibot\nname m\ncount 12\narea 0 0 1.5 1.5\nfidelity rolling\ncontroller " +
          controller + "\n[ROBOT_1]\ntype minibot\nname robot1\nposition 1.2 0\n";
@@ -42,7 +42,7 @@ class ResimulatorTest : public ::testing::Test {
       run.Step();
     }
   }
-  /// Where no controller is.
+  /// A search path without controllers.
   SearchPath Nowhere() const {
     SearchPath path;
     path.folders.emplace_back(SourceDir());
@@ -70,7 +70,7 @@ TEST_F(ResimulatorTest, WithoutTheirSetpointsInTheFileToo) {
 
 TEST_F(ResimulatorTest, ABitOfAControllersCommandIsNamedByItsStep) {
   MakeSwarm("flock", 60);
-  // Its first robot is the first of the blob whenever its set-point has changed.
+  // Its first robot comes first in the blob whenever its set-point has changed.
   Tamper(File()).FlipCommand(31, 40 + 3);
   const VerifyReport report = Repeat(File());
   ASSERT_TRUE(report.difference) << ToString(report);
@@ -87,7 +87,7 @@ TEST_F(ResimulatorTest, BroadcastsOfClientsAndControllersAreRepeated) {
       if (k % 4 == 0) run.Send("robot1", {0.5 * k, 1, 2});
       run.Step();
     }
-    // Somebody heard something, else this test tells nothing.
+    // Some robot heard a message; otherwise this test proves nothing.
     EXPECT_TRUE(std::any_of(run.frame()->messages.begin(), run.frame()->messages.end(),
                             [](const SentMessage& sent) { return sent.message.values[0] > 0; }));
   }
@@ -107,7 +107,7 @@ TEST_F(ResimulatorTest, ABitOfABroadcastThatAControllerHearsIsNamed) {
   }
   ExpectEqual(File(), 40);
   const std::string where = " WHERE step = 20";
-  // m's comes first: u32 robot, u32 count, and its numbers; then robot1's.
+  // m's message comes first: u32 robot, u32 count, and its numbers; then robot1's.
   std::size_t bit = 0;
   {
     std::string error;
@@ -119,7 +119,7 @@ TEST_F(ResimulatorTest, ABitOfABroadcastThatAControllerHearsIsNamed) {
   Tamper(File()).FlipBit("SELECT messages FROM step" + where, "UPDATE step SET messages = ?1" + where, bit);
   const VerifyReport report = Repeat(File());
   ASSERT_TRUE(report.difference) << ToString(report);
-  EXPECT_EQ(report.difference->step, 21u);  // m tells what it has heard
+  EXPECT_EQ(report.difference->step, 21u);  // m reports what it has heard
   EXPECT_EQ(report.difference->what, "m");
   EXPECT_EQ(report.difference->field, "broadcast");
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Twenty runs whose bodies must stay the same to the last bit while the structure of the program changes:
-// crowds, pushed objects, sleepers, long steps and loaded controllers in every fidelity.
+// Twenty runs whose bodies must stay bitwise the same when the program is restructured: crowds, pushed
+// objects, sleepers, long steps and loaded controllers in every fidelity.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -97,7 +97,7 @@ std::vector<SameBitsCase> Runs() {
 
 class SameBitsTest : public ::testing::TestWithParam<SameBitsCase> {};
 
-/// Drives the robots that no controller drives: they start, turn and stop by step and index.
+/// Drives the robots without a controller: they start, turn and stop by step and index.
 FramePtr Step(Simulation& simulation, Nanoseconds length) {
   const std::uint64_t step = simulation.frame()->step;
   std::vector<WheelSpeeds> wheels(simulation.scene().robots.size());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Changes to a recording that no repetition shows are found by its chains, and named with their step; those
-// that it does show are told by what differs.
+// Changes to a recording that a repetition cannot detect are found by its chains, with their step; other
+// changes are reported by their effect.
 #include <gmock/gmock.h>
 
 #include "server/replay/verify.h"
@@ -13,8 +13,8 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-/// Robots that clients drive with the same set-points over and over, one that a controller drives, and things
-/// that happen in between: 60 steps, with an exact state each 20.
+/// Robots whose clients repeat the same set-points, one driven by a controller, and events in between: 60
+/// steps, with an exact state every 20.
 class VerifyChainTest : public ::testing::Test {
  protected:
   VerifyChainTest() {
@@ -41,7 +41,7 @@ class VerifyChainTest : public ::testing::Test {
     const Repeating repeating;
     return Verify(*reader, repeating.services, nullptr);
   }
-  /// `what` of step `step` is not as it was written.
+  /// The error that `what` of step `step` differs from the written data.
   void ExpectNamed(std::uint64_t step, const std::string& what, const std::string& field = "chain") const {
     const VerifyReport report = Repeat();
     ASSERT_TRUE(report.difference) << ToString(report);
@@ -71,8 +71,8 @@ TEST_F(VerifyChainTest, ARepeatedCommandThatWasTakenOutIsNamedByItsStep) {
 }
 
 TEST_F(VerifyChainTest, AMarkOfACommandThatNobodySentIsNamedByItsStep) {
-  // stop_all's to robot1 comes in force with step 41, and changes what is in force; now a client's.
-  // It has a record of 13 bytes for each wheel.
+  // stop_all's command to robot1 takes effect in step 41, and changes the set-points in force; now it looks
+  // like a client's. It has a record of 13 bytes per wheel.
   Tamper(file_).FlipCommand(41, 31);
   Tamper(file_).FlipCommand(41, 8 * 13 + 31);
   ExpectNamed(41, "the row of step 41");
@@ -89,7 +89,7 @@ TEST_F(VerifyChainTest, AChangeInTheLastRowIsNamed) {
 }
 
 TEST_F(VerifyChainTest, AStateThatDiffersWithTheRowIsToldFirst) {
-  // A bit of a set-point: what moves differs, which says more than that the row was changed.
+  // A bit of a set-point: the motion differs, which says more than that the row was changed.
   Tamper(file_).FlipCommand(22, 40);
   const VerifyReport report = Repeat();
   ASSERT_TRUE(report.difference) << ToString(report);
@@ -105,7 +105,7 @@ TEST_F(VerifyChainTest, ARowBeforeAStateThatDiffersIsToldFirst) {
 
 TEST_F(VerifyChainTest, AnInputThatNoStateTellsOfIsNamed) {
   Change("UPDATE input SET detail = 'lockstep' WHERE action = 'set_mode' AND step = 24");
-  // Each step was asked for, too.
+  // Each step was also requested.
   ExpectNamed(24, "input 25");
 }
 
@@ -119,7 +119,7 @@ TEST_F(VerifyChainTest, AnInputThatWasTakenOutIsNamed) {
 }
 
 TEST_F(VerifyChainTest, AKeyframeIsNamedThoughItsStateIsEqual) {
-  // Whether the run stood still then is no part of the state that is compared.
+  // Whether the run was paused then is not part of the compared state.
   Tamper(file_).FlipBit("SELECT state FROM keyframe WHERE step = 40",
                         "UPDATE keyframe SET state = ?1 WHERE step = 40", 8 * 2);
   ExpectNamed(40, "the keyframe of step 40");

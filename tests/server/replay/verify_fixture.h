@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A recorded lesson to verify, and to change before that.
+// A recorded lesson to verify, and to change before.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -60,13 +60,13 @@ class VerifyTest : public ::testing::Test {
     Tamper(File()).FlipBit("SELECT state FROM keyframe" + where, "UPDATE keyframe SET state = ?1" + where,
                            8 * 63);
   }
-  /// The repetition of a lesson that `sql` was done to.
+  /// The repetition of a lesson changed by `sql`.
   VerifyReport Tampered(const std::string& sql) {
     MakeLesson(File());
     Tamper(File()).Run(sql);
     return Repeat(File());
   }
-  /// The same of one that was recorded so.
+  /// The same for a lesson whose chains were recomputed after the change.
   VerifyReport RecordedAs(const std::string& sql) {
     MakeLesson(File());
     Tamper(File()).Run(sql);

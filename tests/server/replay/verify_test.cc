@@ -91,11 +91,11 @@ TEST_F(VerifyTest, ProgressGrowsToTheEnd) {
   EXPECT_EQ(shares.back(), 1);
 }
 
-// --- what is wrong with a file is named
+// --- errors in a file are located
 
 TEST_F(VerifyTest, ABitOfACommandIsNamedByItsStep) {
   MakeLesson(File());
-  // robot1 gets a command with step 22 (k = 21): its left wheel's lowest bit, which moves nothing by 1 µm.
+  // robot1 gets a command in step 22 (k = 21): its left wheel's lowest bit, which moves nothing by 1 µm.
   Tamper(File()).FlipCommand(22, 40);
   const VerifyReport report = Repeat(File());
   ASSERT_TRUE(report.difference) << ToString(report);
@@ -120,7 +120,7 @@ TEST_F(VerifyTest, EveryBitOfACommandsNumbersMatters) {
       tamper.FlipCommand(29, bit);  // robot1 and its k = 28
     }
     const VerifyReport report = Repeat(File());
-    // Some bits make a number that no speed can be.
+    // Some bits make an impossible speed.
     const bool named =
         report.difference ? report.difference->step == 29 : report.error.find("step 29") != std::string::npos;
     EXPECT_TRUE(named) << "bit " << bit << ": " << ToString(report);

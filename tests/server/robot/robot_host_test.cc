@@ -28,7 +28,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Holds this thread, and those that it starts, on one core.
+/// Pins this thread, and those that it starts, to one core.
 class OneCore {
  public:
   OneCore() {
@@ -46,7 +46,7 @@ class OneCore {
   cpu_set_t before_{};
 };
 
-/// Steps a world without a pause, on a thread of its own.
+/// Steps a world without pause, on a separate thread.
 class Stepping {
  public:
   explicit Stepping(SmallWorld& world)
@@ -57,7 +57,7 @@ class Stepping {
           }
         }) {}
 
-  /// Runs `work` between two steps and waits for its end.
+  /// Runs `work` between two steps and waits for it.
   void Between(const std::function<void()>& work) {
     std::packaged_task<void()> task(work);
     std::future<void> done = task.get_future();
@@ -94,14 +94,14 @@ class RobotHostTest : public testing::Test {
     Load(std::move(scenario));
   }
   std::shared_ptr<const Scene> scene() const { return world_.frames.Latest()->scene; }
-  /// A host that has brought up the robots of the scene.
+  /// A host that has started the robots of the scene.
   std::unique_ptr<RobotHost> Start(const RobotHostOptions& options) {
     auto host = std::make_unique<RobotHost>(Services(), options, ports_);
     const std::string error = host->Apply(scene(), true);
     if (!error.empty()) throw std::runtime_error(error);
     return host;
   }
-  /// How many threads a number of robots gets; `threads` as in the options.
+  /// The number of threads for a number of robots; `threads` as in the options.
   std::size_t ThreadsFor(int robots, bool sockets, std::size_t cores, int threads = 0) {
     auto scenario = std::make_shared<Scenario>(*SmallScenario(robots));
     for (RobotEntry& robot : scenario->robots) robot.sockets = sockets;
@@ -200,8 +200,8 @@ TEST_F(RobotHostTest, KeptRobotKeepsPortConnectionAndOwnerOverALoad) {
   EXPECT_EQ(host->thread_count(), 1u);
 }
 
-// For the sanitizers: a step may be about to wake the thread that a load ends. On one core a load that comes
-// at any moment holds the step up wherever it is, also there.
+// For the sanitizers: a step may be about to wake the thread that a load ends. On one core a load at a random
+// moment interrupts the step anywhere, including there.
 TEST_F(RobotHostTest, ALoadWithoutASubscribedRobotEndsItsThreadWhileStepsRun) {
   constexpr int kLoads = 300;
   const OneCore one_core;

@@ -74,7 +74,7 @@ TEST_F(RobotModuleTest, WrongRequestsGetTheDocumentedErrorAndNoValues) {
       return reply.error;
     };
     for (const CommandSpec& spec : Module(module).table().commands()) {
-      if (spec.id == command::kPing) continue;  // takes anything
+      if (spec.id == command::kPing) continue;  // accepts anything
       Message right;
       right.command = spec.id;
       if (spec.text == TextUse::kRest) right.text = "ana";

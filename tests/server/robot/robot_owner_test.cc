@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A program ends its connection, and another one takes the robot at once, while the robot's thread is busy
-// and has read nothing of that.
+// A program ends its connection, and another one takes the robot immediately, while the robot's thread is
+// busy and has not read the end.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ class RobotOwnerTest : public testing::TestWithParam<Mode> {
     names_.Find("/robot1/motors")->adopt(theirs.Release(), "", {"pair", true}, nullptr);
     return TestClient(std::move(ours));
   }
-  /// Whether a team can have the robot as soon as the end is there.
+  /// Whether a team can claim the robot as soon as the end has arrived.
   bool ATeamTakesIt() {
     const std::vector<SlotId> slots = {world_.board.FindSlot("robot1")};
     return Eventually([&] { return world_.board.ClaimAll(slots, team_).error == Error::kOk; });
@@ -103,7 +103,7 @@ TEST_P(RobotOwnerTest, ARequestThatIsReadBeforeTheEndIsNotRefused) {
   {
     const HeldThread busy(thread_);
     next.Send("claim\n");
-    owner.Close();  // comes second, and is read second
+    owner.Close();  // arrives second, and is read second
   }
   EXPECT_THAT(next.Line(), HasSubstr("0 \"\" 7"));
 }

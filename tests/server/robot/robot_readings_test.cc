@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Attached readings and subscriptions: what comes, and in what order.
+// Attached readings and subscriptions: their content and order.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 namespace coopdyn::rosiml {
 namespace {
 
-/// An experiment whose robot has a motor, or none, and this controller.
+/// An experiment whose robot has a motor or none, and this controller.
 std::string Controlled(const std::string& controller, bool has_motor = true) {
   std::string robot = Robot(Ball("a") + Ball("b", "<pose x=\"1\" z=\"1\"/>"),
                             has_motor ? Motor("type=\"velocity\" mode=\"active\"", "a", "b") : "");
@@ -13,7 +13,7 @@ std::string Controlled(const std::string& controller, bool has_motor = true) {
   return Public("", robot);
 }
 
-/// What is made and said of it if there are controllers of these names.
+/// The translation and its messages if controllers of these names exist.
 std::string MadeWith(const std::string& xml, const std::string& names, Diagnostics& diagnostics) {
   const auto has = [&](const std::string& name) {
     return (" " + names + " ").find(" " + name + " ") != std::string::npos;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is said of words and values that cannot be.
+// Messages about invalid words and values.
 #include "tests/server/rosiml/made.h"
 
 namespace coopdyn::rosiml {

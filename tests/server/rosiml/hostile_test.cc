@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Texts that mean harm: an error each, at once.
+// Malicious texts: one error each, immediately.
 
 #include "tests/cpu.h"
 #include "tests/server/rosiml/made.h"
@@ -70,8 +70,8 @@ std::string Numbered(int count, const std::string& before, const std::string& be
   return out;
 }
 
-/// The mistakes of a text that takes no time to read, whatever it holds: not much more than another of its
-/// size takes, on this machine.
+/// The mistakes of a text. Fails if reading takes much longer than for another text of this size on this
+/// machine.
 std::string SaidAtOnce(const std::string& xml) {
   const std::string plain = "<rosiml version=\"1\">" +
                             Times(static_cast<int>(xml.size() / 24), "<macro name=\"a\"></macro>\n") +

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Experiments that are eight times as long take about eight times as long to read, good ones and bad ones.
+// Experiments eight times as long take about eight times as long to read, valid and invalid ones alike.
 
 #include "tests/cpu.h"
 #include "tests/server/rosiml/made.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Experiments in tests, and what they are translated to.
+// Experiments in tests, and their translations.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 namespace coopdyn::rosiml {
 
-/// The translation of a text without mistakes.
+/// The translation of a text without errors.
 inline Translation Made(const std::string& xml) {
   Diagnostics diagnostics;
   std::optional<Translation> made = Translate(xml, "x.xml", "x.", diagnostics);
@@ -18,7 +18,7 @@ inline Translation Made(const std::string& xml) {
   return made.value_or(Translation{});
 }
 
-/// All that is said of a text, with its warnings.
+/// All messages about a text, including warnings.
 inline std::string Said(const std::string& xml) {
   Diagnostics diagnostics;
   const bool is_made = Translate(xml, "x.xml", "x.", diagnostics).has_value();
@@ -57,7 +57,7 @@ inline std::string Motor(const std::string& attributes, const std::string& sourc
          "<force max=\"2\"/><velocity max=\"5\"/>" + pose + "</" + kind + ">";
 }
 
-/// An experiment as the paper tells it.
+/// An experiment as in the paper.
 inline std::string Paper(const std::string& environment, const std::string& movables = "") {
   return "<rosiml version=\"1.0\"><environment>" + environment + "</environment><movables>" + movables +
          "</movables></rosiml>";

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Mistakes are told at once, each once: values beyond limits, names that stand twice, words that are
-// misspelt.
+// All mistakes are reported together, each once: values beyond limits, duplicate names, misspelt words.
 #include "tests/server/rosiml/made.h"
 
 namespace coopdyn::rosiml {

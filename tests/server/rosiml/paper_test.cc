@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// RoSiML as the YARS paper tells it.
+// RoSiML as described in the YARS paper.
 #include "tests/server/rosiml/made.h"
 
 namespace coopdyn::rosiml {
 namespace {
 
-/// A movable with an object and what else its body has.
+/// A movable with an object and further content of its body.
 std::string Movable(const std::string& attributes, const std::string& more = "",
                     const std::string& before = "") {
   return "<movable name=\"m\" " + attributes + ">" + before +

@@ -39,7 +39,7 @@ TEST(PublicTest, AThingWithoutMassStandsFixed) {
 }
 
 TEST(PublicTest, FrictionWithTheGroundIsTheThingsOwn) {
-  // Of two frictions the lesser counts here, there their product; the ground's is 1 there.
+  // Of two frictions the lesser counts here, in YARS their product; YARS's ground has 1.
   const std::string text = Made(Public(Ball("b"))).scenario.text;
   EXPECT_HAS(text, "[FLOOR]\nsize 20 20\nfriction 1000\n");
   EXPECT_HAS(text, "friction 0\n");
@@ -157,7 +157,7 @@ TEST(PublicTest, APassiveJointHasFrictionAndNoMotor) {
   EXPECT_HAS_NOT(sdf, "<effort>");
 }
 
-/// A vehicle with wheels of this radius, the right one so much larger.
+/// A vehicle with wheels of this radius, the right one larger by a factor.
 std::string Vehicle(double larger = 0) {
   const auto wheel = [](const std::string& name, double y, double radius) {
     return "<sphere name=\"" + name + "\"><dimension radius=\"" + std::to_string(radius) + "\"/><pose y=\"" +
@@ -195,7 +195,7 @@ TEST(PublicTest, AProximitySensorIsTurnedAboutItsAxisToo) {
   const std::string sensor =
       "<proximity name=\"p\"><object name=\"a\"/><pose/><distance meter=\"0.5\"/>"
       "<openingAngles x=\"0\" y=\"0\"/></proximity>";
-  // Upwards, its left is y: up is then -x.
+  // Upwards, with y to its left: up is then -x.
   EXPECT_HAS(Made(Public("", Robot(Ball("a"), "", sensor))).models.at(0).sdf.text,
              "pose=\"0 0 0 0 -1.570796326795 0\" max_range=\"0.5\" opening_deg=\"0\" opening_up_deg=\"0\" "
              "rays=\"1\"/>");
@@ -260,7 +260,7 @@ TEST(PublicTest, WhatIsNotSimulatedYetIsSaidOnceAndTheRestLoads) {
   const std::string said = Said(xml);
   EXPECT_HAS(said, "warning: <feedback> is not simulated yet");
   EXPECT_HAS(said, "(2 in this file)");
-  EXPECT_EQ(Made(xml).models.size(), 2u);  // its bodies are loose
+  EXPECT_EQ(Made(xml).models.size(), 2u);  // its bodies are separate
 }
 
 /// A muscle between two balls; `more` are its components.

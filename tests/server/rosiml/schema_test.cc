@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// docs/rosiml.xsd says what the reader's tables say.
+// docs/rosiml.xsd agrees with the reader's tables.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -17,7 +17,7 @@ struct Word {
   std::string name, type;
 };
 
-/// The type in the schema of a number with limits; empty of another word.
+/// The schema's type of a number with limits; empty for other words.
 std::string LimitedType(const std::string& type) {
   const std::size_t dots = type.find("..");
   if (dots == std::string::npos) return "";
@@ -26,7 +26,7 @@ std::string LimitedType(const std::string& type) {
   return (type.front() == 'i' ? "whole" : "from") + least + "to" + most;
 }
 
-/// The words of a row, without the marks around them, and of its &ROWs.
+/// The words of a row without quotes, including those of its &ROWs.
 std::vector<Word> WordsOf(std::string_view kind, std::string_view Rule::*part) {
   std::vector<Word> words;
   for (const Rule& rule : RulesOf(Dialect::kPaper)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is said of a text that is no XML: in words, all at once.
+// Messages about a text that is not XML: in words, all together.
 #include "tests/server/rosiml/made.h"
 
 namespace coopdyn::rosiml {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Ranges against a reference that tries every ray with every shape.
+// Ranges against a reference that intersects every ray with every shape.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,7 +37,7 @@ double ToShape(const Ray& ray_W, const Shape& shape, const Pose& X_WG) {
   return RayToShape({R_GW * (ray_W.origin - X_WG.p), R_GW * ray_W.direction}, shape);
 }
 
-/// Distance to the nearest object or other robot on `ray_W`, however far.
+/// Distance to the nearest object or other robot on `ray_W`, without a limit.
 double ReferenceAbove(const Frame& frame, int self, const Ray& ray_W) {
   double nearest_m = kNoHit;
   for (const SceneObject& object : frame.scene->objects) {
@@ -56,7 +56,7 @@ double ReferenceAbove(const Frame& frame, int self, const Ray& ray_W) {
   return nearest_m;
 }
 
-/// The floor included.
+/// The same including the floor.
 double Reference(const Frame& frame, int self, const Ray& ray_W) {
   return std::min(ReferenceAbove(frame, self, ray_W), RayToFloor(ray_W));
 }
@@ -78,7 +78,7 @@ std::vector<double> ReferenceDistances(const Frame& frame, int robot) {
   return ranges_m;
 }
 
-/// A robot with a body, casters and coaxial cylinder wheels, and sensors that any model might have.
+/// A robot with a body, casters and coaxial cylinder wheels, and typical sensors.
 std::shared_ptr<RobotModel> RandomRobot(Random& random) {
   auto model = std::make_shared<RobotModel>();
   const double radius_m = random.Uniform(0.05, 0.25), wheel_m = radius_m * random.Uniform(0.3, 0.6);
@@ -101,7 +101,7 @@ std::shared_ptr<RobotModel> RandomRobot(Random& random) {
     wheel.X_RL = {{0, side * random.Uniform(0.5, 1.1) * radius_m, wheel_m},
                   FromRollPitchYaw(-std::numbers::pi / 2, 0, 0)};
     wheel.mass_kg = 0.1;
-    const Vector3 off(random.OneIn(3) ? 0.3 * wheel_m : 0, 0, 0);  // an eccentric wheel now and then
+    const Vector3 off(random.OneIn(3) ? 0.3 * wheel_m : 0, 0, 0);  // sometimes an eccentric wheel
     wheel.collisions = {{Cylinder{wheel_m, 0.2 * radius_m}, {off, Quaternion::Identity()}, {}, 1, false}};
     model->links.push_back(wheel);
     JointModel joint;
@@ -155,14 +155,14 @@ class RandomWorld {
     if (random_.OneIn(2)) world_.Object(Box{{90, 0.1, 1}}, {{0, half_m, 0.5}, Quaternion::Identity()});
   }
 
-  /// Adds targets that can be hidden.
+  /// Adds targets that may be hidden.
   void AddTargets() {
     for (int i = 0; i < 6; ++i) {
       world_.Mark(random_.Uniform(-6, 6), random_.Uniform(-6, 6), random_.Uniform(0, 0.5));
     }
   }
 
-  /// Wheels turned, and a little out of place where they are bodies of their own.
+  /// Wheels turned, and slightly displaced if they are separate bodies.
   std::unique_ptr<Frame> MakeFrame(Fidelity fidelity) {
     auto frame = world_.MakeFrame(fidelity);
     for (std::size_t i = 0; i < frame->channels.size(); ++i) {
@@ -214,7 +214,7 @@ void CompareAll(Fidelity fidelity, unsigned first_seed) {
       }
     }
   }
-  // Else little was compared.
+  // Otherwise little was compared.
   EXPECT_GT(finite, 1000);
   EXPECT_GT(infinite, 1000);
   EXPECT_GT(inside, 100);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the filters of channels make of values.
+// Effects of the filters of channels on values.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ ValueFilter Filter(ValueFilter::Kind kind, int steps, double time_s = 1) {
   return {.kind = kind, .steps = steps, .time_s = time_s};
 }
 
-/// What it puts out after each of these.
+/// The filter's output after each of these values.
 std::vector<double> Out(const ValueFilter& filter, const std::vector<double>& values) {
   std::vector<double> cells(filter.cells()), out;
   for (const double value : values) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a channel tells of a frame, and what its motors make of external values.
+// A channel's values of a frame, and its motors' set-points for external values.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,8 +17,8 @@ using Measured = ChannelModel::Quantity;
 using testing::DoubleNear;
 using testing::ElementsAre;
 
-/// The sample robot with an arm on its chassis: a hinge about y at the height of 0.2 m, its link 0.1 m
-/// further along x.
+/// The sample robot with an arm on its chassis: a hinge about y at a height of 0.2 m, its link 0.1 m farther
+/// along x.
 std::shared_ptr<RobotModel> Arm() {
   auto model = SampleRobot();
   LinkModel link;
@@ -98,7 +98,7 @@ TEST(ChannelTest, AReadingIsTheNthOfItsModule) {
   ChannelModel::Value value = ValueOf(Measured::kReading);
   value.source = Arm()->IndexOf<DistanceModel>();
   value.index = 1;
-  value.map = {0, 4, 1, 0};  // nothing in range is cut to 4 m
+  value.map = {0, 4, 1, 0};  // no reading in range is clamped to 4 m
   EXPECT_THAT(ValuesOf({value}), ElementsAre(0));
   value.index = 17;
   EXPECT_TRUE(std::isnan(ValuesOf({value})[0]));

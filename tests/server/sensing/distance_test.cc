@@ -14,7 +14,7 @@ namespace coopdyn {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kTolerance_m = 1e-9;  // a millimetre is asked for
+constexpr double kTolerance_m = 1e-9;  // required: 1 mm
 constexpr int kRight = 0, kAhead = 1, kLeft = 2;
 
 double Ahead(const SampleWorld& world) {

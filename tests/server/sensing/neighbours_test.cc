@@ -21,7 +21,7 @@ std::shared_ptr<RobotModel> Talker(double range_m = 1, double message_range_m = 
   return model;
 }
 
-/// `count` robots of `model` anywhere in a square.
+/// `count` robots of `model` at random positions in a square.
 std::unique_ptr<Frame> Crowd(int count, double side_m, const std::shared_ptr<const RobotModel>& model,
                              unsigned seed) {
   std::mt19937 engine(seed);

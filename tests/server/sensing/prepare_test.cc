@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kCrowd = 900;
 
-/// Worlds of many noisy robots and a few things that move; the same for the same seed.
+/// Worlds of many noisy robots and a few moving things; the same for the same seed.
 class Swarm {
  public:
   Swarm() {
@@ -37,7 +37,7 @@ class Swarm {
     first_ = world.MakeFrame(Fidelity::kRolling);
   }
 
-  /// A frame of the one scene, everybody somewhere else.
+  /// A frame of the scene with new random poses.
   std::unique_ptr<Frame> MakeFrame(unsigned seed) const {
     auto frame = std::make_unique<Frame>();
     frame->scene = first_->scene;
@@ -106,7 +106,7 @@ TEST(PrepareDistancesTest, BuffersOfOlderFramesLeaveNoTrace) {
     PrepareDistances(*held.back(), AllRobots(), pool);
     if (held.size() > 2) held.erase(held.begin());
   }
-  // Those still held are as they were; a new one in old buffers is as a first one.
+  // Results still held are unchanged; a new one in reused buffers equals a first one.
   EXPECT_EQ(ReadAll(*held.front()), ReadAll(*Swarm().MakeFrame(7)));
   held.clear();
   EXPECT_EQ(ReadAll(*swarm.MakeFrame(9)), ReadAll(*Swarm().MakeFrame(9)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Lidars and infrared sensors against what geometry says.
+// Lidars and infrared sensors against geometry.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -57,7 +57,7 @@ TEST(LidarTest, RoundThingsAreMetInFront) {
   for (const Shape& shape : shapes) {
     const auto frame =
         SampleWorld().Robot(At(0, 0), With(Fan(3, 0.1))).Object(shape, Stands(2, 0, kEye_m)).MakeFrame();
-    // |r d − m| = R in the plane through the middle.
+    // |r d − m| = R in the plane through the centre.
     const double off_m = 2 * std::sin(0.1);
     const double beside_m = 2 * std::cos(0.1) - std::sqrt(0.09 - off_m * off_m);
     EXPECT_THAT(ScanOf(*frame),
@@ -112,7 +112,7 @@ TEST(LidarTest, NearerThanTheMinimumReads0AndBeyondTheMaximumInf) {
 }
 
 TEST(LidarTest, OtherRobotsAndOnlyTheLinksThatMoveOfItsOwnAreSeen) {
-  // It looks straight down on its own left wheel, then on the chassis that carries it.
+  // Looks straight down on the robot's own left wheel, then on the chassis that carries it.
   LidarModel down = Fan(1, 0);
   down.mount = {0, {{0, 0.17, 0.45}, FromRollPitchYaw(0, M_PI / 2, 0)}};
   auto model = SampleRobot();
@@ -199,7 +199,7 @@ std::unique_ptr<Frame> NoisyWall(std::uint64_t step, const ValueNoise& noise, st
   return frame;
 }
 
-/// What is read less what is so.
+/// Reading minus true value.
 std::vector<double> Errors(std::uint64_t step, const ValueNoise& noise, std::size_t number = 0,
                            std::uint64_t seed = 7) {
   const auto exact = NoisyWall(step, {}, seed), noisy = NoisyWall(step, noise, seed);

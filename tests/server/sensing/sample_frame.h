@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Small worlds for tests of what reads frames: a scenario written in C++, and the frame in which all stand at
-// their start.
+// Small worlds for tests of frame readers: a scenario written in C++, and its start frame.
 #pragma once
 
 #include <cmath>

@@ -77,7 +77,7 @@ TEST(CompassTest, NoiseIsTheSameHoweverOftenItIsReadAndOtherForAnotherSeed) {
   EXPECT_NE(CompassHeading(*frame, 0), first);
 }
 
-/// A sensor that looks to the side `bearing_rad`.
+/// A sensor that looks towards `bearing_rad`.
 DistanceModel Side(double bearing_rad, double noise_stddev_m) {
   SectorModel sector;
   sector.bearing_rad = bearing_rad;
@@ -146,8 +146,8 @@ std::shared_ptr<RobotModel> WithSupport(const SupportModel& support) {
   return model;
 }
 
-/// A frame in which the robot stands at (1, 2) with heading 0.5 and its load has moved by (0.02, -0.03) and
-/// 0.4 rad in its frame.
+/// A frame in which the robot is at (1, 2) with heading 0.5 and its load is displaced by (0.02, -0.03) and
+/// 0.4 rad in the robot's frame.
 std::shared_ptr<Frame> MovedLoad(const SupportModel& support) {
   const auto frame = SampleWorld().Robot(At(1, 2, 0.5), WithSupport(support)).MakeFrame();
   auto moved = std::make_shared<Frame>();

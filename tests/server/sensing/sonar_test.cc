@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Sonars, as cones and as rays, against what geometry says.
+// Sonars, as cones and as rays, against geometry.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -42,7 +42,7 @@ TEST(SonarTest, AThingBesideTheAxisIsHeardInAWideConeOnly) {
 
 TEST(SonarTest, AMeshIsHeardAtItsTip) {
   const auto pyramid = Pyramid();
-  // It lies on its side, its tip towards the robot.
+  // The cone lies on its side, with its tip towards the robot.
   const Pose X_WG{{3, 0, kEye_m}, FromRollPitchYaw(0, -M_PI / 2, 0)};
   const auto frame =
       SampleWorld().Robot(At(0, 0), With(Sonar(0.2))).Object(Mesh{pyramid.get()}, X_WG).MakeFrame();
@@ -57,7 +57,7 @@ TEST(SonarTest, TheFloorIsHeardStraightBelowOnly) {
   };
   EXPECT_NEAR(at(M_PI / 2, 0.2), kEye_m, 1e-3);
   EXPECT_NEAR(at(M_PI / 2 - 0.3, 0.8), kEye_m, 1e-3);
-  EXPECT_EQ(at(M_PI / 4, 0.5), kInf);  // it glances off
+  EXPECT_EQ(at(M_PI / 4, 0.5), kInf);  // deflected
 }
 
 TEST(SonarTest, OtherRobotsAreHeardItsOwnChassisIsNot) {
@@ -102,11 +102,11 @@ TEST(SonarTest, RaysSeeWhatLiesOnThemAndNothingBetween) {
   const SonarModel rays = Rays(5, 0.6, 0.2);
   for (const double angle_rad : {-0.3, 0.0, 0.3}) EXPECT_NEAR(reads(rays, angle_rad), 1.95, 1e-9);
   EXPECT_EQ(reads(rays, 0.15), kInf);
-  EXPECT_LT(reads(Sonar(0.6), 0.15), 2);  // the cone hears it
+  EXPECT_LT(reads(Sonar(0.6), 0.15), 2);  // the cone detects it
 }
 
 TEST(SonarTest, ARayMeetsTheFloor) {
-  // The lowest ray falls by 0.4 rad from 0.5 m above the floor.
+  // The lowest ray descends by 0.4 rad from 0.5 m above the floor.
   const auto frame = SampleWorld().Robot(At(0, 0), With(Rays(5, 0.8, 0.8))).MakeFrame();
   EXPECT_NEAR(SonarRanges(*frame, 0)[0], 0.5 / std::sin(0.4), 1e-9);
   const std::vector<RaySegment> rays = SonarRays(*frame, 0);

@@ -59,7 +59,7 @@ TEST(SensingThreadsTest, FourThreadsAtOnceReadWhatOneReads) {
 TEST(SensingThreadsTest, AReadingThatCannotBeMadeHoldsNoReaderUp) {
   LidarModel lidar;
   lidar.columns = 4;
-  lidar.rows = -(1 << 30);  // 2^64 - 2^32 rays: more than a vector takes, so computing them throws
+  lidar.rows = -(1 << 30);  // 2^64 - 2^32 rays: too many for a vector, so computing them throws
   const auto frame = SampleWorld().Robot(At(0, 0), range_sensors::With(lidar)).MakeFrame();
   std::latch start(4);
   std::atomic<int> told = 0;

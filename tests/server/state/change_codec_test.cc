@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How things of a change touch and move, as a recording writes it.
+// Contacts and motion of changed things, as encoded in a recording.
 #include "server/state/change_codec.h"
 
 #include <gtest/gtest.h>

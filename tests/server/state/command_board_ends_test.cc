@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Clients that have gone although their connections have not told the board yet.
+// Clients that have gone, but whose connections have not told the board yet.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,7 +17,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// Comes when the test says so. Looking for it takes the board's lock, so the board must not hold that.
+/// The end of a connection, which the test triggers. The check for it locks the board, so the board must not
+/// hold its lock.
 class ScriptedEnd final : public InputEnd {
  public:
   explicit ScriptedEnd(const CommandBoard& board) : board_(board) {}
@@ -42,7 +43,7 @@ class EndsTest : public CommandBoardTest {
   }
 
   std::vector<SlotId> all() { return {slot("robot1"), slot("robot2"), slot("robot3")}; }
-  /// `gone_` has robot1, and its end has come unread.
+  /// `gone_` owns robot1, and its end has arrived but is unread.
   void Leave() {
     EXPECT_EQ(board_.Claim(slot("robot1"), gone_).error, Error::kOk);
     end_->come = true;
@@ -192,7 +193,7 @@ TEST_F(EndsTest, OnDisconnectActsOnlyIfNobodyHasTakenTheRobot) {
   entry.on_disconnect = LossPolicy::kDrop;
   UseEntries({entry, MakeRobot("robot2")});
   Leave();
-  EXPECT_EQ(board_.ClientBeside(slot("robot1"), bob_), "");  // asks only
+  EXPECT_EQ(board_.ClientBeside(slot("robot1"), bob_), "");  // only asks
   board_.Closed(slot("robot1"), gone_.id);
   EXPECT_TRUE(board_.Owners()[0].dropped);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A board with robots and two clients, without sockets and threads; the tests own the clock.
+// A board with robots and two clients, without sockets and threads; the tests control the clock.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -53,14 +53,14 @@ class CommandBoardTest : public testing::Test {
     return frame;
   }
 
-  /// One whole step; returns the set-points that it used.
+  /// Runs a complete step; returns its set-points.
   std::vector<WheelSpeeds> RunStep() {
     std::vector<WheelSpeeds> result = ByRobot(board_.Latch(step_ + 1));
     board_.FinishStep(MakeFrame(++step_), now_);
     return result;
   }
 
-  /// A StepDone that writes what came into `answers_[key]`.
+  /// A StepDone that stores its result in `answers_[key]`.
   StepDone Note(const std::string& key) {
     return [this, key](const StepResult& result) { answers_[key].push_back(result); };
   }

@@ -39,7 +39,7 @@ TEST_P(DeadlineTest, LetsTheOthersGoOnUntilItsNextCommand) {
   board_.Command(slot("robot2"), bob_, Wheels(3, 3), {}, Note("bob"));
   EXPECT_EQ(RunStep()[1], (WheelSpeeds{3, 3}));
   board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana"));
-  EXPECT_FALSE(board_.AllReady());  // it takes part again
+  EXPECT_FALSE(board_.AllReady());  // it participates again
 }
 
 INSTANTIATE_TEST_SUITE_P(Policies, DeadlineTest,
@@ -57,7 +57,7 @@ class DisconnectTest : public CommandBoardTest {
     RunStep();
     board_.Command(slot("robot1"), ana_, Wheels(1, 1), {}, Note("ana"));
     board_.InputEnded(slot("robot2"), bob_.id);
-    EXPECT_FALSE(board_.AllReady());  // the policy acts only when the backlog is done
+    EXPECT_FALSE(board_.AllReady());  // the policy acts only after the backlog
     board_.Closed(slot("robot2"), bob_.id);
   }
 };

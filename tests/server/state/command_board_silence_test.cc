@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Clients that live but say nothing, in real time: who is silent, and what a robot's watchdog does.
+// Clients that are connected but silent, in real time: who is silent, and the effect of a robot's watchdog.
 #include <gtest/gtest.h>
 
 #include "command_board_fixture.h"
@@ -21,7 +21,7 @@ class SilenceTest : public CommandBoardTest {
     board_.Command(slot("robot1"), client, Wheels(2, 2), {}, Note("client"));
     Step();
   }
-  /// As the stepping thread does it.
+  /// As the stepping thread does.
   WheelSpeeds Step() {
     board_.StopSilent(now_);
     return RunStep()[0];

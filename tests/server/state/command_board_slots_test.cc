@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Robots with several actuator modules: each is a slot of its own, with an owner of its own.
+// Robots with several actuator modules: each is a separate slot with its own owner.
 #include <gtest/gtest.h>
 
 #include <optional>
@@ -40,8 +40,8 @@ class SlotsTest : public CommandBoardTest {
 
 TEST_F(SlotsTest, EachModuleIsASlot) {
   EXPECT_NE(arm(), motors());
-  EXPECT_EQ(slot("robot1"), arm());                         // its first
-  EXPECT_EQ(board_.FindSlot("robot1", "distance"), arm());  // that drives nothing
+  EXPECT_EQ(slot("robot1"), arm());                         // its first slot
+  EXPECT_EQ(board_.FindSlot("robot1", "distance"), arm());  // drives nothing
 }
 
 TEST_F(SlotsTest, CommandsFillTheirOwnChannels) {
@@ -91,7 +91,7 @@ TEST_F(SlotsTest, StopEndsMotionAndForce) {
     MoveArm(ana_, 3, mode);
     RunOneStep();
     board_.StopAll();
-    // A motion to a position ends; the reference of a step stays.
+    // A move to a position ends; the reference of a step stays.
     EXPECT_EQ(RunOneStep()[0], mode == ControlMode::kDirect ? 3 : 0) << static_cast<int>(mode);
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What one connection does with many robots at once, at the level of the board.
+// One connection that drives many robots, at the level of the board.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -178,7 +178,7 @@ TEST_F(TeamTest, EndOfInputFreesTheTeamAndItsRequestsStillRun) {
   board_.ClaimAll(all(), team_);
   board_.InputEndedAll(team_.id);
   EXPECT_EQ(board_.Owners()[0].id, 0u);
-  EXPECT_EQ(board_.Team(team_.id), all());  // what its last requests still mean
+  EXPECT_EQ(board_.Team(team_.id), all());  // as its last requests still mean
   Client ended = team_;
   ended.input_ended = true;
   const std::vector<Setpoint> setpoints = ByChannel(std::vector<WheelSpeeds>{{1, 1}, {2, 2}, {3, 3}});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// For whom a lockstep world waits, and how long; the tests own the clock.
+// The participants of a lockstep world, and how long it waits for them; the tests control the clock.
 #include <gtest/gtest.h>
 
 #include "command_board_fixture.h"
@@ -19,7 +19,7 @@ class CommandBoardWaitsTest : public CommandBoardTest {
   void Command(const std::string& robot, const Client& client) {
     board_.Command(slot(robot), client, Wheels(1, 1), {}, Note(robot));
   }
-  /// A step for which ana's robot1 and bob's robot2 need so long.
+  /// A step for which ana's robot1 and bob's robot2 take this long.
   void StepAfter(Nanoseconds ana, Nanoseconds bob) {
     clock_.Advance(ana);
     Command("robot1", ana_);
@@ -126,7 +126,7 @@ TEST_F(CommandBoardWaitsTest, ATeamIsReadyAtOnce) {
   EXPECT_EQ(waits.total, 5 * kMs);
 }
 
-/// A world in which no robot but the program /ctl is waited for.
+/// A world that waits only for the program /ctl.
 class WaitsForProgramTest : public CommandBoardTest {
  protected:
   WaitsForProgramTest() {
@@ -185,14 +185,14 @@ TEST_F(WaitsForProgramTest, ItIsWaitedForAgainWhenItHasGone) {
 
 TEST_F(WaitsForProgramTest, AReaderMayBeFasterThanTheEndOfAStep) {
   board_.NoteSampleTaken(1, "/ctl/a", 0, 1);
-  board_.NoteSampleTaken(1, "/ctl/a", 1, 1);  // frame 1 is published, and the board not told
+  board_.NoteSampleTaken(1, "/ctl/a", 1, 1);  // frame 1 is published, but the board has not been notified
   RunStep();
   EXPECT_TRUE(board_.AllReady());
 }
 
 TEST_F(WaitsForProgramTest, AReaderIsWaitedForFromItsFirstSampleOn) {
   RunStep();
-  board_.NoteSampleTaken(1, "/ctl/a", 0, 1);  // step 1 ended before its samples began to come
+  board_.NoteSampleTaken(1, "/ctl/a", 0, 1);  // step 1 ended before its samples arrived
   EXPECT_TRUE(board_.AllReady());
   RunStep();
   EXPECT_FALSE(board_.AllReady());

@@ -10,7 +10,7 @@
 namespace coopdyn {
 namespace {
 
-/// A body at the pose of link frame `X_WL` whose inertial frame is `X_LI`.
+/// A body with link frame `X_WL` and inertial frame `X_LI`.
 BodyState BodyAt(const Pose& X_WL, const Pose& X_LI) {
   const Pose X_WI = X_WL * X_LI;
   BodyState body;

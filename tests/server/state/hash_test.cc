@@ -18,7 +18,7 @@
 namespace coopdyn {
 namespace {
 
-/// Bytes as docs/formats.md orders them ("The state hash"), gathered without the code under test.
+/// Bytes in the order of docs/formats.md ("The state hash"), collected without the code under test.
 struct Bytes {
   std::string text;
   template <typename T>

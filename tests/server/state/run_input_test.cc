@@ -107,7 +107,7 @@ TEST(RunInputTest, WhatNoInputIsIsNotRead) {
       {"\xff\xfe", "\xff"},
       {std::string(2'000'000, 'a'), ""},
       {"set_participants", std::string(2'000'000, 'a')},
-      // Commands that are no inputs, lines that are no commands, other forms of a message.
+      // Commands that are not inputs, lines that are not commands, other forms of a message.
       {"get_status", ""},
       {"quit", ""},
       {"reset", "7"},

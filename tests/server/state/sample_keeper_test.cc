@@ -9,7 +9,7 @@
 namespace coopdyn {
 namespace {
 
-/// Steps of a scene whose one sensor has `timing`.
+/// Steps of a scene with one sensor with `timing`.
 class SampledSteps {
  public:
   explicit SampledSteps(const SensorTiming& timing, Nanoseconds length = 10'000'000) : length_(length) {
@@ -38,7 +38,7 @@ class SampledSteps {
     ++step_;
     return frame;
   }
-  /// The steps whose moments are shown in the next `count` frames.
+  /// The steps whose samples are shown in the next `count` frames.
   std::vector<std::uint64_t> Shown(int count) {
     std::vector<std::uint64_t> steps;
     for (int i = 0; i < count; ++i) steps.push_back(SampleOf(Step(), 0, 0).step);

@@ -51,7 +51,7 @@ TEST(Scene, IdsStartAtOneInFileOrder) {
   EXPECT_EQ(scene->robots[1].entry.id, scene->robots[1].id);
 }
 
-/// A robot with an arm of three joints, a drive that nobody can command, and none of these.
+/// A robot with an arm of three joints, a drive that no module commands, and a robot without either.
 std::shared_ptr<const Scenario> ActuatorScenario() {
   auto scenario = std::make_shared<Scenario>();
   scenario->robots = {Robot("ana", 1), Robot("bob", 1), Robot("eve", 1)};

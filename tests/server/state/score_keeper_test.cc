@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Scores of runs whose frames are written here, against what one computes by hand.
+// Scores of runs with hand-made frames, against values computed by hand.
 #include "server/state/score_keeper.h"
 
 #include <gtest/gtest.h>
@@ -88,7 +88,7 @@ TEST_F(ScoreKeeperTest, ReachCountsWhoHasBeenThere) {
   Step();
   EXPECT_EQ(Value(), 1);
   EXPECT_FALSE(frame_->scores[0].met);
-  robots_[0].p.x() = 0;  // it was there
+  robots_[0].p.x() = 0;  // it has been there before
   robots_[1].p = Vector3(2, 0.51, 0);
   Step();
   EXPECT_EQ(Value(), 1);
@@ -164,7 +164,7 @@ TEST_F(ScoreKeeperTest, CollisionsCountBeginningsButNotTheFloor) {
   floor.a.robot = 0;
   others.a.robot = 1;
   others.b.object = 0;
-  contacts_ = {wall, wall, floor, others};  // two points of one touch
+  contacts_ = {wall, wall, floor, others};  // two points of one contact
   Step();
   EXPECT_EQ(Value(), 1);
   Step();

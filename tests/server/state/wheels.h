@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Tests whose robots all have a two-wheel drive and nothing else speak of wheels: left, right; rad/s.
+// For tests whose robots have only a two-wheel drive: wheels left, right; rad/s.
 #pragma once
 
 #include <array>
@@ -30,7 +30,7 @@ inline std::vector<Setpoint> ByChannel(std::span<const WheelSpeeds> wheels) {
   return setpoints;
 }
 
-/// What the wheels of a robot are to do, how far they have turned (rad), and how fast.
+/// Set-points of a robot's wheels, their angles (rad) and speeds.
 inline WheelSpeeds SetpointOf(const Frame& frame, int robot) {
   const auto channels = ChannelsOf(frame, robot);
   return {channels[0].setpoint.reference, channels[1].setpoint.reference};

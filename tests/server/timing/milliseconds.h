@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The unit in which tests of timing count.
+// The unit of time in the tests of timing.
 #pragma once
 
 #include "server/base/clock.h"

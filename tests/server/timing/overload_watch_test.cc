@@ -15,7 +15,7 @@ using ::testing::Not;
 /// A run in real time with steps of 10 ms, judged each second.
 class OverloadWatchTest : public ::testing::Test {
  protected:
-  /// A second in which `lost` of 100 steps are skipped; the others take `step_ms`, nearly all of it physics.
+  /// A second in which `lost` of 100 steps are skipped; the others take `step_ms`, mostly for physics.
   std::string Second(int lost, int step_ms = 2) {
     now_ += 1000 * kMs;
     status_.late_periods += static_cast<std::uint64_t>(lost);

@@ -15,7 +15,7 @@ int Nice() {
   return getpriority(PRIO_PROCESS, 0);
 }
 
-/// Threads have priorities of their own: the test's stays as it is.
+/// Priorities are per thread: the test's stays unchanged.
 template <typename Work>
 void OnAThread(Work work) {
   std::thread(work).join();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What GET /api/costs says of measured times; the tests own the clock.
+// GET /api/costs for measured times; the tests control the clock.
 #include "server/web/costs.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ constexpr Nanoseconds kSecond = kNanosecondsPerSecond;
 
 class CostBookTest : public testing::Test {
  protected:
-  /// `steps` more, each with `physics`, and `waited` for robot3.
+  /// Adds `steps`, each with `physics`, and `waited` for robot3.
   void Steps(std::uint64_t steps, Nanoseconds physics, Nanoseconds waited) {
     const auto count = static_cast<Nanoseconds>(steps);
     now_.costs.steps += steps;

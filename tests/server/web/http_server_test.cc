@@ -37,7 +37,7 @@ TEST(WebServer, AnswersSeveralRequestsOnOneConnection) {
   WebWorld world;
   RawClient client(world.port);
   const std::string request = "GET /api/scenarios HTTP/1.1\r\nHost: localhost\r\n\r\n";
-  client.Send(request + request);  // the second before the answer to the first
+  client.Send(request + request);  // the second before the reply to the first
   for (int i = 0; i < 2; ++i)
     EXPECT_THAT(client.ReadUntil("[\"classroom\",\"corridor\"]\n"), StartsWith("HTTP/1.1 200"));
 }
@@ -172,7 +172,7 @@ TEST(WebServer, AStreamDrawsOnlyWhatIsNewAndLookedAt) {
   RawClient viewer(world.port);
   viewer.Send("GET /view.mjpg?w=320&h=200 HTTP/1.1\r\nHost: localhost\r\n\r\n");
   EXPECT_THAT(viewer.ReadUntil("picture 1"), HasSubstr("multipart/x-mixed-replace"));
-  // The world stands still: the next answer to somebody else is picture 2, whoever came first.
+  // The world stands still: the next reply to another client is picture 2, in any order.
   EXPECT_THAT(Fetch(world.port, "GET", "/snapshot.png").body, "picture 2");
   world.PublishFrame(2);
   viewer.ReadUntil("picture 3");

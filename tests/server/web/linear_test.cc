@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the page sends takes about eight times as long to read if it is eight times as long.
+// Messages of the page that are eight times as long take about eight times as long to read.
 #include <gtest/gtest.h>
 
 #include <boost/beast/core/flat_buffer.hpp>
@@ -41,7 +41,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 class LinearHttpTest : public testing::TestWithParam<Kind> {};
 
-/// As a session parses what comes byte by byte.
+/// Parses bytes one by one, as a session does.
 TEST_P(LinearHttpTest, ReadingInPieces) {
   const auto read = [](std::size_t n) {
     const std::string bytes = GetParam().Of(n);

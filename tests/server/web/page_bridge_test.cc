@@ -13,7 +13,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A bridge for somebody on another machine, on a thread of its own.
+/// A bridge for a client on another machine, on a separate thread.
 class StrangerTest : public testing::Test {
  protected:
   StrangerTest() {
@@ -98,7 +98,7 @@ TEST_F(StrangerTest, MayChangeThingsWithTheToken) {
 }
 
 TEST_F(StrangerTest, ModulesSeeAStrangerToo) {
-  Call("/simulation", "get_status");  // opens the connection as a stranger's
+  Call("/simulation", "get_status");  // opens an untrusted connection
   SetTrusted();                       // closes it: the next one is trusted
   EXPECT_EQ(Call("/simulation", "run").error, 0);
 }

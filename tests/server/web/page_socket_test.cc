@@ -115,7 +115,7 @@ TEST(PageSocket, AClosedPageFreesItsRobots) {
 TEST(PageSocket, AChannelIsAConnectionOfItsOwn) {
   WebWorld world;
   Page page(world.port);
-  page.Send(R"({"id":1,"module":"/robot1/motors","command":"stop"})");  // answered only when released
+  page.Send(R"({"id":1,"module":"/robot1/motors","command":"stop"})");  // answered only by Release()
   EXPECT_THAT(page.Call(R"({"id":2,"module":"/robot1/motors","channel":"other","command":"ping"})"),
               HasSubstr(R"({"id":2,"module":"/robot1/motors","channel":"other","error":0)"));
   ASSERT_TRUE(Eventually([&] { return world.motors.waiting == 1; }));
@@ -186,7 +186,7 @@ TEST(PageSocket, APageThatShowsNothingGetsNothing) {
   Page page(world.port);
   page.Call(R"({"type":"view","width":320,"height":240})");
   world.PublishFrame(2);
-  // No "shown": the next thing it gets is the reply to a call, sent after the frame.
+  // No "shown": the next message is the reply to a call, sent after the frame.
   EXPECT_THAT(page.Call(R"({"id":1,"module":"/robot1/motors","command":"ping"})"), StartsWith(R"({"id":1,)"));
   EXPECT_EQ(world.painter.drawn, 1);
 }

@@ -16,7 +16,7 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// Whoever keeps recordings, answering on a thread of its own.
+/// Provides recordings, and answers on a separate thread.
 class FakeRuns {
  public:
   std::string Write(const std::string& name, const std::string& bytes) { return folder_.Write(name, bytes); }
@@ -45,10 +45,10 @@ class FakeRuns {
   const TempFolder folder_;
   Mutex mutex_;
   std::vector<std::string> asked_ GUARDED_BY(mutex_);
-  std::vector<std::jthread> threads_;  // added to by the UI thread; joined before what they use goes
+  std::vector<std::jthread> threads_;  // added by the UI thread; joined before the data they use is destroyed
 };
 
-/// More than a socket buffers.
+/// Larger than a socket buffer.
 std::string ManyBytes() {
   std::string bytes(5'000'000, '\0');
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i * 7 + i / 251);

@@ -19,7 +19,7 @@ PeerInfo Peer(const std::string& text) {
   return {.text = text, .trusted = text.starts_with("127.")};
 }
 
-/// Connections that live until they are closed, as those of the server do.
+/// Connections that live until closed, like the server's.
 class Visitors {
  public:
   explicit Visitors(WebLimits limits) : connections_(limits) {}
@@ -32,7 +32,7 @@ class Visitors {
     connections_.Add(alive_.back(), Peer(peer));
     return verdict;
   }
-  /// How many of `count` are served.
+  /// How many of `count` connections are served.
   int Come(const std::string& peer, int count) {
     int served = 0;
     for (int i = 0; i < count; ++i) served += Come(peer) == Verdict::kServe ? 1 : 0;

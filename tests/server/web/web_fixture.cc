@@ -151,7 +151,7 @@ RawClient::~RawClient() {
 void RawClient::Send(std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t count = ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-    if (count <= 0) return;  // the peer has closed: what it said is still to be read
+    if (count <= 0) return;  // the peer has closed: its bytes can still be read
     bytes.remove_prefix(static_cast<std::size_t>(count));
   }
 }

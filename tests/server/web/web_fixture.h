@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A web server with two modules and a painter behind it, and plain clients to talk to it.
+// A web server with two modules and a painter behind it, and plain clients.
 #pragma once
 
 #include <chrono>
@@ -19,8 +19,8 @@
 
 namespace coopdyn {
 
-/// Owned by its first commander; `stop` is answered only by Release(); `subscribe` pushes once. Io thread of
-/// the fixture's modules, but for the counters.
+/// Owned by its first commander; only Release() answers `stop`; `subscribe` pushes once. Io thread of the
+/// fixture's modules, except for the counters.
 class FakeMotors : public Endpoint {
  public:
   FakeMotors();
@@ -28,7 +28,7 @@ class FakeMotors : public Endpoint {
   const CommandTable& table() const override { return table_; }
   void OnRequest(Connection& connection, Message request, ReplyFunction reply) override;
   void OnClosed(Connection& connection) override;
-  /// Answers everything that waits.
+  /// Answers all pending requests.
   void Release();
 
   std::atomic<int> open_owners{0};
@@ -43,7 +43,7 @@ class FakeMotors : public Endpoint {
   std::vector<ReplyFunction> waiting_replies_;
 };
 
-/// Answers get_status, and refuses `run` from those who are not trusted.
+/// Answers get_status, and refuses `run` from untrusted clients.
 class FakeSimulation : public Endpoint {
  public:
   FakeSimulation();
@@ -91,7 +91,7 @@ struct WebWorld {
   int port = 0;
 };
 
-/// A blocking TCP connection; reading gives up after a minute.
+/// A blocking TCP connection; reads time out after a minute.
 class RawClient {
  public:
   explicit RawClient(int port);
@@ -100,13 +100,13 @@ class RawClient {
   RawClient& operator=(const RawClient&) = delete;
   void Send(std::string_view bytes);
   void EndInput();
-  /// Whether the peer has closed; waits that long for it.
+  /// Whether the peer has closed; waits up to `patience`.
   bool HasEnded(std::chrono::milliseconds patience);
-  /// Until the peer closes.
+  /// Reads until the peer closes.
   std::string ReadAll();
-  /// Until `end` has come; what was read, with it.
+  /// Reads until `end`; returns the bytes read, including `end`.
   std::string ReadUntil(std::string_view end);
-  /// Exactly that many bytes.
+  /// Reads exactly `count` bytes.
   std::string ReadBytes(std::size_t count);
 
  private:
@@ -119,7 +119,7 @@ struct HttpReply {
   std::string header;
   std::string body;
 };
-/// One request on a connection of its own. `headers` end with CR LF each.
+/// Sends a request on a new connection. Each of `headers` ends with CR LF.
 HttpReply Fetch(int port, std::string_view method, std::string_view target, std::string_view body = {},
                 std::string_view headers = {});
 

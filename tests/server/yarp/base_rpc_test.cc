@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Requests to a drive as the network clients of YARP 3.12 and 4.0 send them, what becomes of them for the
-// module, and the bytes that go back.
+// Requests to a drive as sent by the network clients of YARP 3.12 and 4.0, the resulting requests to the
+// module, and the reply bytes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Control boards of YARP 3 and 4, from the Bottles that a program sends to the commands of the module, and
-// back. The answers of a real board are in YARP's words: controlBoard_nws_yarp 3.12 and 4.0.
+// Control boards of YARP 3 and 4: from a program's Bottles to the module's commands, and back. The replies of
+// a real board are in YARP's words: controlBoard_nws_yarp 3.12 and 4.0.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ using ::testing::StartsWith;
 constexpr double kRadian = 180 / std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// A board of an elbow that turns, in position mode at 30 degrees, and a lift that slides, in velocity mode.
+/// A board of a revolute elbow in position mode at 30 degrees, and a sliding lift in velocity mode.
 Message State(std::int64_t step = 100) {
   Message reply = ReplyTo(command::kGetBoard, "elbow lift");
   reply.params = {0, 1, 1, 1, 3, 1};
@@ -42,7 +42,7 @@ Message State(std::int64_t step = 100) {
   return reply;
 }
 
-/// What the module answers in a mode in which commands are answered at once.
+/// The module's reply in a mode in which commands are answered immediately.
 Message Taken(const Message& command, std::int64_t step = 100) {
   Message reply = ReplyTo(command.command);
   reply.params = {0};
@@ -54,7 +54,7 @@ class BoardTest : public ::testing::Test {
  protected:
   explicit BoardTest(const char* port = "/robot1/arm/rpc:i") : board_(TranslatorOf(port, JointsTable())) {}
 
-  /// The answer to `request`; what the module was told is in told_.
+  /// The reply to `request`; the commands to the module are in told_.
   YarpAnswer Ask(const std::string& request, const Message& state = State()) {
     told_.clear();
     Message reply = state;
@@ -79,7 +79,7 @@ class BoardTest : public ::testing::Test {
 
   const std::unique_ptr<YarpTranslator> board_;
   std::vector<Message> told_;
-  Message answer_ = {};  // an error: of the module to what it is told
+  Message answer_ = {};  // reply to commands; may be an error of the module
 };
 
 TEST_F(BoardTest, TellsWhatItIs) {
@@ -146,7 +146,7 @@ TEST_F(BoardTest, ChangesHowJointsMove) {
 
 TEST_F(BoardTest, KeepsTheImpedanceOfAStiffJointForWhenItIsCompliant) {
   EXPECT_EQ(Text("set iimp ipr 0 (2.0 0.5)"), "[ok]");
-  ASSERT_EQ(told_.size(), 1u);  // the module says whether the client may
+  ASSERT_EQ(told_.size(), 1u);  // the module decides whether the client may
   EXPECT_EQ(told_[0].data[0], kInfinity);
   EXPECT_THAT(Text("get iimp ipr 0"), StartsWith("[is] iimp (2.0 0.5)"));
   ExpectTold("set intm mode 0 comp", command::kSetCompliance, {1}, {2 * kRadian, 0.5 * kRadian, 0});
@@ -168,7 +168,7 @@ TEST_F(BoardTest, StopsEachJointInItsMode) {
 
 TEST_F(BoardTest, HasNotArrivedWhileItsCommandIsNotInForce) {
   EXPECT_THAT(Text("get dons"), StartsWith("[is] dons 1"));
-  Text("set pos 0 90");  // taken after step 100, so in force in step 102 at the latest
+  Text("set pos 0 90");  // accepted after step 100, so in force in step 102 at the latest
   EXPECT_THAT(Text("get don 0", State(101)), StartsWith("[is] don 0"));
   EXPECT_THAT(Text("get don 1", State(101)), StartsWith("[is] don 1"));
   EXPECT_THAT(Text("get dons", State(101)), StartsWith("[is] dons 0"));

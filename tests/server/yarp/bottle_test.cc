@@ -55,7 +55,7 @@ TEST(Bottle, NumbersTellTheDialect) {
   YarpDialect dialect = YarpDialect::k3;
   EXPECT_TRUE(DecodeBottle(Bytes("1 2.5", YarpDialect::k4), dialect));
   EXPECT_EQ(dialect, YarpDialect::k4);
-  EXPECT_TRUE(DecodeBottle(Bytes("1 a", YarpDialect::k3), dialect));  // no number: nothing learnt
+  EXPECT_TRUE(DecodeBottle(Bytes("1 a", YarpDialect::k3), dialect));  // without numbers: unknown
   EXPECT_EQ(dialect, YarpDialect::k4);
   EXPECT_TRUE(DecodeBottle(Bytes("1 2.5 x", YarpDialect::k3), dialect));
   EXPECT_EQ(dialect, YarpDialect::k3);

@@ -12,7 +12,7 @@
 namespace coopdyn {
 namespace {
 
-/// A message with a payload of so many bytes.
+/// A message with a payload of N bytes.
 std::string MessageOf(std::size_t bytes) {
   std::string message;
   AppendYarpMessage(YarpCarrier::kUdp, "D 1 2.5", std::string(bytes, 'x'), message);

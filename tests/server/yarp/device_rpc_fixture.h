@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A port of a module that programs talk to as to one of YARP's devices.
+// A module's port to which programs talk as to a YARP device.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -39,7 +39,7 @@ inline std::string AnswerBytes(const YarpAnswer& answer, YarpDialect dialect) {
   return bytes;
 }
 
-/// A port of a module that answers what it is asked with reading_, and what it is told with answer_.
+/// A module's port that answers queries with reading_, and commands with answer_.
 class DeviceRpcTest : public ::testing::Test {
  protected:
   DeviceRpcTest(YarpTalk talk, const char* port, const CommandTable& table, Message reading)
@@ -58,7 +58,7 @@ class DeviceRpcTest : public ::testing::Test {
     return device_->Reply(reply);
   }
   std::string Text(const std::string& request) { return BottleText(Ask(request).bottle); }
-  /// As it goes over a binary connection.
+  /// Encoded as on a binary connection.
   std::string Bytes(const std::string& request, YarpDialect dialect = YarpDialect::k3) {
     return AnswerBytes(Ask(request), dialect);
   }
@@ -68,7 +68,7 @@ class DeviceRpcTest : public ::testing::Test {
   }
 
   Message reading_;
-  Message answer_ = {};  // an error: of the module to what it is told
+  Message answer_ = {};  // reply to commands; may be an error of the module
   Message asked_;
   std::vector<Message> told_;
   const std::unique_ptr<YarpTranslator> device_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Requests to sensors as the network clients of YARP 3.12 and 4.0 send them, what becomes of
-// them for the module, and the bytes that go back.
+// Requests to sensors as sent by the network clients of YARP 3.12 and 4.0, the resulting requests to the
+// module, and the reply bytes.
 #include "server/yarp/device_rpc.h"
 
 #include <gmock/gmock.h>
@@ -124,7 +124,7 @@ TEST_F(LidarRpcTest, FailsWithoutAGeometry) {
   EXPECT_THAT(Text("getScanLimits_RPC"), StartsWith("[fail]"));
 }
 
-/// 64 x 48 pixels that show 90 degrees across and 60 down.
+/// 64 x 48 pixels with a field of view of 90 degrees across and 60 down.
 class CameraRpcTest : public DeviceRpcTest {
  protected:
   CameraRpcTest()
@@ -133,7 +133,7 @@ class CameraRpcTest : public DeviceRpcTest {
             ReplyWith(command::kGetCamera, {64, 48, 32, 24 * std::numbers::sqrt3, 31.5, 23.5, 0.1, 10, 25})) {
   }
 
-  /// The two numbers at the end of an answer.
+  /// The two numbers at the end of a reply.
   std::pair<double, double> LastTwo(const std::string& request) {
     const Bottle answer = Ask(request).bottle;
     if (answer.size() < 2) return {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What programs of YARP get on a module's port, byte by byte.
+// Replies to YARP programs on a module's port, byte by byte.
 #include "server/yarp/encoding.h"
 
 #include <gmock/gmock.h>
@@ -29,7 +29,7 @@ class Talk {
  public:
   explicit Talk(std::string path = "/robot1/motors", CommandTable table = MotorsTable())
       : port_(std::move(path), std::move(table)) {}
-  /// What is sent back for `bytes`.
+  /// The reply to `bytes`.
   std::string operator()(std::string_view bytes) {
     std::string out;
     in_ += bytes;
@@ -233,7 +233,7 @@ class EveryPort : public testing::TestWithParam<KindOfPort> {};
 TEST_P(EveryPort, AnswersOnlyWhatItHasDecoded) {
   const auto& [path, table] = GetParam();
   Talk program(path, table());
-  EXPECT_THAT(program(Hex("'YA' e41e0000 'RP' 03000000 '/x' 00")), StartsWith("YA"));  // its version is asked
+  EXPECT_THAT(program(Hex("'YA' e41e0000 'RP' 03000000 '/x' 00")), StartsWith("YA"));  // asks for its version
   EXPECT_EQ(program.asked, 1);
   EXPECT_TRUE(program(Frame('d', {}).substr(0, 50) + std::string(20, '\xff')).empty() || program.ended);
 

@@ -8,7 +8,7 @@
 
 namespace coopdyn {
 
-/// "59 41 'is\0'…": pairs of digits, and text in single quotes as it is; `_` in it is a zero byte.
+/// "59 41 'is\0'…": pairs of digits, and literal text in single quotes; `_` in it is a zero byte.
 inline std::string Hex(std::string_view text) {
   std::string bytes;
   for (std::size_t i = 0; i < text.size(); ++i) {

@@ -12,7 +12,7 @@
 namespace coopdyn {
 namespace {
 
-/// A session's socket, and the far end of it.
+/// A session's socket, and its far end.
 struct Pair {
   Pair() {
     std::array<int, 2> ends{};

@@ -17,7 +17,7 @@ namespace {
 
 using ::testing::StartsWith;
 
-/// What a sender of datagrams to /robot1/motors is answered by a daemon that listens at `address`.
+/// The reply to a sender of datagrams to /robot1/motors from a daemon that listens at `address`.
 Message AnswerAt(const std::string& address) {
   NameTable names;
   names.AddOwn(

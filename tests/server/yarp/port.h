@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An endpoint with a name and commands that does nothing: whoever uses it makes the replies.
+// An endpoint with a name and commands that does nothing: tests make the replies.
 #pragma once
 
 #include <string>

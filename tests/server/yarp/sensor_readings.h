@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Readings of sensors, and the samples that ports of YARP's devices make of them.
+// Readings of sensors, and their samples on ports of YARP's devices.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -55,7 +55,7 @@ inline Message PoseReading() {
   data.insert(data.end(), {0.1, 0.2, 0.3, 7, 8, 9});
   return PushOf(command::kGetPose3d, data);
 }
-/// Of a joint that turns, at 45 degrees, and one that slides, at 0.25 m.
+/// Readings of a revolute joint at 45 degrees, and a sliding one at 0.25 m.
 inline Message BoardReading() {
   std::vector<double> data(36);
   data[0] = kPi / 4;
@@ -96,7 +96,7 @@ inline std::string SampleBytes(YarpSample sample, const Message& reading,
   EXPECT_TRUE(AppendSensorSample(sample, reading, geometry, dialect, bytes));
   return bytes;
 }
-/// It gives no sample, and writes nothing.
+/// True if a reading makes no sample, and writes nothing.
 inline bool IsLeftOut(YarpSample sample, const Message& reading, const Message& geometry = Geometry()) {
   std::string bytes = "before";
   const bool appended = AppendSensorSample(sample, reading, geometry, YarpDialect::k3, bytes);

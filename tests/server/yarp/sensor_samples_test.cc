@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What sensors send, in the bytes of multipleAnalogSensors and of odometry of YARP.
+// Samples of sensors, in the bytes of YARP's multipleAnalogSensors and odometry.
 #include "server/yarp/sensor_samples.h"
 
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ constexpr std::size_t kGyroscopes = 0, kAccelerometers = 1, kOrientations = 3, k
 
 using Measured = std::map<std::size_t, std::vector<double>>;
 
-/// What each kind of sensor measures, at 12.5 s.
+/// A measurement of each kind of sensor, at 12.5 s.
 Measured MeasuresIn(const std::string& bytes) {
   const Bottle kinds = ItemsOf(bytes);
   EXPECT_EQ(kinds.size(), 12u);
@@ -80,7 +80,7 @@ TEST(MeasuresSample, OfAnImuIsInDegrees) {
 
 TEST(MeasuresSample, OfAnImuThatLooksStraightDownIsFinite) {
   Message imu = ImuReading();
-  const double half = 0.70710678118654757;  // whose square is more than a half
+  const double half = 0.70710678118654757;  // its square exceeds one half
   for (const auto& [at, value] : {std::pair(0, half), {1, 0.0}, {2, half}, {3, 0.0}}) imu.data[at] = value;
   ASSERT_GT(2 * half * half, 1);
   EXPECT_NEAR(MeasuresOf3(imu)[kOrientations].at(1), 90, 1e-6);
@@ -272,7 +272,7 @@ TEST(MeasuresMetadata, HasTheLayoutOfARealDevice) {
                                                   none + none + none + none + none + none + none + none);
 }
 
-/// The kinds that have a sensor.
+/// The kinds of which `module` has a sensor.
 std::vector<std::size_t> KindsNamed(std::string_view module) {
   const Bottle kinds = ItemsOf(MeasuresMetadata(module, "name"));
   EXPECT_EQ(kinds.size(), 12u);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What goes over a connection that a port of ours has opened, byte by byte.
+// The bytes on a connection opened by one of our ports.
 #include "server/yarp/stream.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ std::string Written(YarpSampleWriter& writer, const Message& reading,
 
 TEST(YarpSampleWriter, AReadingIsAVectorWithItsStamp) {
   YarpSampleWriter writer;
-  // As YARP 3.12 writes a Vector with an envelope, but for the split into blocks.
+  // As YARP 3.12 writes a Vector with an envelope, except for the split into blocks.
   EXPECT_EQ(Written(writer, Reading({1.5, 5, 12.5, 1250}), YarpCarrier::kTcp),
             Hex("'YA' 0a000000 'RP' 0201 ffffffffffffffff 11000000 18000000 00000000"
                 "09000000 7e000001 'D 0 12.5' 00"
@@ -57,7 +57,7 @@ TEST(YarpSampleWriter, WhatIsNoReadingIsLeftOut) {
 
 class YarpOutputTest : public ::testing::Test {
  protected:
-  /// Brings `output` to where samples are due.
+  /// Advances `output` until samples are due.
   static void Begin(YarpOutput& output, std::string_view welcome) {
     const Incoming first = output.Decode(welcome);
     EXPECT_EQ(first.status, DecodeStatus::kMessage);
@@ -151,7 +151,7 @@ class PictureOutputTest : public ::testing::Test {
     picture.data = {time_s, time_s * 100};
     return picture;
   }
-  /// What is asked for after `reply`, as text; what is sent meanwhile is added to sent_.
+  /// The request after `reply`, as text; appends bytes sent meanwhile to sent_.
   std::string After(YarpOutput& output, const Message& reply) {
     const std::optional<Message> next = output.Next(reply, sent_);
     if (!next) return "";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What lidars and cameras send, in the bytes of YARP's devices.
+// Samples of lidars and cameras, in the bytes of YARP's devices.
 #include <gtest/gtest.h>
 
 #include <optional>

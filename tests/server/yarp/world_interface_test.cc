@@ -47,13 +47,13 @@ constexpr const char* kWorld = R"({"scenario": "s", "undo": 0, "redo": 0, "floor
 class WorldInterfaceTest : public ::testing::Test {
  protected:
   Decoded Decode(const std::string& text) { return world_->Decode(*ParseBottle(text)); }
-  /// What the module is asked for first.
+  /// The module's first request.
   Message First(const std::string& text) {
     const Decoded decoded = Decode(text);
     EXPECT_EQ(decoded.status, DecodeStatus::kMessage) << text << ": " << decoded.message.text;
     return decoded.message;
   }
-  /// And then, when it has told what stands there.
+  /// The next request, after the reply with the world's objects.
   std::optional<Message> Second(const std::string& text) {
     EXPECT_EQ(First(text).command, command::kListWorld) << text;
     return world_->Next(Standing());
@@ -63,7 +63,7 @@ class WorldInterfaceTest : public ::testing::Test {
     return world_->Reply(reply);
   }
   std::string TextOf(const Message& reply) { return BottleText(AnswerTo(reply).bottle); }
-  /// The answer to a request that asks for no more than what stands there.
+  /// The reply to a request that needs only the world's objects.
   YarpAnswer Told(const std::string& text) {
     EXPECT_EQ(Second(text), std::nullopt) << text;
     return world_->Reply(Standing());
@@ -124,7 +124,7 @@ TEST_F(WorldInterfaceTest, AThingWithGravityWeighsWhatWoodDoes) {
 }
 
 TEST_F(WorldInterfaceTest, AProgramsRequestIsRead) {
-  // As code writes it that yarpidl_thrift 3.12 has generated.
+  // As written by code that yarpidl_thrift 3.12 has generated.
   const std::string bytes =
       Hex("00010000 11000000 04000000 07000000 'makeBox'"
           "0a000000 9a9999999999b93f 0a000000 9a9999999999c93f 0a000000 333333333333d33f"

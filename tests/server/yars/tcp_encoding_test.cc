@@ -52,7 +52,7 @@ struct FakeWorld final : YarsWorld {
 
 class YarsTcpEncodingTest : public testing::Test {
  protected:
-  /// Decodes all of `bytes`; what the last part of them was.
+  /// Decodes all of `bytes`; returns the last result.
   Incoming Decode(std::string bytes) {
     Incoming incoming;
     while (!bytes.empty()) {

@@ -33,8 +33,7 @@ std::string StepOf(std::initializer_list<float> motors) {
   return Ints({40, 0, static_cast<std::int32_t>(motors.size())}) + Floats(motors) + Ints({-1});
 }
 
-/// As get_channel answers: motors m1, m2, …, values v1, …, all from −1 to 1, on link 1; `auxiliary` at the
-/// end.
+/// The reply to get_channel: motors m1, m2, …, values v1, …, all from −1 to 1, on link 1; `auxiliary` last.
 Message ChannelReply(int motors, int values, int auxiliary = 0) {
   Message reply = ReplyTo(command::kGetChannel);
   reply.params = {motors, values + auxiliary, 1, 1};
@@ -58,7 +57,7 @@ Message ValuesReply(std::vector<double> values, const std::string& text = "") {
 
 class YarsUdpTalkTest : public testing::Test {
  protected:
-  /// Sends a datagram; the module tells its channel first if it is asked.
+  /// Sends a datagram; the module first reports its channel if asked.
   YarsUdpTalk::Action Send(const std::string& datagram) {
     YarsUdpTalk::Action action = talk_.Take(datagram);
     if (action.request && action.request->command == command::kGetChannel) action = talk_.Answer(channel_);
@@ -90,7 +89,7 @@ TEST_F(YarsUdpTalkTest, TheBasicHandshakeTellsTheTreeWithoutAuxiliaryValues) {
 }
 
 TEST_F(YarsUdpTalkTest, AuxiliaryValuesAreForWhoKnowsThem) {
-  // Clients that know only the basic handshake refuse values that it did not tell.
+  // Clients that know only the basic handshake refuse values that it did not announce.
   const auto values = [this] {
     Send(StepOf({0, 0}));
     const YarsUdpTalk::Action done = talk_.Answer(ValuesReply({1, 2, 3, 4}));

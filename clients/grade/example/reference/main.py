@@ -3,7 +3,7 @@ import math
 
 import coopdyn
 
-GAP = 1.25  # [m] from the middle of the room to that of a gap
+GAP = 1.25  # [m] from the centre line of the room to the middle of a gap
 WAY = [(-2.2, GAP), (-0.8, GAP), (0.8, -GAP), (2.2, -GAP), (4.0, 0.0)]
 NEAR = 0.3  # [m]
 

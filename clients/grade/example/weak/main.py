@@ -1,4 +1,4 @@
-"""A weak solution: straight towards the target, whatever stands in between."""
+"""A weak solution: straight towards the target, ignoring obstacles."""
 import coopdyn
 
 sim = coopdyn.connect()

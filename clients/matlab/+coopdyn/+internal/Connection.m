@@ -1,9 +1,9 @@
 % SPDX-License-Identifier: MIT
 classdef Connection < handle
 %CONNECTION One connection to one module, through the daemon's one port.
-%   idle: open, and no reply is under way. Another is never used for a request (Ctrl-C leaves one so).
-%   Replies are read in one piece of the length that the last reply to the same command had; what is longer or shorter
-%   is completed.
+%   idle: open, and no reply is pending. Other connections accept no requests (Ctrl-C leaves one in this state).
+%   Replies are read at once with the length of the last reply to the same command; a shorter or longer reply is then
+%   completed.
   properties
     address
     module
@@ -16,14 +16,14 @@ classdef Connection < handle
     hello
     buffer = zeros(1, 0, 'uint8')
     octave = false
-    fast = []    % the socket in Octave, whose read waits for what is asked for; at most 0.02 s
+    fast = []    % the socket in Octave, whose read waits for the requested bytes; at most 0.02 s
     sizes = 24 * ones(1, 1024)
     asked = 1
   end
   methods
     function c = Connection(address, module, drives, number)
-    % drives: says the plain name; the same name on an actuator module takes it over, which a reader must not do.
-    % number: of a team; a second team of one program is another name.
+    % drives: sends the plain name; a client of the same name takes over an actuator module, which a reader must not do.
+    % number: of a team; distinguishes the teams of one program.
       c.hello = address.reader_hello;
       if nargin > 2 && drives
         c.hello = address.hello;
@@ -37,7 +37,7 @@ classdef Connection < handle
     end
 
     function open(c)
-    % Opens (again) and says hello.
+    % (Re)opens the connection and sends hello.
       c.close();
       c.notice = '';
       started = tic;
@@ -47,7 +47,7 @@ classdef Connection < handle
         if ~isempty(said) || isempty(c.address.seat) || toc(started) > c.address.timeout
           break
         end
-        pause(0.2);  % the daemon of the seat has just ended: the class starts it again
+        pause(0.2);  % the daemon of the seat is restarting
       end
       if ~strcmp(said, 'ok')
         coopdyn.internal.refuse(c.address, said);
@@ -75,7 +75,7 @@ classdef Connection < handle
     end
 
     function send(c, command, bytes)
-    % Writes a request whose reply is awaited by poll or receive.
+    % Writes a request; poll or receive awaits its reply.
       c.idle = false;
       c.asked = command + 1;
       socket = c.fast;
@@ -91,14 +91,14 @@ classdef Connection < handle
     end
 
     function message = answer(c, command)
-    % The reply to the request that was just sent, [] if it does not come at once: one read of the right length.
+    % The reply to the request sent last, [] if it does not arrive at once: one read of the right length.
       socket = c.fast;
       if isempty(socket)
         message = c.poll(true);
         return
       end
       try
-        bytes = __tcpclient_read__(socket, c.sizes(command + 1), 20);  % what read() calls, which takes longer than the reply
+        bytes = __tcpclient_read__(socket, c.sizes(command + 1), 20);  % called by read(), which itself takes longer than the reply
       catch
         c.lost();
       end
@@ -109,7 +109,7 @@ classdef Connection < handle
         if h(1) == n - 4 && h(2) == 0 && h(3) == command && h(4) == 0 && n == at + 8 * h(6)
           c.idle = true;
           params = typecast(bytes(25:at), 'int32');
-          if h(5) <= 1024  % more are the bytes of a picture
+          if h(5) <= 1024  % more are a picture's bytes
             params = double(params);
           end
           message = struct('error', 0, 'text', '', 'command', command, 'params', params, ...
@@ -122,7 +122,7 @@ classdef Connection < handle
     end
 
     function message = poll(c, wait)
-    % The reply if it is here, else []; with `wait`, it may take up to 0.02 s to come.
+    % The reply if it has arrived, else []; with `wait`, waits up to 0.02 s.
       message = [];
       while true
         have = numel(c.buffer);
@@ -167,7 +167,7 @@ classdef Connection < handle
     end
 
     function message = receive(c, limit)
-    % The reply; after `limit` seconds an error, and the connection is closed, so never read on.
+    % Waits for the reply; after `limit` seconds closes the connection and raises an error.
       message = c.poll(true);
       if ~isempty(message)
         return
@@ -194,7 +194,7 @@ classdef Connection < handle
     end
 
     function message = request(c, command, params, data, text, limit)
-    % Sends a request and returns its reply; an error reply is raised.
+    % Sends a request and returns its reply; raises an error reply.
       if nargin < 6
         limit = 10;
       end
@@ -218,19 +218,19 @@ classdef Connection < handle
     end
 
     function yes = has_bytes(c)
-    % Something can be read, or the connection is gone.
+    % True if the connection is readable or closed.
       yes = true;
       if ~isempty(c.socket)
         try
           yes = c.socket.NumBytesAvailable > 0;
         catch
-          % gone
+          % closed
         end
       end
     end
 
     function yes = alive(c)
-    % False if closed, in use, or closed by the peer meanwhile as far as that can be seen.
+    % False if closed, busy, or visibly closed by the peer meanwhile.
       yes = c.idle;
       if yes
         try
@@ -260,7 +260,7 @@ classdef Connection < handle
         end
         return
       end
-      % MATLAB's read warns when too little comes: only what is there is read.
+      % MATLAB's read warns if fewer bytes arrive: reads only the available ones.
       bytes = [];
       try
         here = c.socket.NumBytesAvailable;

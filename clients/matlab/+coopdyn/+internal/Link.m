@@ -1,39 +1,39 @@
 % SPDX-License-Identifier: MIT
 classdef Link < handle
-%LINK An actuator module of a robot as this client drives it, and the command kept for the next step. The first of a robot, its
-%  motors if it has any, has the robot's other connections, too.
+%LINK The connections to an actuator module of a robot, and the command kept for the next step. A robot's first link, its
+%  motors if it has any, also owns the robot's other connections.
   properties
     robot
     label              % in errors
-    names              % of the robots that this drives
+    names              % of the robots that the link drives
     is_team = false
     in_team = false    % a team of this sim drives it; it can only be read
     by_channel = false % the robot's channel drives it
     actuator = 'motors'  % or the name of a module
-    type = 'motors'      % of that module
-    last = {}            % {command, data} when the sim is closed, if not to stop or hold
+    type = 'motors'      % type of `actuator`
+    last = {}            % {command, data} to send when the sim closes, instead of stop or hold
     others = {}        % the robot's further actuators
-    motors = []        % the connection that commands go through; [] = it has no actuator
-    readers = struct() % connections to other modules, by module
-    pushers = struct() % connections that readings are pushed on, by module
-    modules = struct() % names of modules by type, once they were needed
-    drives = false     % open, ours, not lost, and commanded before
+    motors = []        % the connection for commands; [] = no actuator
+    readers = struct() % connections for readings, by module
+    pushers = struct() % connections for pushed readings, by module
+    modules = struct() % names of modules by type; queried when first needed
+    drives = false     % open, claimed, not lost, and commanded before
     commanded = false  % by this program, ever
-    unclaimed = false  % only read: a recording was played when it was last asked for, or
-    another = false    % another program had it; it is asked for again with the next command
-    beside = false     % takes no part in lockstep: no step of ours waits for its reply
+    unclaimed = false  % read-only: the last claim failed, in a playback or because
+    another = false    % another program had it; then claimed again only by a command
+    beside = false     % no participant in lockstep: steps do not wait for its reply
     kept = []          % {command, data, joints or the like}, for the next step
-    sent = []          % the same of a command whose reply has not come yet
-    sent_at = 0        % the newest step when it was sent
-    commanded_at = -1       % the newest step when a command was answered at once: it runs with a later one
+    sent = []          % the same, of a command with pending reply
+    sent_at = 0        % newest step when `sent` was sent
+    commanded_at = -1       % newest step when a command was answered immediately: it runs in a later step
     unstepped = 0      % commands since the last step
     unstepped_since = 0  % the step of the first of them
-    lost = ''          % why it is not ours any more
+    lost = ''          % why this sim no longer drives it
     lost_code = 6
     attached = {}      % types of modules, in the order of their readings
-    carried = []       % the readings that came with the reply to the last step
+    carried = []       % readings in the reply to the last step
     labels = struct('step', -1, 'when', uint64(0), 'ids', {{}}, 'colours', {{}})  % ids and colours of the targets
-    scans = struct()   % what get_scan_geometry told, by module
+    scans = struct()   % replies to get_scan_geometry, by module
   end
   methods
     function link = Link(address, robot, drives)
@@ -44,7 +44,7 @@ classdef Link < handle
     end
 
     function drive_part(link, address, name, type, drives)
-    % Its actuator is a group of joints, muscles, thrusters or a channel.
+    % True if its actuator is a group of joints, muscles, thrusters or a channel.
       link.actuator = name;
       link.type = type;
       link.label = [link.robot '/' name];
@@ -52,12 +52,12 @@ classdef Link < handle
     end
 
     function yes = has_parts(link)
-    % Its commands stand for one step, and say of what.
+    % True if a command lasts one step and names the parts.
       yes = ~strcmp(link.type, 'motors');
     end
 
     function p = path(link, module)
-    % Of the module of this type or name; joints/NAME is a group of joints.
+    % The path of the module of this type or name; joints/NAME is a group of joints.
       if strncmp(module, 'joints/', 7)
         module = module(8:end);
       elseif isfield(link.modules, module)
@@ -67,7 +67,8 @@ classdef Link < handle
     end
 
     function yes = find_again(link, session, module, c)
-    % After coopdyn:no_such_name: a model may call its motors module legs. True if c is to another module now.
+    % After coopdyn:no_such_name: looks up the module's name by its type, as a model may call its motors legs. True if c has
+    % another module now.
       link.modules = coopdyn.internal.modules_of(session, link.robot);
       before = c.module;
       c.module = link.path(module);
@@ -75,7 +76,7 @@ classdef Link < handle
     end
 
     function attach(link, c)
-    % Has every reply to get_time on c bring the readings of these modules.
+    % Attaches the readings of these modules to every reply to get_time on c.
       names = cellfun(@(m) link.path(m), link.attached, 'UniformOutput', false);
       c.request(9, [], [], strjoin(regexprep(names, '^.*/', ''), ' '));
     end
@@ -97,11 +98,11 @@ classdef Link < handle
       link.unclaimed = false;
       link.another = false;
       link.drives = link.commanded;
-      session.note(link.motors.request(3, [], []));  % a branch may have brought another mode
+      session.note(link.motors.request(3, [], []));  % a branch may have changed the mode
     end
 
     function yes = takes_part(link, session)
-    % True if the robot steps with this sim. One that was only read is claimed now if it is free.
+    % True if the robot steps with this sim. Claims an unclaimed robot if it is free.
       yes = false;
       if isempty(link.motors)
         return
@@ -121,7 +122,7 @@ classdef Link < handle
     end
 
     function let_go(link, session)
-    % Releases a robot of ours that was only read, so that a team can have it.
+    % Releases a robot for a team if this program never commanded it.
       link.settle(session);
       link.motors.request(8, [], []);
       link.forget_commands();
@@ -131,7 +132,7 @@ classdef Link < handle
     end
 
     function open(link, session)
-    % Opens (again) the connection that commands go through: hello takes the module back, claim makes it ours.
+    % (Re)opens the connection for commands: hello takes the module back, claim claims it.
       link.sent = [];
       link.carried = [];
       link.drives = false;
@@ -142,7 +143,7 @@ classdef Link < handle
           try
             link.claim(session);
           catch cause
-            if ~strcmp(cause.identifier, 'coopdyn:not_possible') && ~link.another  % a recording is played; reading goes on
+            if ~strcmp(cause.identifier, 'coopdyn:not_possible') && ~link.another  % a recording is played; reading still works
               rethrow(cause);
             end
           end
@@ -161,18 +162,18 @@ classdef Link < handle
     end
 
     function settle(link, session)
-    % Makes the motors connection free for a request: opens it if it broke, takes in a reply that is overdue.
+    % Makes the connection for commands ready for a request: reopens it if it broke, receives an overdue reply.
       if ~isempty(link.lost)
         coopdyn.internal.fail(link.lost_code, link.lost);
       end
       c = link.motors;
-      if isempty(c.socket) || (~c.idle && isempty(link.sent))  % interrupted, or never opened again
+      if isempty(c.socket) || (~c.idle && isempty(link.sent))  % interrupted, or not reopened
         link.open(session);
       end
       if isempty(link.sent) || link.await_command(session, 0.08)
         return
       end
-      % No reply: in lockstep it comes after the step only. Take the command back, and keep it.
+      % No reply: in lockstep it arrives only after the step. Withdraw the command, and keep it.
       reply = session.control(3);
       if reply.params(1) == 1
         if isempty(link.kept)
@@ -188,12 +189,12 @@ classdef Link < handle
     end
 
     function yes = is_free(link, session)
-    % The reply to its last command has come.
+    % True if no reply to a command is pending.
       yes = isempty(link.sent) || link.await_command(session, 0);
     end
 
     function came = await_command(link, session, wait_s)
-    % Waits a moment for the reply to a command.
+    % Waits briefly for the reply to a command.
       c = link.motors;
       started = [];
       while true
@@ -220,7 +221,7 @@ classdef Link < handle
     end
 
     function command(link, session, number, data, joints)
-    % An actuator command: kept in lockstep, sent at once otherwise.
+    % In lockstep keeps an actuator command, otherwise sends it.
       if nargin < 5, joints = []; end
       session.require_open();
       if session.watch
@@ -241,7 +242,7 @@ classdef Link < handle
         link.settle(session);
       end
       if link.unclaimed
-        link.claim(session);  % a branch may go on live from there
+        link.claim(session);  % a branch may have ended the playback
       end
       link.commanded = true;
       link.drives = true;
@@ -266,7 +267,7 @@ classdef Link < handle
     end
 
     function send_step(link, session)
-    % Without waiting for the reply.
+    % Sends a command without waiting for the reply.
       link.sent_at = session.reached;
       [number, bytes] = link.frame(1);
       try
@@ -277,7 +278,7 @@ classdef Link < handle
     end
 
     function [number, bytes] = frame(link, n)
-    % The request that makes n steps: with what was kept, or ready.
+    % The request that makes n steps: the kept command, or ready.
       link.unstepped = 0;
       link.carried = [];
       kept = link.kept;
@@ -303,7 +304,7 @@ classdef Link < handle
     end
 
     function step = stepped(link, session, reply)
-    % Takes in the reply to a step; the step that it tells.
+    % Stores the reply to a step; returns its step.
       link.sent = [];
       if reply.error ~= 0
         coopdyn.internal.check_reply(reply, [link.robot ': ']);
@@ -318,7 +319,7 @@ classdef Link < handle
     end
 
     function count_unstepped(link, session)
-    % Says once that the program never calls sim.step(); not if it lets time go by in another way, as by pause.
+    % Reports once that the program never calls sim.step(), unless time passes in another way, e.g. by pause.
       link.unstepped = link.unstepped + 1;
       if link.unstepped == 1
         link.unstepped_since = session.newest(2);
@@ -340,7 +341,7 @@ classdef Link < handle
     end
 
     function require_here(link)
-    % An error if a load has dropped the robot.
+    % Raises an error if a load has removed the robot.
       if link.lost_code == 10 && ~isempty(link.lost)
         coopdyn.internal.fail(10, link.lost);
       end

@@ -1,14 +1,14 @@
 % SPDX-License-Identifier: MIT
 classdef Parts < handle
-%PARTS What coopdyn.Joints, Muscles and Thrusters have in common: they are driven one by one, by name or id.
+%PARTS Common base of coopdyn.Joints, Muscles and Thrusters, which are addressed by name or id.
   properties (SetAccess = private)
     name
-    names  % of them all: the first has the id 1
+    names  % of all parts; the first has id 1
   end
   properties (Access = protected)
     session
     link
-    one    % of them is a 'joint'
+    one    % their singular, e.g. 'joint'
   end
   methods
     function p = Parts(session, link, one, limits)

@@ -1,10 +1,10 @@
 % SPDX-License-Identifier: MIT
 classdef RunCalls < coopdyn.internal.WorldCalls
-%RUNCALLS What a simulation tells /recorder and /playback, and its saved states. Part of coopdyn.Simulation.
+%RUNCALLS Requests of a simulation to /recorder and /playback, and its saved states. Part of coopdyn.Simulation.
   methods
-    % --- states to go on from
+    % --- saved states
     function save_state(sim, name)
-    %SAVE_STATE Saves the whole state of the simulation under a name; an older state of this name is replaced.
+    %SAVE_STATE Saves the complete state of the simulation under a name; replaces an older state of that name.
       coopdyn.internal.need(nargin, 2, 'sim.save_state(''before_turn'')');
       name = coopdyn.internal.word(name, 'the name of a state');
       if isempty(regexp(name, '^[A-Za-z][A-Za-z0-9_-]{0,62}$', 'once'))
@@ -15,7 +15,7 @@ classdef RunCalls < coopdyn.internal.WorldCalls
     end
 
     function restore_state(sim, name)
-    %RESTORE_STATE Goes on from a saved state, bit for bit the same; 'start' is the beginning of the run.
+    %RESTORE_STATE Continues from a saved state, bit for bit; 'start' is the start of the run.
       coopdyn.internal.need(nargin, 2, 'sim.restore_state(''before_turn'')');
       sim.session.control(195, [], [], coopdyn.internal.word(name, 'the name of a state'), 60);
       jumped(sim.session);
@@ -33,8 +33,8 @@ classdef RunCalls < coopdyn.internal.WorldCalls
 
     % --- recording
     function name = record(sim, name)
-    %RECORD Records the run from now on, in the daemon's folder; returns the name of the file, run-DATE-TIME if none is
-    %   given. An existing file is never overwritten: an error.
+    %RECORD Starts recording into the daemon's folder; returns the file's name. The default name is run-DATE-TIME. Error if the
+    %   file exists.
       if nargin < 2 || isempty(name)
         name = '';
       else
@@ -45,16 +45,16 @@ classdef RunCalls < coopdyn.internal.WorldCalls
     end
 
     function [name, url] = stop_recording(sim)
-    %STOP_RECORDING Ends the recording and waits until its file is closed; its name, and its URL on the daemon's page ('':
-    %   there is no page).
+    %STOP_RECORDING Stops the recording and waits until its file is closed; returns its name, and its URL on the daemon's page
+    %   ('': the daemon has no page).
       reply = sim.session.tell('/recorder', 122, [], [], '', 60);
-      at = [strfind(reply.text, ' http://') numel(reply.text) + 1];  % the name may have blanks
+      at = [strfind(reply.text, ' http://') numel(reply.text) + 1];  % the name may contain blanks
       name = reply.text(1:at(1) - 1);
       url = coopdyn.internal.url_here(sim.session.address, strtrim(reply.text(at(1):end)));
     end
 
     function note(sim, text)
-    %NOTE Writes a note into the recording at this time; run.events lists it.
+    %NOTE Adds a note to the recording at the present time; run.events lists it.
       coopdyn.internal.need(nargin, 2, 'sim.note(''half-time'')');
       if ~coopdyn.internal.is_text(text) || isempty(char(text))
         coopdyn.internal.fail(3, ['a note is a text, not ' coopdyn.internal.show(text) ': write sim.note(''half-time'')']);
@@ -63,7 +63,7 @@ classdef RunCalls < coopdyn.internal.WorldCalls
     end
 
     function r = recording(sim)
-    %RECORDING What is being recorded now: a struct with name, begin_time, end_time [s], steps, lost, bytes; [] if nothing is.
+    %RECORDING The recording in progress: a struct with name, begin_time, end_time [s], steps, lost, bytes; [] if there is none.
       reply = sim.session.tell('/recorder', 120);
       r = [];
       if reply.params(1)
@@ -73,8 +73,8 @@ classdef RunCalls < coopdyn.internal.WorldCalls
     end
 
     function files = recordings(sim)
-    %RECORDINGS The recordings that the daemon has, newest first: a 1 x n struct with name, bytes, seconds (simulated),
-    %   steps (nan if it cannot be read), recording, url ('' if it cannot be copied now).
+    %RECORDINGS The daemon's recordings, newest first: a 1 x n struct with name, bytes, seconds (simulated), steps (nan if it
+    %   cannot be read), recording, url ('' if it cannot be downloaded now).
       reply = sim.session.tell('/recorder', 124, [], [], '', 60);
       list = jsondecode(reply.text);
       files = struct('name', {}, 'bytes', {}, 'seconds', {}, 'steps', {}, 'recording', {}, 'url', {});
@@ -89,9 +89,9 @@ classdef RunCalls < coopdyn.internal.WorldCalls
     end
 
     function file = fetch_run(sim, name, file)
-    %FETCH_RUN Copies a recording from the daemon: file = sim.fetch_run('lesson1') makes lesson1.mat in this folder, which
-    %   coopdyn.read_run and load read; a file name that ends with .run gets the recording itself. An older file is
-    %   replaced when the new one is complete.
+    %FETCH_RUN Downloads a recording: file = sim.fetch_run('lesson1') makes lesson1.mat in the current folder, which
+    %   coopdyn.read_run and load read; for a file name *.run downloads the recording itself. An existing file is replaced
+    %   once the download is complete.
       coopdyn.internal.need(nargin, 2, 'sim.fetch_run(''lesson1'')');
       name = regexprep(coopdyn.internal.run_name(name), '\.(run|mat)$', '');
       if nargin < 3 || isempty(file)
@@ -104,7 +104,7 @@ classdef RunCalls < coopdyn.internal.WorldCalls
       end
       try
         coopdyn.internal.download(sim.session, ['/runs/' url_quoted([name kind])], file, 'recording', 600);
-      catch cause  % Octave does not tell what the page answered
+      catch cause  % Octave does not report the page's answer
         files = sim.recordings();
         at = find(strcmp({files.name}, [name '.run']), 1);
         if isempty(at)
@@ -118,8 +118,8 @@ classdef RunCalls < coopdyn.internal.WorldCalls
 
     % --- playing a recording: coopdyn play RUN
     function p = playback(sim)
-    %PLAYBACK Which recording is played, and what is shown: a struct with begin_time, end_time, time [s], speed, playing, loop,
-    %   growing (still being recorded) and file. An error in a live run, as for the others.
+    %PLAYBACK The state of the playback: a struct with begin_time, end_time, time [s], speed, playing, loop, growing (still being
+    %   recorded) and file. This and the following are errors in a live run.
       reply = sim.session.tell('/playback', 130);
       d = reply.data;
       on = logical(reply.params);
@@ -128,13 +128,13 @@ classdef RunCalls < coopdyn.internal.WorldCalls
     end
 
     function seek(sim, time)
-    %SEEK Shows the step at this simulated time [s], or the last one before it; outside the recording its first or last step.
+    %SEEK Shows the last step up to a simulated time [s], clamped to the recording.
       coopdyn.internal.need(nargin, 2, 'sim.seek(12.5)');
       sim.session.tell('/playback', 131, [], coopdyn.internal.number(time, 'the time [s]'));
     end
 
     function play(sim, speed)
-    %PLAY Plays the recording, at this speed if one is given: -4 to 64 times, negative plays backwards.
+    %PLAY Plays the recording, at a speed if given: -4 to 64; negative plays backwards.
       data = [];
       if nargin > 1 && ~isempty(speed)
         data = play_speed(speed);
@@ -143,7 +143,7 @@ classdef RunCalls < coopdyn.internal.WorldCalls
     end
 
     function set_play_speed(sim, s)
-    %SET_PLAY_SPEED How fast the recording is played: -4 to 64 times, negative plays backwards.
+    %SET_PLAY_SPEED Sets the speed of the playback: -4 to 64; negative plays backwards.
       coopdyn.internal.need(nargin, 2, 'sim.set_play_speed(2)');
       sim.session.tell('/playback', 134, [], play_speed(s));
     end
@@ -162,7 +162,7 @@ classdef RunCalls < coopdyn.internal.WorldCalls
     end
 
     function set_loop(sim, on)
-    %SET_LOOP Whether the recording begins again at its end.
+    %SET_LOOP Whether the playback restarts at the recording's end.
       coopdyn.internal.need(nargin, 2, 'sim.set_loop(true)');
       if ~(islogical(on) || isnumeric(on)) || numel(on) ~= 1 || ~any(double(on) == [0 1])
         coopdyn.internal.fail(3, ['on is true or false, not ' coopdyn.internal.show(on)]);
@@ -171,8 +171,8 @@ classdef RunCalls < coopdyn.internal.WorldCalls
     end
 
     function branch(sim, time)
-    %BRANCH Ends the playback: the simulation goes on live from the step shown, or from this simulated time [s]. With the
-    %   same inputs it repeats the recorded run bit for bit.
+    %BRANCH Ends the playback: the simulation continues live from the step shown, or from a simulated time [s]. With the same
+    %   inputs it repeats the recorded run bit for bit.
       data = [];
       if nargin > 1 && ~isempty(time)
         data = coopdyn.internal.number(time, 'the time [s]');
@@ -182,14 +182,14 @@ classdef RunCalls < coopdyn.internal.WorldCalls
     end
 
     function open_run(sim, name)
-    %OPEN_RUN Plays a recording of the daemon (sim.recordings() lists them). The live run is put aside until sim.close_run().
+    %OPEN_RUN Plays a recording of the daemon (sim.recordings() lists them). Suspends the live run until sim.close_run().
       coopdyn.internal.need(nargin, 2, 'sim.open_run(''lesson1'')');
       sim.session.tell('/playback', 138, [], [], coopdyn.internal.run_name(name), 600);
       jumped(sim.session);
     end
 
     function close_run(sim)
-    %CLOSE_RUN Ends the playback: the live run goes on where sim.open_run() put it aside.
+    %CLOSE_RUN Ends the playback and resumes the live run that sim.open_run() suspended.
       sim.session.tell('/playback', 139);
       jumped(sim.session);
     end
@@ -207,7 +207,7 @@ function quoted = url_quoted(text)
 end
 
 function speed = play_speed(speed)
-% How fast a recording is played; anything else is an error.
+% Checks the speed of a playback; anything else is an error.
   speed = coopdyn.internal.number(speed, 'the speed');
   if speed < -4 || speed > 64 || speed == 0
     coopdyn.internal.fail(4, sprintf(['a recording is played at -4 to 64 times its speed (negative: backwards), not %g: write ' ...
@@ -216,9 +216,9 @@ function speed = play_speed(speed)
 end
 
 function jumped(session)
-% After a restore or branch of ours: the world goes on from another state, maybe of another scenario.
+% After this sim's restore or branch: the world continues from another state, possibly of another scenario.
   session.started_anew();
-  session.control(3);  % tells the mode
+  session.control(3);  % updates the mode
   driven = {};
   for group = {session.links, session.teams}
     for k = 1:numel(group{1})

@@ -1,7 +1,7 @@
 % SPDX-License-Identifier: MIT
 classdef SensorCalls < handle
-%SENSORCALLS Readings of the sensors that robots from files have. Part of coopdyn.Robot.
-%   Each is for robots with a module of its type; another of the same type is read by its module's name:
+%SENSORCALLS Readings of the sensors of robot models. Part of coopdyn.Robot.
+%   Each is for robots with a module of its type; pass the module's name for another of the same type:
 %   r.get_image('left_camera').
   properties (Access = protected)
     session
@@ -9,8 +9,8 @@ classdef SensorCalls < handle
   end
   methods
     function v = get_imu(r, module)
-    %GET_IMU How the sensor is turned in the world, a quaternion qw, qx, qy, qz; angular velocity wx, wy, wz [rad/s] and
-    %   acceleration ax, ay, az [m/s2] in its own frame: at rest and level az = 9.81.
+    %GET_IMU The sensor's orientation in the world as a quaternion qw, qx, qy, qz; angular velocity wx, wy, wz [rad/s] and
+    %   acceleration ax, ay, az [m/s2] in the sensor's frame: at rest and level, az = 9.81.
       if nargin < 2, module = 'imu'; end
       v = r.get(char(module), 230, [], '');
     end
@@ -22,16 +22,16 @@ classdef SensorCalls < handle
     end
 
     function s = get_scan(r, module)
-    %GET_SCAN What a lidar sees: ranges [m], a row for each row of rays, the lowest first, from right to left; inf =
-    %   nothing in range, 0 = nearer than min_range. azimuth [rad] of each column, left positive, and elevation [rad] of
-    %   each row, up positive; min_range and max_range [m].
+    %GET_SCAN The ranges of a lidar [m], one row per row of rays, the lowest first, from right to left; inf = nothing in range,
+    %   0 = nearer than min_range. azimuth [rad] of each column, left positive; elevation [rad] of each row, up positive;
+    %   min_range and max_range [m].
       if nargin < 2, module = 'lidar'; end
       s = r.scan(char(module), r.get(char(module), 250, [], ''));
     end
 
     function c = get_contacts(r, module)
-    %GET_CONTACTS What touches the sensor, a 1 x n struct: id (0: the floor) and name, force [N], point x, y, z [m] and
-    %   the direction nx, ny, nz in which it pushes, in the robot's frame.
+    %GET_CONTACTS The contacts of the sensor, a 1 x n struct: id (0: the floor) and name, force [N], point x, y, z [m] and the
+    %   direction nx, ny, nz of the force on the robot, in the robot's frame.
       if nargin < 2, module = 'contact'; end
       c = r.get(char(module), 260, [], '');
     end
@@ -43,8 +43,8 @@ classdef SensorCalls < handle
     end
 
     function [image, time, step] = get_image(r, module)
-    %GET_IMAGE What a camera sees: height x width x 3 uint8, as imshow and imwrite take it. time [s] and step say when: with
-    %   a rate, the camera's last picture.
+    %GET_IMAGE A camera's colour picture: height x width x 3 uint8, as for imshow and imwrite. Taken at time [s] in step: if the
+    %   camera has a rate, its latest picture.
       if nargin < 2, module = 'camera'; end
       [image, time, step] = r.picture(char(module), 0);
     end
@@ -56,14 +56,14 @@ classdef SensorCalls < handle
     end
 
     function [depth, time, step] = get_depth(r, module)
-    %GET_DEPTH How far away each pixel is along the camera's axis [m]: height x width single; inf = nothing there.
+    %GET_DEPTH The distance of each pixel along the camera's axis [m]: height x width single; inf = nothing there.
       if nargin < 2, module = 'camera'; end
       [depth, time, step] = r.picture(char(module), 2);
     end
 
     function [labels, names, time, step] = get_segmentation(r, module)
-    %GET_SEGMENTATION What each pixel shows: height x width uint16, 0 = nothing; and the names of these numbers, a 1 x n
-    %   struct with id and name.
+    %GET_SEGMENTATION The object that each pixel shows, as a number: height x width uint16, 0 = nothing; and the objects' names,
+    %   a 1 x n struct with id and name.
       if nargin < 2, module = 'camera'; end
       [labels, time, step, text] = r.picture(char(module), 3);
       pairs = regexp(text, '(\d+)=(\S+)', 'tokens');
@@ -74,20 +74,20 @@ classdef SensorCalls < handle
     end
 
     function c = get_camera(r, module)
-    %GET_CAMERA width, height, focal lengths fx, fy and middle cx, cy of the picture [pixels], near and far [m]: what the
-    %   camera sees, and its rate [Hz; 0 = each step].
+    %GET_CAMERA width, height, focal lengths fx, fy and principal point cx, cy of the picture [pixels], near and far limit of the
+    %   view [m], and rate [Hz; 0 = each step].
       if nargin < 2, module = 'camera'; end
       c = r.get(char(module), 271, [], '');
     end
 
     function b = get_battery(r, module)
-    %GET_BATTERY What is left: energy [J] and fraction [0 to 1]; and what is drawn: power [W].
+    %GET_BATTERY Remaining energy [J] and fraction [0 to 1], and the power drawn [W].
       if nargin < 2, module = 'battery'; end
       b = r.get(char(module), 290, [], '');
     end
 
     function l = get_light(r, module)
-    %GET_LIGHT How much light each sensor sees.
+    %GET_LIGHT The brightness that each light sensor measures.
       if nargin < 2, module = 'light'; end
       l = r.get(char(module), 310, [], '');
     end
@@ -99,13 +99,13 @@ classdef SensorCalls < handle
     end
 
     function v = get_infrared(r, module)
-    %GET_INFRARED What each infrared sensor puts out, by its curve.
+    %GET_INFRARED The output of each infrared sensor, by its curve.
       if nargin < 2, module = 'infrared'; end
       v = r.get(char(module), 330, [], '');
     end
 
     function o = get_odometry(r, module)
-    %GET_ODOMETRY x, y [m], heading [rad] since the start, forward [m/s] and turn [rad/s], as the wheels' encoders tell.
+    %GET_ODOMETRY x, y [m], heading [rad] since the start, forward [m/s] and turn [rad/s], by the wheels' encoders.
       if nargin < 2, module = 'odometry'; end
       o = r.get(char(module), 340, [], '');
     end
@@ -117,7 +117,7 @@ classdef SensorCalls < handle
     end
 
     function s = scan(r, module, ranges)
-    % The angles are asked for once.
+    % The angles are queried once.
       link = r.link;
       if ~isfield(link.scans, module) || link.scans.(module).rows * link.scans.(module).columns ~= numel(ranges)
         link.scans.(module) = r.get(module, 251, [], '');

@@ -1,21 +1,21 @@
 % SPDX-License-Identifier: MIT
 classdef Session < handle
-%SESSION The connections of one connect, shared by the simulation and its robots; refers to neither of them.
+%SESSION The connections of one connect, shared by the simulation and its robots; has no references to them.
   properties
     address
     watch
     links = {}
     teams = {}
-    others = {}      % connections to modules of the whole, and of call
+    others = {}      % connections to modules of the whole simulation, and of call
     described = {}   % names and numbers of commands, by module: {module, names, ids; ...}
-    actuators = cell(0, 3)  % robot, names and types of its actuator modules; empty = not asked yet
+    actuators = cell(0, 3)  % robot, names and types of its actuator modules; empty = not queried yet
     mode = 0
     newest = [0 0]   % time [s] and step of the newest reply
-    reached = 0      % the newest step of this world that a reading, command or step has told; 0 again after a reset
-    scenario = ''    % its name, as it was when this world began
+    reached = 0      % the newest step of this world reported by a reading, command or step; 0 again after a reset
+    scenario = ''    % name of the present world's scenario
     told_to_step = false
     closed = false
-    process = 0      % of the daemon that coopdyn.launch has started; 0: none
+    process = 0      % of the daemon started by coopdyn.launch; 0: none
   end
   methods
     function s = Session(address, watch)
@@ -24,7 +24,7 @@ classdef Session < handle
     end
 
     function note(s, reply)
-    % Takes time and step out of a reply, and the mode if it carries one.
+    % Stores the reply's time and step, and its mode if it carries one.
       data = reply.data;
       if numel(data) >= 2
         s.newest = data(end - 1:end);
@@ -38,8 +38,8 @@ classdef Session < handle
     end
 
     function go_on(s, step, since)
-    % A request that was sent when the world had reached step `since` was answered with `step`: coopdyn:reset if that is
-    % earlier. In a recording that is played time may go back.
+    % Checks the reply's step against `since`, the step that the world had reached when the request was sent: raises
+    % coopdyn:reset if `step` is earlier, except in a playback, where time may go back.
       if step < since && ~s.watch
         status = s.brief_status();
         if ~isfield(status, 'playback') || isempty(status.playback)
@@ -52,8 +52,8 @@ classdef Session < handle
     end
 
     function new_world(s, word)
-    % Raises coopdyn:reset: somebody has reset the world or (word is 'load', or the scenario is another one) loaded a
-    % scenario. Forgets what belongs to the old world.
+    % Raises coopdyn:reset: another client has reset the world or (word is 'load', or the scenario differs) loaded a
+    % scenario. Discards the state of the old world.
       before = s.scenario;
       s.note_scenario();
       cure = ': run your program again, or catch this to start over';
@@ -74,14 +74,14 @@ classdef Session < handle
     end
 
     function raise_if_loaded(s, cause)
-    % After an error of a team: coopdyn:reset if a scenario was loaded.
+    % After an error of a team: raises coopdyn:reset if a scenario was loaded.
       if ~strcmp(cause.identifier, 'coopdyn:reset') && s.is_new(s.brief_status())
         s.new_world('load');
       end
     end
 
     function yes = is_new(s, status)
-    % The status is of a world that somebody else has reset or loaded.
+    % True if the status belongs to a world that another client has reset or loaded.
       another = isfield(status, 'scenario') && ~strcmp(char(status.scenario), s.scenario);
       plays = isfield(status, 'playback') && ~isempty(status.playback);
       yes = (another || status.step < s.reached) && ~plays;
@@ -95,7 +95,7 @@ classdef Session < handle
     end
 
     function status = brief_status(s)
-    % Of the whole, with one robot.
+    % The status of the simulation, with one robot.
       reply = s.control(100, [1 1]);
       status = jsondecode(reply.text);
     end
@@ -106,9 +106,9 @@ classdef Session < handle
       end
     end
 
-    % --- requests that are answered at once
+    % --- requests that are answered immediately
     function c = connection(s, module)
-    % The one to a module, open; those of the driven robots are not among them.
+    % The open connection to a module, other than those of the driven robots.
       s.require_open();
       k = 1;
       while k <= numel(s.others) && ~strcmp(s.others{k}.module, module)
@@ -124,7 +124,7 @@ classdef Session < handle
     end
 
     function reply = tell(s, module, command, params, data, text, limit)
-    % A request to a module of the whole simulation.
+    % Sends a request to a module of the whole simulation.
       if nargin < 7, limit = 10; end
       if nargin < 6, text = ''; end
       if nargin < 5, data = []; end
@@ -136,12 +136,12 @@ classdef Session < handle
     end
 
     function reply = control(s, varargin)
-    % A request to /simulation.
+    % Sends a request to /simulation.
       reply = s.tell('/simulation', varargin{:});
     end
 
     function reply = read(s, link, module, command, params, text, data)
-    % A reading of the newest frame.
+    % Returns a reading of the newest frame.
       if nargin < 7, data = []; end
       s.require_open();
       link.require_here();
@@ -180,7 +180,7 @@ classdef Session < handle
         rethrow(cause);
       end
       step = reply.data(end);
-      if step < since  % sensors with a rate or a delay show an earlier moment: what is it now?
+      if step < since  % sensors with a rate or a delay return an earlier step: query the present one
         now = s.ask(c, 3, [], '');
         step = now.data(end);
       end
@@ -193,14 +193,14 @@ classdef Session < handle
 
     function c = reader(s, link, key, module)
       if ~isfield(link.readers, key)
-        sends = strcmp(module, 'neighbours') && ~s.watch;  % what a robot sends is its driver's to say
+        sends = strcmp(module, 'neighbours') && ~s.watch;  % only a robot's driver may send its messages
         link.readers.(key) = coopdyn.internal.Connection(s.address, link.path(module), sends);
       end
       c = link.readers.(key);
     end
 
     function reply = ask(s, c, command, params, text, data)
-    % A request that may be repeated: a connection that broke since it was last used is opened again.
+    % Sends a request that may be repeated: reopens a connection that broke since its last use.
       if nargin < 6, data = []; end
       if c.idle
         try
@@ -220,10 +220,10 @@ classdef Session < handle
 
     % --- a step of the world
     function step(s, n, limit)
-    % Sends what was kept (or ready) for every robot and every team of this sim, then takes in the replies.
+    % Runs n steps: sends the kept command (or ready) for every robot and team of this sim, then collects the replies.
       if n > 1 && any(cellfun(@(link) link.has_parts() && ~isempty(link.kept), s.links))
         started = tic;
-        s.step(1, limit);  % such a command stands for one step
+        s.step(1, limit);  % such a command lasts one step
         n = n - 1;
         limit = max(0, limit - toc(started));
       end
@@ -234,7 +234,7 @@ classdef Session < handle
         c = driven.motors;
         alone = ~isempty(c) && ~driven.unclaimed && c.idle && ~s.closed;
       end
-      if alone  % and its connection is in order: the same with less to do
+      if alone  % a single robot with an intact connection: a faster path
         [number, bytes] = driven.frame(n);
         s.step_one(driven, c, number, bytes, limit);
       else
@@ -263,7 +263,7 @@ classdef Session < handle
     end
 
     function reply = step_team(s, team, bytes, limit)
-    % One step of the world, in which the team, which is settled, does what the bytes say.
+    % Runs one step of the world with the command in `bytes` for a team that is ready for a request.
       if isempty(s.links) && numel(s.teams) == 1
         s.step_one(team, team.connection, 110, bytes, limit);
       else
@@ -274,9 +274,9 @@ classdef Session < handle
       team.gone = {};
     end
 
-    % --- what was kept of robots and teams
+    % --- kept commands of robots and teams
     function forget_readings(s)
-    % Those that came with the last step are not the newest any more.
+    % Discards the readings in the last step's reply, which are outdated.
       for k = 1:numel(s.links)
         link = s.links{k};
         link.carried = [];
@@ -284,7 +284,7 @@ classdef Session < handle
     end
 
     function started_anew(s)
-    % After a reset or load: what was kept belongs to the old world.
+    % After a reset or load: discards kept commands, which belong to the old world.
       s.reached = 0;
       s.actuators = cell(0, 3);
       s.forget_commands();
@@ -307,7 +307,7 @@ classdef Session < handle
     end
 
     function freed = let_go(s, robot)
-    % Releases a robot of ours that was only looked at, so that a team can have it. False if there is none.
+    % Releases a robot for a team if this program never commanded it. True if released.
       links = s.links(cellfun(@(l) strcmp(l.robot, robot) && ~isempty(l.motors), s.links));
       freed = ~isempty(links) && ~any(cellfun(@(l) l.commanded || l.unclaimed || ~isempty(l.lost), links));
       for k = 1:freed * numel(links)
@@ -320,9 +320,9 @@ classdef Session < handle
     end
 
     function close(s)
-    % Writes stop to the robots of this sim and closes everything. Does not wait for the step, but lets the daemon read
-    % the stop, so that what the program does next, a reset say, comes after it. A daemon of one's own ends first: the
-    % stop would be a step more.
+    % Sends stop to the robots of this sim and closes everything. Does not wait for the step, but gives the daemon time to
+    % read the stop, so that the program's next request, e.g. a reset, comes after it. Ends a launched daemon first, because
+    % the stop would run another step.
       if s.process > 0
         coopdyn.internal.end_process(s.process);
         s.process = 0;
@@ -349,7 +349,7 @@ classdef Session < handle
             link.motors.send(last{1}, coopdyn.internal.encode(last{1}, [], last{2}));
             stopping{end + 1} = link.motors;
           catch
-            % it is gone already
+            % already closed
           end
         end
       end

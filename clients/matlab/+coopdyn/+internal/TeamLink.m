@@ -1,9 +1,9 @@
 % SPDX-License-Identifier: MIT
 classdef TeamLink < handle
-%TEAMLINK A team as this client drives it: one connection to /swarm, which owns all its robots.
+%TEAMLINK A connection to /swarm that owns all robots of a team.
   properties
-    text                          % the names as they were asked for
-    number                        % tells the teams of one sim apart
+    text                          % the names as given by the program
+    number                        % distinguishes the teams of one sim
     connection
     is_team = true
     selected = 'pose distances'
@@ -11,12 +11,12 @@ classdef TeamLink < handle
     names = {}
     ids = zeros(1, 0)
     readings = {}                 % in the order of a row
-    columns = zeros(1, 0)         % of each
-    stale = false                 % who is in it must be asked again
-    reply = []                    % to the step that ran last
-    gone = {}                     % who was taken from it since it stepped last
-    lost = ''                     % why it is not ours any more
-    playing = ''                  % a recording is played, so the team can only be read: the text of the error
+    columns = zeros(1, 0)         % of each reading
+    stale = false                 % the members must be queried again
+    reply = []                    % to the last step
+    gone = {}                     % robots lost since the team's last step
+    lost = ''                     % why this sim no longer drives the team
+    playing = ''                  % error text if a recording is played, and the team only reads; else ''
     lost_code = 6
   end
   properties (Dependent)
@@ -41,12 +41,12 @@ classdef TeamLink < handle
     end
 
     function open(t, session)
-    % Opens (again): hello takes over from an older connection of this client, claim makes the robots ours.
+    % (Re)opens the connection: hello takes over from an older connection of this client, claim claims the robots.
       c = t.connection;
       c.open();
       try
         if isempty(t.names)
-          c.request(8, [], []);  % an older team may have been of others
+          c.request(8, [], []);  % drop the robots of an older team
         end
         t.take(session);
         if isempty(t.names)
@@ -63,13 +63,13 @@ classdef TeamLink < handle
     end
 
     function settle(t, session)
-    % Makes the connection free for a request.
+    % Makes the connection ready for a request.
       if session.closed || ~isempty(t.lost)
         session.require_open();
         coopdyn.internal.fail(t.lost_code, t.lost);
       end
       c = t.connection;
-      if ~c.idle  % never opened again, or interrupted
+      if ~c.idle  % not reopened, or interrupted
         t.open(session);
       elseif t.stale
         if isempty(t.playing)
@@ -81,7 +81,7 @@ classdef TeamLink < handle
     end
 
     function take(t, session)
-    % Makes the robots ours; while a recording is played only finds out which they are.
+    % Claims the robots; while a recording is played, only looks them up.
       text = '';
       try
         reply = t.claim(session);
@@ -108,7 +108,7 @@ classdef TeamLink < handle
     end
 
     function own(t, session)
-    % An error while a recording is played; a branch may have gone on live from there.
+    % Claims the robots if a branch has ended the playback. Error while a recording is played.
       t.settle(session);
       if ~isempty(t.playing)
         t.take(session);
@@ -119,7 +119,7 @@ classdef TeamLink < handle
     end
 
     function reply = read(t, session)
-    % The readings of the newest step.
+    % Returns the readings of the newest step.
       t.settle(session);
       if isempty(t.playing)
         reply = t.ask(session, 112);
@@ -131,17 +131,17 @@ classdef TeamLink < handle
         if ~strcmp(cause.identifier, 'coopdyn:no_such_name')
           rethrow(cause);
         end
-        [t.names, t.ids] = find_team(session, t.connection, t.text);  % at this moment there are others
+        [t.names, t.ids] = find_team(session, t.connection, t.text);  % the recording has other robots at this moment
         reply = t.ask(session, 112, t.ids);
       end
       t.choose(t.selected, t.neighbours);
-      % Of robots that are not ours the daemon does not tell there how many distances they have.
+      % For robots that the team does not own, the reply to select_readings lacks the number of distances.
       at = strcmp(t.readings, 'distances');
       t.columns(at) = t.columns(at) + reply.params(end) - sum(t.columns);
     end
 
     function reply = ask(t, session, command, params)
-    % A request that is answered at once.
+    % Sends a request that is answered immediately.
       if nargin < 4, params = []; end
       t.settle(session);
       since = session.reached;
@@ -170,7 +170,7 @@ classdef TeamLink < handle
     end
 
     function reply = claim(t, session)
-    % Claims again the robots that it had, except those that another team has by now. Its name may mean others today.
+    % Claims the team's previous robots, not those that its name refers to now, and none that another team has.
       c = t.connection;
       wanted = t.names;
       for k = 1:numel(session.teams)
@@ -195,14 +195,14 @@ classdef TeamLink < handle
         end
       end
       if ~isempty(t.names) && isempty(wanted)
-        reply = c.request(113, [], []);  % none is left
+        reply = c.request(113, [], []);  % no robot is left
         return
       end
       reply = c.request(7, [], [], t.text);
     end
 
     function named(t, reply, session)
-    % Notes who is in the team. A team that has lost all its robots is lost itself.
+    % Stores the team's members. A team that has lost all its robots is lost, too.
       before = t.names;
       t.stale = false;
       t.ids = reply.params;
@@ -228,15 +228,15 @@ classdef TeamLink < handle
     end
 
     function [number, bytes] = frame(t, n) %#ok<INUSL>
-    % The request that makes n steps with the speeds that it has: ready.
+    % The request that makes n steps with the present speeds: ready.
       number = 2;
       bytes = typecast(int32([24 0 2 0 1 0 n]), 'uint8');
     end
 
     function step = stepped(t, session, reply)
-    % Takes in the reply to a step; the step that it tells.
+    % Stores the reply to a step; returns its step.
       if reply.error ~= 0
-        t.stale = true;  % a robot may have been taken from it
+        t.stale = true;  % it may have lost a robot
         coopdyn.internal.check_reply(reply, [t.label ': ']);
       end
       newest = reply.data(end - 1:end);
@@ -247,7 +247,7 @@ classdef TeamLink < handle
     end
 
     function refresh(t, session)
-    % What of a row changes if robots or targets have come or gone.
+    % Queries the members and the columns of a row again, after robots or targets were added or removed.
       t.named(t.ask(session, 113), session);
       t.choose(t.selected, t.neighbours);
     end
@@ -262,18 +262,18 @@ classdef TeamLink < handle
     end
 
     function give_up(t, stop)
-    % Gives the robots up, after stopping them if wished.
+    % Releases the robots; stops them before if `stop`.
       c = t.connection;
       if isempty(t.lost) && ~isempty(c.socket)
         try
-          if c.idle && stop  % else interrupted: closing ends what waits
+          if c.idle && stop  % else interrupted: closing drops the pending reply
             c.request(114, [], [], '', 1);
           end
           if c.idle
             c.request(8, [], [], '', 1);
           end
         catch
-          % it is gone already
+          % already closed
         end
       end
       c.close();
@@ -290,7 +290,7 @@ classdef TeamLink < handle
 end
 
 function [names, ids] = find_team(session, connection, text)
-% The robots that the names of a team mean in a recording that is played, where claim tells no ids.
+% Looks up the robots of a team in a played recording, where claim returns no ids.
   there = coopdyn.internal.robot_names(session);
   known = known_ids(connection, numel(there));
   there = there(1:numel(known));
@@ -301,7 +301,7 @@ function [names, ids] = find_team(session, connection, text)
     in_swarm = ~strcmp(swarm, there);
     swarms = unique(swarm(in_swarm));
     if numel(swarms) == 1 && ~all(ismember(words, [there swarms]))
-      words = [words swarms];  % the section, swarm1, of the only swarm
+      words = [words swarms];  % `swarm1`, the section, stands for the only swarm
     end
     meant = ismember(there, words) | in_swarm & ismember(swarm, words);
     if ~any(meant)
@@ -322,7 +322,7 @@ function [names, ids] = find_team(session, connection, text)
 end
 
 function ids = known_ids(connection, n)
-% The ids of the n robots, in their order: from 1 on, with gaps where robots have been removed.
+% The ids of the n robots in ascending order, with gaps where robots have been removed.
   ids = 1:n;
   if n == 0 || are_there(connection, ids)
     return

@@ -1,10 +1,10 @@
 % SPDX-License-Identifier: MIT
 classdef Wait < handle
-%WAIT How long something may take: an error, "what within 5 s", after `limit` seconds. While it lasts it says once what the
-%   world waits for; with held_up only if its steps do not go on. With in_step it raises what the step's reply would say if
-%   the world is another by now.
+%WAIT A wait with a timeout: an error, "what within 5 s", after `limit` seconds. A long wait reports once what the world
+%   waits for; with held_up, only if no steps run. With in_step, raises coopdyn:reset if the world was reset or loaded
+%   meanwhile.
   properties
-    patient = false  % the next poll may wait a little, which sees a peer that is gone
+    patient = false  % the next poll may wait a little, which detects a closed peer
     now_s = 0
   end
   properties (Access = private)
@@ -28,7 +28,7 @@ classdef Wait < handle
     end
 
     function rest(w)
-    % A millisecond; raises what is over, says what is due.
+    % Sleeps 1 ms; raises the timeout, or prints the notice, when due.
       w.now_s = toc(w.started);
       if w.now_s > w.limit
         coopdyn.internal.fail(11, sprintf('%s within %g s; %s', w.what, w.limit, whom(w.session, false, w.in_step)));
@@ -51,7 +51,7 @@ classdef Wait < handle
 end
 
 function text = whom(session, held_up, in_step)
-% One line that says what the world waits for; with held_up empty if its steps go on: lockstep waits for its robots
+% One line that says what the world waits for; with held_up, empty if steps still run: lockstep waits for its robots
 %   before every step, and less than 0.5 s is normal.
   try
     status = coopdyn.internal.fresh_status(session.address);
@@ -60,7 +60,7 @@ function text = whom(session, held_up, in_step)
     return
   end
   if in_step && session.is_new(status)
-    coopdyn.internal.raise('coopdyn:reset', 'reset');  % recover makes it a text
+    coopdyn.internal.raise('coopdyn:reset', 'reset');  % recover completes the text
   end
   if isfield(status, 'playback') && ~isempty(status.playback)
     p = status.playback;
@@ -70,7 +70,7 @@ function text = whom(session, held_up, in_step)
     end
   end
   if strcmp(status.state, 'paused')
-    text = 'the simulation is paused; sim.run() or the page goes on';
+    text = 'the simulation is paused; continue with sim.run() or on the page';
     return
   elseif strcmp(status.state, 'ended')
     text = 'the run has ended; sim.reset() starts again';
@@ -101,7 +101,7 @@ function text = whom(session, held_up, in_step)
   if isfield(awaiting, 'cure')
     cures = {awaiting.cure};
     cures = cures(~cellfun('isempty', cures));
-    if ~isempty(cures)  % how to go on without one of them
+    if ~isempty(cures)  % how to continue without one of them
       text = [text ': ' cures{1}];
     end
   end

@@ -1,13 +1,13 @@
 % SPDX-License-Identifier: MIT
 classdef WorldCalls < handle
-%WORLDCALLS What a simulation tells /world: edits of what stands there. Part of coopdyn.Simulation.
+%WORLDCALLS Requests of a simulation to /world: live edits. Part of coopdyn.Simulation.
   properties (Access = protected)
     session
   end
   methods
     function names = insert(sim, sections)
-    %INSERT Puts things, robots, targets and lights into the world: sections of a scenario, or a file of such. Returns their
-    %   names, a cell array. [BOX_*] takes the next free number; in one line | stands between the lines.
+    %INSERT Inserts things, robots, targets and lights: sections of a scenario, or a file of sections. Returns their names, a
+    %   cell array. [BOX_*] uses the next free number; a text in one line has | between lines.
       coopdyn.internal.need(nargin, 2, 'sim.insert(''[BOX_*] | type box | size 0.5 0.5 0.5 | position 2 1'')');
       if ~coopdyn.internal.is_text(sections) || isempty(char(sections))
         coopdyn.internal.fail(3, ['sections are a text, not ' coopdyn.internal.show(sections) ': write ' ...
@@ -21,7 +21,7 @@ classdef WorldCalls < handle
     end
 
     function remove(sim, names)
-    %REMOVE Takes something out of the world: a name, or a cell array of names.
+    %REMOVE Removes objects: a name, or a cell array of names.
       coopdyn.internal.need(nargin, 2, 'sim.remove(''BOX_1'')');
       if ~iscell(names)
         names = {names};
@@ -33,8 +33,8 @@ classdef WorldCalls < handle
     end
 
     function move(sim, name, position, turn)
-    %MOVE Puts something elsewhere, at rest: position [x y] or [x y z] (m); turn: a yaw (rad), or a quaternion [w x y z], which
-    %   needs x, y and z. What is not given it keeps.
+    %MOVE Moves an object and stops it: position [x y] or [x y z] (m); turn: a yaw (rad), or a quaternion [w x y z], which
+    %   needs x, y and z. Omitted components stay unchanged.
       coopdyn.internal.need(nargin, 3, 'sim.move(''BOX_1'', [2 1])');
       if nargin < 4
         turn = [];
@@ -67,29 +67,29 @@ classdef WorldCalls < handle
     end
 
     function rename(sim, name, new_name)
-    %RENAME Gives a thing, a robot or a light another name. The modules of a robot get new names, too.
+    %RENAME Renames a thing, a robot (including its modules) or a light.
       coopdyn.internal.need(nargin, 3, 'sim.rename(''BOX_1'', ''crate'')');
       edit(sim, 144, [], [coopdyn.internal.word(name, 'a name') ' ' coopdyn.internal.word(new_name, 'a name')]);
     end
 
     function what = undo(sim)
-    %UNDO Takes back the last edit, of whichever client; returns what that concerned.
+    %UNDO Undoes the last edit, by any client; returns the object concerned.
       what = edit(sim, 147, [], '');
     end
 
     function what = redo(sim)
-    %REDO Makes the edit again that undo, or a reset, has taken back last.
+    %REDO Redoes the edit that undo or a reset undid last.
       what = edit(sim, 148, [], '');
     end
 
     function w = world(sim)
-    %WORLD All that stands in the world now: a struct with things, robots, targets and lights, with ids, names and places.
+    %WORLD All present objects: a struct with things, robots, targets and lights, with ids, names and poses.
       reply = sim.session.tell('/world', 145);
       w = jsondecode(reply.text);
     end
 
     function file = save_scenario(sim, file)
-    %SAVE_SCENARIO Writes the present world as a scenario that loads to the same places; returns the file's name.
+    %SAVE_SCENARIO Writes the present world, with all poses, as a scenario; returns the file's name.
       coopdyn.internal.need(nargin, 2, 'sim.save_scenario(''mine.scenario'')');
       file = char(file);
       reply = sim.session.tell('/world', 146);
@@ -102,7 +102,7 @@ classdef WorldCalls < handle
     end
 
     function p = pick(sim, origin, direction)
-    %PICK What a ray from a point in a direction meets first: a struct with name ('': nothing), point and distance (m).
+    %PICK The first hit of a ray from a point in a direction: a struct with name ('': no hit), point and distance (m).
       coopdyn.internal.need(nargin, 3, 'sim.pick([0 0 5], [0 0 -1])');
       reply = sim.session.tell('/world', 149, [], [origin(:)' direction(:)']);
       p = struct('name', reply.text, 'point', reshape(reply.data(1:3), 1, 3), 'distance', reply.data(4));

@@ -1,7 +1,7 @@
 % SPDX-License-Identifier: MIT
 function link = actuator(session, first, type)
-%ACTUATOR The link to the muscles, thrusters or channel of the robot with this first link. A channel drives all that the robot's
-%  other actuators drive: these are given up.
+%ACTUATOR The link to the muscles, thrusters or channel of the robot with this first link. For a channel, gives up the
+%  robot's other actuators, which the channel then drives.
   session.require_open();
   first.require_here();
   links = [{first} first.others];

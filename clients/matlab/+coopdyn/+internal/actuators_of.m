@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function [names, types] = actuators_of(session, robot)
-%ACTUATORS_OF The names and types of a robot's actuator modules, in its order. Asked for once in a world.
+%ACTUATORS_OF The names and types of a robot's actuator modules, in the robot's order. Queried once per world.
   known = session.actuators;
   if isempty(known) || ~any(strcmp(known(:, 1), robot))
     known = cell(0, 3);

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function a = address(server, name, token, timeout, seat, pin)
-%ADDRESS Where the daemon is and who we are: host, port, text, name, hello, reader_hello, timeout, seat, pin, why_lost.
+%ADDRESS The daemon's address and the client's identity: host, port, text, name, hello, reader_hello, timeout, seat, pin, why_lost.
 %   seat and pin: of a class; both []: COOPDYN_SEAT; seat '': none.
   if nargin < 6
     seat = [];

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function modules = ask_names(a)
-%ASK_NAMES Every name of the daemon: a 1 x n struct with name, host, port.
+%ASK_NAMES All names registered at the daemon: a 1 x n struct with name, host, port.
   socket = coopdyn.internal.dial(a);
   known = '^(registration |\*\*\*)';
   said = coopdyn.internal.begin(a, socket, 'NAME_SERVER list', '\n');

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function s = attached_readings(attached, reply)
-%ATTACHED_READINGS The readings of the modules `attached` out of a reply that carries them; targets as distance, bearing, ….
+%ATTACHED_READINGS Decodes the readings of the modules `attached` from a reply; targets as distance, bearing, ….
   persistent none
   if isempty(none)
     none = struct('time', 0, 'step', 0, 'distances', zeros(1, 0), 'targets', zeros(1, 0), 'target', [], ...

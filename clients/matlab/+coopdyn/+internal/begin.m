@@ -1,8 +1,8 @@
 % SPDX-License-Identifier: MIT
 function said = begin(a, socket, line, pattern)
-%BEGIN Sends the first line of a connection; in a class one before it says whose seat this is. Returns the answer as far as
-%  it fits the pattern.
-  seat_start = 20;  % of the daemon of a seat [s]: when a class begins all of them start at once
+%BEGIN Sends a connection's first line, in a class after a line with seat and PIN. Returns the part of the answer that
+%  matches the pattern.
+  seat_start = 20;  % of a seat's daemon [s]: all start at once when a class begins
   said = '';
   limit = a.timeout;
   if isempty(a.seat)
@@ -11,7 +11,7 @@ function said = begin(a, socket, line, pattern)
     write(socket, uint8(['SEAT ' a.seat ' ' a.pin ' ' language() char(10) line char(10)]));
     said = coopdyn.internal.hear(a, socket, '', '\n', limit);
     [first, said] = strtok([said char(10)], char(10));
-    if strncmp(first, '***', 3)  % a name server's answer to a word that it does not know
+    if strncmp(first, '***', 3)  % a name server's answer to an unknown word
       text = [a.text ' is no class: leave seat and pin out'];
       if ~isempty(getenv('COOPDYN_SEAT'))
         text = [text ', and COOPDYN_SEAT, too'];

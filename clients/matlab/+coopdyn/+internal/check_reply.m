@@ -1,7 +1,7 @@
 % SPDX-License-Identifier: MIT
 function check_reply(reply, who)
-%CHECK_REPLY Raises an error reply. If a reset or load has ended the wait: coopdyn:reset with one word, which
-%   Session.new_world makes a text.
+%CHECK_REPLY Raises an error reply. If a reset or load ended the wait, raises coopdyn:reset with a one-word text, which
+%   Session.new_world turns into a message.
   if reply.error == 5 && any(strcmp(reply.text, {'reset', 'load'}))
     coopdyn.internal.raise('coopdyn:reset', reply.text);
   end

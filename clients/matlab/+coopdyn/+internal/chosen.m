@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function ids = chosen(parts, names, one, whose)
-%CHOSEN Ids of joints or the like, from names or ids; [] are all. One of them is a 'joint'.
+%CHOSEN Ids of joints or other parts, from names or ids; [] are all. `one`: their singular, e.g. 'joint'.
   n = numel(names);
   if isempty(parts)
     ids = 1:n;
@@ -15,7 +15,7 @@ function ids = chosen(parts, names, one, whose)
     parts = cellstr(parts);
     ids = zeros(1, 0);
     for k = 1:numel(parts)
-      at = reshape(find(strcmp(names, parts{k})), 1, []);  % values of a channel may be called alike
+      at = reshape(find(strcmp(names, parts{k})), 1, []);  % values of a channel may share a name
       if isempty(at)
         coopdyn.internal.fail(10, [whose ' has no ' one ' ''' parts{k} '''; ' coopdyn.internal.nearest(parts{k}, names) ...
           'there are: ' coopdyn.internal.list_of(names)]);

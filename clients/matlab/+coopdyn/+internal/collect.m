@@ -1,7 +1,7 @@
 % SPDX-License-Identifier: MIT
 function earliest = collect(s, connections, links, limit, come)
-%COLLECT Takes in the reply of every connection but the first `come`, which have it; the earliest step that they tell. The
-%   first error is raised.
+%COLLECT Collects the replies of all connections but the first `come`, which have theirs; returns the earliest step of the
+%   replies. Raises the first error.
   if nargin < 5
     come = 0;
   end
@@ -9,11 +9,11 @@ function earliest = collect(s, connections, links, limit, come)
   waiting = come + 1:numel(connections);
   stepped = 1:come;
   stepped_s = Inf;
-  if come > 0 || any(cellfun(@(link) link.beside, s.links))  % one of those may take part now
+  if come > 0 || any(cellfun(@(link) link.beside, s.links))  % one may be a participant by now
     stepped_s = 0;
   end
   wait = [];
-  patient = true;  % the next poll may wait a little: one such poll a round
+  patient = true;  % the next poll may wait a little: one such poll per round
   while true
     left = [];
     for k = waiting
@@ -43,7 +43,7 @@ function earliest = collect(s, connections, links, limit, come)
       return
     end
     if isempty(wait)
-      wait = coopdyn.internal.Wait(s, limit, 'the step did not come', false, ~isempty(links{1}));
+      wait = coopdyn.internal.Wait(s, limit, 'the step did not run', false, ~isempty(links{1}));
     end
     wait.rest();
     patient = wait.patient;
@@ -61,11 +61,11 @@ function earliest = collect(s, connections, links, limit, come)
 end
 
 function [connections, links, waiting, again] = catch_up(s, connections, links, stepped, waiting)
-% After an error or a timeout a command that had not run may still run while its successor is on the way: its robot
-% is then one step behind the others, and they would wait for each other without end. So if the world waits for robots
-% of ours that have stepped already, these make one more step with the commands they have. If it also waits for one
-% whose reply has not come, that reply is on its way and there is nothing to do. A robot that takes no part (among the
-% first that the status lists) is set beside, as its command may have come after the others' step: it runs in the next.
+% Resolves a deadlock: after an error or timeout, an old command may still run while its successor is on the way. Its robot
+% is then one step behind the others, and both would wait for each other forever. If the status says that the world waits
+% for robots of ours that have stepped already, steps these once more with their present commands. If it also waits for a
+% robot whose reply is pending, that reply will arrive: does nothing. Sets robots that are no participants (among the first
+% that the status lists) beside, because their commands may have arrived after the others' step and then run in the next.
   again = [];
   status = coopdyn.internal.fresh_status(s.address);
   if isempty(status.awaiting)
@@ -139,7 +139,7 @@ function set_beside(s, robots)
 end
 
 function yes = is_among(link, awaited)
-% Of a robot with several actuators the world awaits ROBOT/MODULE; its channel drives them all.
+% For a robot with several actuators the status names ROBOT/MODULE; its channel drives them all.
   robots = strtok(awaited, '/');
   yes = ismember(robots, link.names);
   if ~link.is_team && ~strcmp(link.type, 'channel')

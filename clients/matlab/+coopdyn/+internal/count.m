@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function n = count(n, what)
-%COUNT A whole number of at least 1; anything else is an error.
+%COUNT An integer of at least 1; anything else is an error.
   if ~isnumeric(n) || numel(n) ~= 1 || n ~= round(n)
     coopdyn.internal.fail(2, [what ' must be a whole number, not ' coopdyn.internal.show(n)]);
   end

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function [message, used] = decode(bytes)
-%DECODE The first message of a row of uint8 and how many bytes it took; [] and 0 if more are needed.
+%DECODE The first message of a row of uint8 and its size in bytes; [] and 0 if it is incomplete.
   message = [];
   used = 0;
   if numel(bytes) < 24
@@ -27,7 +27,7 @@ function [message, used] = decode(bytes)
   params = zeros(1, 0);
   if m > 0
     params = typecast(bytes(at + 1:at + 4 * m), 'int32');
-    if m <= 1024  % more are the bytes of a picture
+    if m <= 1024  % more are a picture's bytes
       params = double(params);
     end
   end

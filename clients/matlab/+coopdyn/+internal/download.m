@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function download(session, path, file, what, limit)
-%DOWNLOAD Copies what the daemon's page has at path to a file, whole or not at all. limit: seconds without an answer.
+%DOWNLOAD Downloads path from the daemon's page to a file, completely or not at all. limit: timeout without an answer [s].
   status = session.brief_status();
   page = coopdyn.internal.url_here(session.address, char(status.http));
   if isempty(page)

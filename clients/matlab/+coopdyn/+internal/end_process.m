@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function end_process(process)
-%END_PROCESS Ends a daemon that was launched: in order, after 10 s by force.
+%END_PROCESS Shuts a launched daemon down; kills it after 10 s.
   signal = 'TERM';
   began = tic();
   while coopdyn.internal.is_running(process)

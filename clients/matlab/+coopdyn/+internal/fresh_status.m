@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function status = fresh_status(address)
-%FRESH_STATUS The status, asked on a connection of its own: others may be waiting.
+%FRESH_STATUS Queries the status on a separate connection, because the others may have replies pending.
   c = coopdyn.internal.Connection(address, '/simulation');
   c.open();
   reply = c.request(100, [], [], '', address.timeout);

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function said = hear(a, socket, said, pattern, limit)
-%HEAR Reads on until the text that has come fits a pattern, or the connection has ended. limit: seconds.
+%HEAR Reads until the received text matches a pattern, or the connection has ended. limit: seconds.
   started = tic;
   looked = 0;
   while isempty(regexp(said, pattern, 'once'))
@@ -15,7 +15,7 @@ function said = hear(a, socket, said, pattern, limit)
       try
         said = [said char(read(socket, 1))]; %#ok<AGROW>
       catch
-        return  % only so Octave sees the end
+        return  % the only way in which Octave detects the end
       end
     elseif toc(started) > 0.002
       pause(0.001);

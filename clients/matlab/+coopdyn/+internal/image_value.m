@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function image = image_value(params, kind)
-%IMAGE_VALUE A picture out of the params of a reply to get_image: width, height, bytes, then the bytes, four to a number.
+%IMAGE_VALUE Decodes a picture from the params of a reply to get_image: width, height, size, then the bytes, four per param.
 %   kind: 0 colour (height x width x 3 uint8), 1 JPEG (a row of uint8), 2 depth (single), 3 segmentation (uint16).
   if numel(params) < 3
     coopdyn.internal.fail(7, 'a reply of the daemon has too few values');

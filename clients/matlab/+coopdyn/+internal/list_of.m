@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function text = list_of(names)
-%LIST_OF Names for an error; if there are many, the first twenty and their number.
+%LIST_OF Lists names for an error; of many, the first twenty and their total number.
   text = 'none';
   if ~isempty(names)
     text = strjoin(reshape(names(1:min(end, 20)), 1, []), ', ');

@@ -1,10 +1,10 @@
 % SPDX-License-Identifier: MIT
 function gone = loaded(session)
-%LOADED After a load: teams begin anew, and robots that are not there any more are lost. The names of these.
+%LOADED After a load: makes teams reopen, and marks robots that the new scenario lacks as lost. Returns their names.
   session.started_anew();
   session.note_scenario();
   for k = 1:numel(session.teams)
-    team = session.teams{k};  % opened again with the robots that there are now
+    team = session.teams{k};  % reopens with the present robots
     team.connection.close();
     team.names = {};
     if team.lost_code == 5  % it had no robots left

@@ -1,7 +1,7 @@
 % SPDX-License-Identifier: MIT
 function lose(session, link, cause)
-%LOSE The daemon closed the motors connection. If the robot was taken over or freed it is not opened again automatically:
-%  that would take it back from its new driver. Raises what happened.
+%LOSE The daemon closed the connection for commands. If the robot was taken over or freed, the connection is not reopened:
+%  that would take the robot back from its new driver. Raises the error.
   if ~strcmp(cause.identifier, 'coopdyn:connection')
     rethrow(cause);
   end
@@ -12,10 +12,10 @@ function lose(session, link, cause)
     link.drives = false;
     why = link.motors.notice;
   end
-  if isempty(why)  % Octave loses a notice that comes together with the end of the connection
+  if isempty(why)  % Octave loses a notice that arrives together with the end of the connection
     why = new_owner(session.address, link.names{1});
   end
-  if isempty(why) || (~isempty(session.address.seat) && strcmp(why, 'it was freed'))  % the seat's next daemon says so, too
+  if isempty(why) || (~isempty(session.address.seat) && strcmp(why, 'it was freed'))  % a restarted daemon of a seat sends this, too
     coopdyn.internal.fail(-1, ['the connection to ' link.label ' broke; ' session.address.why_lost]);
   end
   if ~isempty(regexp(why, 'is not in the new scenario$|^it is not there any more$', 'once'))
@@ -24,7 +24,7 @@ function lose(session, link, cause)
   link.lost = [link.label ' is not driven by this sim any more: ' why '; ' link.take_again() ' takes it again'];
   link.lost_code = 6;
   if ~link.is_team
-    for k = 1:numel(session.links)  % its other actuators are not ours any more, either
+    for k = 1:numel(session.links)  % its other actuators are lost, too
       other = session.links{k};
       if strcmp(other.robot, link.robot) && isempty(other.lost) && ~other.in_team
         other.lost = link.lost;
@@ -41,7 +41,7 @@ function lose(session, link, cause)
 end
 
 function why = new_owner(address, robot)
-% Who drives a robot that was ours; '' if the daemon does not answer.
+% Who drives a robot that this sim drove; '' if the daemon does not answer.
   why = '';
   try
     status = coopdyn.internal.fresh_status(address);

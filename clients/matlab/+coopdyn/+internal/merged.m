@@ -1,7 +1,7 @@
 % SPDX-License-Identifier: MIT
 function command = merged(kept, command, whose)
-%MERGED What one step is to do that was told `kept` before, `command` now: {number, data, joints}. What both say of a joint,
-%  the last wins.
+%MERGED Merges `command` with `kept`, an earlier one for the same step: {number, data, joints}. Where both name a joint,
+%  `command` wins.
   if isempty(kept) || all(ismember(kept{3}, command{3}))
     return
   end

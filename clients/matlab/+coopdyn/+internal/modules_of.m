@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function names = modules_of(session, robot)
-%MODULES_OF The names of a robot's modules by type: of several of a type the one named like it, else the first.
+%MODULES_OF The names of a robot's modules by type: among several of a type, the one named like it, else the first.
   names = struct();
   robots = coopdyn.internal.robots_status(session);
   for k = 1:numel(robots)

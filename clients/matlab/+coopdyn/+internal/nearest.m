@@ -1,8 +1,8 @@
 % SPDX-License-Identifier: MIT
 function text = nearest(name, known)
-%NEAREST The known name that was probably meant, as part of an error; capitals do not matter.
+%NEAREST Suggests, as part of an error, the known name most similar to a name, ignoring case.
   text = '';
-  least = max(1, floor(0.3 * numel(name)));  % edits that still count as a slip
+  least = max(1, floor(0.3 * numel(name)));  % edits that still count as a typo
   for k = 1:numel(known)
     edits = distance(lower(name), lower(known{k}));
     if edits < least || edits == least && isempty(text)
@@ -13,7 +13,7 @@ function text = nearest(name, known)
 end
 
 function edits = distance(a, b)
-% Letters to insert, remove or replace between two words.
+% The edit distance: letters to insert, remove or replace between two words.
   row = 0:numel(b);
   for i = 1:numel(a)
     before = row;

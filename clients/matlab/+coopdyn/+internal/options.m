@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function chosen = options(pairs, chosen)
-%OPTIONS Name-value pairs over their defaults; unknown names are errors.
+%OPTIONS Applies name-value pairs to their defaults; unknown names are errors.
   known = fieldnames(chosen);
   if mod(numel(pairs), 2) ~= 0
     coopdyn.internal.fail(2, ['options come in pairs of name and value; names are: ' strjoin(known', ', ')]);

@@ -1,8 +1,8 @@
 % SPDX-License-Identifier: MIT
 function answer = probe(host, port, timeout)
 %PROBE Octave only: whether a connection can be made within `timeout` seconds: 'ok', 'refused', 'silent', 'unknown'.
-%   Octave's tcpclient has no limit for connecting and waits for minutes where packets are dropped, so bash tries
-%   first. 'unknown': there is no bash or timeout to try with.
+%   Octave's tcpclient has no timeout for connecting and waits for minutes where packets are dropped, so bash tries
+%   first. 'unknown': bash or timeout is missing.
   [code, ~] = system(sprintf('timeout %g bash -c ''exec 3<>/dev/tcp/%s/%d'' >/dev/null 2>&1', timeout, host, port));
   switch code
     case 0

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function raise(identifier, text)
-%RAISE Raises an error. Its text says all: Octave, which prints every function on the way, prints those of the program only.
+%RAISE Raises an error. Its text is sufficient: Octave prints every function on the stack, here only those of the program.
   if ~coopdyn.internal.is_octave()
     error(identifier, '%s', text);
   end

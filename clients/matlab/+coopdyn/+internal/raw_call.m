@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function reply = raw_call(session, name, command, params, data, text, limit)
-%RAW_CALL The raw message, by the name of its command or its number.
+%RAW_CALL Sends a raw message, by the name of its command or its number.
   session.require_open();
   name = ['/' regexprep(coopdyn.internal.word(name, 'a module, as ''/robot1/motors'','), '^/|/$', '')];
   if ~isnumeric(command)
@@ -43,7 +43,7 @@ function reply = raw_call(session, name, command, params, data, text, limit)
 end
 
 function number = number_of(session, name, command)
-% From the module's own description, which is asked for once.
+% From the module's own description, which is queried once.
   entry = {};
   for k = 1:size(session.described, 1)
     if strcmp(session.described{k, 1}, name)
@@ -71,7 +71,7 @@ function number = number_of(session, name, command)
 end
 
 function message = await_one(session, c, limit)
-% The reply, which may have to wait for a step.
+% Waits for the reply, which may have to wait for a step.
   wait = coopdyn.internal.Wait(session, limit, ['no answer from ' c.module]);
   message = c.poll(true);
   while isempty(message)

@@ -1,14 +1,14 @@
 % SPDX-License-Identifier: MIT
 function recover(session, connections, links, cause)
-%RECOVER Connections that still wait for a reply are closed and opened again: reading on would take the next reply for the
-%  one that is missing. Raises the cause.
+%RECOVER Closes and reopens connections whose reply is pending: otherwise the late reply would be mistaken for the next one.
+%  Raises the cause.
   raised = cause;
   again = {};
   for k = 1:numel(connections)
     c = connections{k};
     link = links{k};
     if c.idle
-      continue  % it has had its reply, or nothing was sent
+      continue  % its reply has arrived, or nothing was sent
     end
     gone = isempty(c.socket);
     c.close();
@@ -30,7 +30,7 @@ function recover(session, connections, links, cause)
       try
         link.open(session);
       catch
-        % tried again at the next use, which says what is wrong
+        % the next use tries again, and reports the error
       end
     end
   end
@@ -47,7 +47,7 @@ function recover(session, connections, links, cause)
         team.settle(session);
       catch another
         if ~isempty(team.lost)
-          raised = another;  % otherwise its next use says what is wrong
+          raised = another;  % otherwise its next use reports the error
         end
       end
     end

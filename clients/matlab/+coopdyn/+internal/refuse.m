@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function refuse(a, said)
-%REFUSE Raises the error in the line that was said instead of what was asked for.
+%REFUSE Raises the error that an unexpected answer line stands for.
   % error 10 no such name /robot9/motors; did you mean /robot1/motors
   found = regexp(said, '^error (\d+) (.+)$', 'tokens', 'once');
   if ~isempty(found)

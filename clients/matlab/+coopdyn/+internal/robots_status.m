@@ -1,8 +1,8 @@
 % SPDX-License-Identifier: MIT
 function robots = robots_status(session)
-%ROBOTS_STATUS What the status tells of all robots, a cell array of structs in the order of the scenario.
+%ROBOTS_STATUS The status of all robots, a cell array of structs in the order of the scenario.
   robots = {};
-  while true  % one status lists only a part of them
+  while true  % one status lists only some of them
     reply = session.control(100, [numel(robots) + 1, 1000]);
     s = jsondecode(reply.text);
     if isempty(s.robots)

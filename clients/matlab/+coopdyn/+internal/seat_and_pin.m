@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function [seat, pin] = seat_and_pin(seat, pin)
-%SEAT_AND_PIN A seat of a class and its PIN: as given, else ([]) from COOPDYN_SEAT; both '': none.
+%SEAT_AND_PIN A seat of a class and its PIN: as given, or if [] from COOPDYN_SEAT; both '': none.
   how = '; write coopdyn.connect(''labserver'', ''seat'', ''ana'', ''pin'', ''7305'') as on your sheet, or COOPDYN_SEAT=ana:7305';
   if is_none(seat) && is_none(pin)
     [seat, rest] = strtok([strtrim(getenv('COOPDYN_SEAT')) ' '], ': ');

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function values = spread(values, n, one)
-%SPREAD One value for each of n joints or the like: as many, or one for all.
+%SPREAD One value for each of n joints or other parts; a single value is repeated.
   if ~isnumeric(values) || ~isreal(values) || ~any(numel(values) == [1 n])
     coopdyn.internal.fail(3, sprintf('write a value for each of the %d %ss, or one for all, not %s', n, one, ...
                                      coopdyn.internal.show(values)));

@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function step_all(s, n, limit, commanded, bytes)
-%STEP_ALL A step of the world with every robot and every team of session s, as Session.step says.
+%STEP_ALL Runs a step of the world with every robot and team of session s; see Session.step.
   s.require_open();
   connections = {};
   links = {};
@@ -16,7 +16,7 @@ function step_all(s, n, limit, commanded, bytes)
         if (isempty(team.lost) && ~isempty(team.names)) || nargin > 3 && team.number == commanded.number
           rethrow(cause);
         end
-      end  % else the others go on without one that is lost, or whose robots are another's after a load
+      end  % else other teams continue without a lost one, or one whose robots another client got after a load
     end
     if ~isempty(teams)
       s.drop_lost_teams();
@@ -39,7 +39,7 @@ function step_all(s, n, limit, commanded, bytes)
       if (others && ~link.is_free(s)) || ~link.takes_part(s)
         continue
       end
-      link.beside = others;  % else nobody else of ours makes the step
+      link.beside = others;  % without others, this robot makes the step
       if ~others
         links{end + 1} = link; %#ok<AGROW>
         connections{end + 1} = link.motors; %#ok<AGROW>
@@ -74,7 +74,7 @@ function step_all(s, n, limit, commanded, bytes)
       connections{k}.send(number, frame);
       numbers(k) = number;
     end
-    % The request of the last sets off the step: most often the replies are here at once.
+    % The last request triggers the step: most often the replies arrive at once.
     earliest = Inf;
     come = 0;
     while come < count && ~isempty(links{come + 1})

@@ -11,7 +11,7 @@ function team = take_team(session, text)
     team = session.teams{k};
     if strcmp(team.text, text)
       try
-        team.settle(session);  % who is in it by now
+        team.settle(session);  % updates its members
         return
       catch cause
         if isempty(team.lost)
@@ -22,13 +22,13 @@ function team = take_team(session, text)
     numbers(end + 1) = team.number; %#ok<AGROW>
   end
   session.drop_lost_teams();
-  for k = 1:numel(session.teams)  % what one of ours lets go of for a moment is not free
+  for k = 1:numel(session.teams)  % robots that one of our teams lost only for a moment are not free
     other = session.teams{k};
     if ~isempty(other.names) && ~other.connection.idle
       try
         other.settle(session);
       catch
-        % its next use says what is wrong
+        % its next use reports the error
       end
     end
   end

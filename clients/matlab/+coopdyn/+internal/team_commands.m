@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function [words, rows, pairs] = team_commands(pairs)
-%TEAM_COMMANDS Takes the commands of a team out of name-value pairs; the other pairs are left.
+%TEAM_COMMANDS Extracts the commands of a team from name-value pairs; returns the other pairs, too.
   known = {'velocities', 'wheels', 'positions', 'positions_direct', 'joint_velocities', 'efforts'};
   words = {};
   rows = {};

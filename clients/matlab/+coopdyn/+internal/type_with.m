@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function [type, known] = type_with(module)
-%TYPE_WITH A robot's type that has a module of this kind, for messages; '' if none comes with the daemon. known: it is a kind.
+%TYPE_WITH A shipped type of robot that has a module of this kind, for messages; '' if none. known: the kind exists.
   type = '';
   known = true;
   switch module

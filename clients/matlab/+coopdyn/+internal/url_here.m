@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function url = url_here(address, url)
-%URL_HERE The same URL with the host that reaches the daemon from here; '' if there is none.
+%URL_HERE The URL with the host by which this machine reaches the daemon; '' without a URL.
   found = regexp(url, '^\w+://.*?:(\d+)(/.*)?$', 'tokens', 'once');
   if isempty(found)
     url = '';

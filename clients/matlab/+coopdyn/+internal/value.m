@@ -1,6 +1,6 @@
 % SPDX-License-Identifier: MIT
 function v = value(command, params, text, data)
-%VALUE What the get-command of this number returns, out of its message (data without time and step).
+%VALUE Decodes the reply to the get command of this number (data without time and step).
   switch command
     case 12
       v = struct('left_angle', data(1), 'right_angle', data(2), 'left_speed', data(3), 'right_speed', data(4));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the controllers `hostile` and `setpoints` do, by their option `deed`.
+// Deeds of the controllers `hostile` and `setpoints`, chosen by their option `deed`.
 #pragma once
 
 namespace coopdyn {
@@ -26,10 +26,10 @@ enum Deed {
   kKillItself,
   kKillOnce,     // if it can remove the file HOSTILE_MARKER
   kFork,         // harmless
-  kShrinkAreas,  // what it shares with the daemon
+  kShrinkAreas,  // memory shared with the daemon
   kGrowAreas,
   kWriteInputs,
-  kOverwriteOutputs,        // over and over
+  kOverwriteOutputs,        // repeatedly
   kOverwriteOutputsBeside,  // from a thread that it starts
   kLeakWithNew,
   kLeakWithMalloc,
@@ -50,10 +50,10 @@ enum Deed {
 
 /// Of the controller `setpoints`.
 enum SetpointDeed {
-  kSwing,      // all channels, from what they read
+  kSwing,      // all channels, from their readings
   kByForward,  // forward 0.05 m/s, turn 0.3 rad/s
   kTooFast,
-  kOnlyOne,  // the first is off
+  kOnlyOne,  // the first channel is off
   kNoSuchMode,
   kModeNotTaken,
   kReferenceNotANumber,
@@ -63,10 +63,10 @@ enum SetpointDeed {
 
 /// Of the supervisor `overseer`.
 enum OverseerDeed {
-  kWatches,   // logs what it sees
+  kWatches,   // logs its observations
   kMovesAll,  // things, robots, targets and lights, 1 m along x
   kEndsRun,
-  kMovesNobody,  // an id that is not there
+  kMovesNobody,  // an unknown id
   kMovesTwice,
   kMovesInto,  // the first robot into the second
   kMovesTooMany,

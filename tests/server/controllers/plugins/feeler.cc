@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Broadcasts what some of its sensors show, so that a test can see it: how many it was given, the type of the
-// first one as a letter, the vertical acceleration of the IMU, the step of its sample, the first and the last
-// byte of the picture.
+// Broadcasts some sensors' readings for a test: the number of sensors, the first letter of the first one's
+// type, the IMU's vertical acceleration, the step of its sample, the first and the last byte of the picture.
 #include <cstring>
 
 #include "clients/plugin/cpp_controller.h"

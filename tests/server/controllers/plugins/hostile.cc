@@ -43,18 +43,18 @@ int Recurse(int depth) {
 
 /// `count` numbers from `first` on.
 void Fill(double* first, int count) {
-  double* volatile place = first;  // the compiler must not see where it leads
+  double* volatile place = first;  // hides the pointer's target from the compiler
   for (int i = 0; i < count; ++i) place[i] = 1;
 }
 
-/// Resizes every anonymous file that this process has.
+/// Resizes every anonymous file of this process.
 void ResizeFiles(off_t bytes) {
   for (int fd = 3; fd < 64; ++fd) {
     if (ftruncate(fd, bytes) != 0) continue;
   }
 }
 
-/// The file that is mapped at `place`; 0: none.
+/// The file mapped at `place`; 0: none.
 unsigned long FileAt(const void* place) {
   std::FILE* maps = std::fopen("/proc/self/maps", "r");
   if (maps == nullptr) return 0;
@@ -69,7 +69,7 @@ unsigned long FileAt(const void* place) {
   return found;
 }
 
-/// Writes zeros over all that the daemon has written for it, in every way there is.
+/// Writes zeros over all data that the daemon has written for it, in every possible way.
 void OverwriteInputs(const coopdyn_readings& readings) {
   constexpr std::size_t kPage = 4096;
   static const char zeros[kPage] = {};
@@ -85,7 +85,7 @@ void OverwriteInputs(const coopdyn_readings& readings) {
   if (mprotect(page, kPage, PROT_READ | PROT_WRITE) == 0) std::memset(page, 0, kPage);
 }
 
-/// Counts in every byte that it shares with the daemon and may write, without end.
+/// Endlessly increments every byte that it shares with the daemon and may write.
 [[noreturn]] void OverwriteOutputs() {
   std::FILE* maps = std::fopen("/proc/self/maps", "r");
   char* begin = nullptr;
@@ -166,7 +166,7 @@ void Misbehave(int deed, const coopdyn_readings& readings, coopdyn_command& comm
       }
       break;
     case kFork:
-      if (fork() == 0) command.forward_m_s = 1;  // in a copy, which goes on as if it were the process
+      if (fork() == 0) command.forward_m_s = 1;  // in a copy, which continues as if it were the process
       break;
     case kShrinkAreas:
       ResizeFiles(0);

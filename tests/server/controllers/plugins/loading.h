@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A whole controller but for its description, for those that go wrong before they drive.
+// A complete controller except for its description, for controllers that fail before they drive.
 #pragma once
 
 #include "clients/plugin/controller.h"

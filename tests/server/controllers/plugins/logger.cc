@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Logs how many steps it has driven, and twice that.
+// Logs the number of its steps, and twice that number.
 #include "clients/plugin/cpp_controller.h"
 
 namespace {

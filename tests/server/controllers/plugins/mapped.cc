@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Exchanges the values of its robot's channel, so that a test can see them: it broadcasts the number of
-// motors and values, the internal maximum of the last motor, whether the last value is auxiliary, the time of
-// an exchange, both values and the option `gain`; motors get gain times how often it was asked. With the
-// option `nan` it gives nan in that call, with `end` it ends the run.
+// Exchanges the values of its robot's channel for a test: broadcasts the number of motors and values, the
+// internal maximum of the last motor, whether the last value is auxiliary, the time of an exchange, both
+// values and the option `gain`; sets motors to gain times the number of calls. In the call of option `nan` it
+// returns nan, in that of `end` it ends the run.
 #include <cmath>
 #include <cstring>
 #include <stdexcept>

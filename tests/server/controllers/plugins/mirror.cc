@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Broadcasts what it feels, so that a test can see it. Option `what`: 0 pose, 1 distances, 2 targets, 3
-// neighbours, 4 messages, 5 the robot, 6 time and seed, 7 compass, 8 channels, 9 what these are,
-// 10 motion.
+// Broadcasts its readings for a test. Option `what`: 0 pose, 1 distances, 2 targets, 3 neighbours, 4
+// messages, 5 the robot, 6 time and seed, 7 compass, 8 channels, 9 their descriptions, 10 motion.
 #include <cmath>
 #include <cstring>
 #include <string_view>

@@ -28,12 +28,12 @@ class Setpoints {
   void Reset(uint64_t /*seed*/) { state = {}; }
 
   void Step(const coopdyn_readings& readings, coopdyn_command& command) {
-    command.forward_m_s = command.turn_rad_s = 100;  // does not count
+    command.forward_m_s = command.turn_rad_s = 100;  // ignored
     const bool now = state.steps++ == 5;
     switch (deed_) {
       case coopdyn::kByForward:
       case coopdyn::kTooFast: {
-        // What the daemon makes of forward and turn.
+        // As the daemon computes them from forward and turn.
         const double forward_m_s = deed_ == coopdyn::kTooFast ? 3 : 0.05, turn_rad_s = 0.3;
         const double half_m_s = turn_rad_s * robot_.track_m / 2;
         command.setpoints[0] = {COOPDYN_VELOCITY, (forward_m_s - half_m_s) / robot_.wheel_radius_m};

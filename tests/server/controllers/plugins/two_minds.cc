@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Asks for the world, as a supervisor does, and for a robot's distances.
+// Requests the world, like a supervisor, and also a robot's distances.
 #include "clients/plugin/cpp_controller.h"
 
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Its option's name points to nowhere.
+// Its option's name is a wild pointer.
 #include "tests/server/controllers/plugins/loading.h"
 
 extern "C" const coopdyn_controller* coopdyn_controller_entry() {
