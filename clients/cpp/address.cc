@@ -199,7 +199,7 @@ std::string Address::Authorization() const {
 
 std::string Address::WhyLost() const {
   if (seat_.empty()) return "is the daemon still running?";
-  return "the class starts the daemon of the seat " + seat_ + " again where it was: run your program again";
+  return "the class restarts the seat " + seat_ + " where it was: run your program again";
 }
 
 Socket Address::Dial(Deadline deadline) const {
@@ -318,7 +318,7 @@ Deadline Address::Begin(const Socket& socket, const std::string& line, Deadline 
   if (seat_.empty()) return deadline;
   const std::string said = ReadLine(socket, deadline);
   if (said.starts_with("***"))  // a name server's answer to an unknown word
-    throw Error(kNotPossible, text() + " is no class: leave seat and pin out" +
+    throw Error(kNotPossible, text() + " is not a class: leave seat and pin out" +
                                   (std::getenv("COOPDYN_SEAT") != nullptr ? ", and COOPDYN_SEAT, too" : ""));
   if (said != "ok") throw Refusal(said);
   return std::max(deadline, After(kSeatStart_s));

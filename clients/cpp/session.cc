@@ -280,7 +280,7 @@ void Session::Lose(const Closed& closed, const std::string& label, const std::st
     throw Error(Error::kNoConnection, "the connection to " + label + " broke; " + address_.WhyLost());
   if (closed.by_load()) throw NewWorld(kLoad);
   // Reopening the connection would take the robot back from its new owner.
-  lost.emplace(kOwned, label + " is not driven by this sim any more: " + closed.notice() + "; " + take_again +
+  lost.emplace(kOwned, label + " is no longer driven by this sim: " + closed.notice() + "; " + take_again +
                            " takes it again");
   throw Error(*lost);
 }

@@ -217,9 +217,9 @@ def judge(one, result, code, log, job):
     if one.reason == "time" or (one.code == 128 + signal.SIGXCPU and not over):
         return True, f"The program took more than {values['time']:g} s of processor time: the run had not ended after {result['time_s']:g} s."
     if one.reason == "clock":
-        return True, f"The program did not end: the run stood at {result['time_s']:g} s after {values['clock']:g} s by the clock."
+        return True, f"The program did not end: the run was at {result['time_s']:g} s after {values['clock']:g} s by the clock."
     if one.output.is_binary:
-        return True, f"The program printed bytes that are no text ({in_words(one.output.count)})."
+        return True, f"The program printed bytes that are not text ({in_words(one.output.count)})."
     if code == 4:
         return True, "The run failed: " + (run.last_words(log) or "a body was frozen") + "."
     if one.code not in (0, None) and not over:

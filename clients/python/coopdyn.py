@@ -1040,7 +1040,7 @@ class _Address:
     def why_lost(self) -> str:
         """The hint in the error if the daemon closed a connection without a notice."""
         if self.seat:
-            return f"the class starts the daemon of the seat {self.seat} again where it was: run your program again"
+            return f"the class restarts the seat {self.seat} where it was: run your program again"
         return "is the daemon still running?"
 
     def dial(self, deadline: float) -> socket.socket:
@@ -1114,7 +1114,7 @@ class _Address:
             return deadline
         said = self._line(sock, deadline)
         if said.startswith("***"):  # a name server's answer to an unknown word
-            raise Error(5, f"{self} is no class: leave seat and pin out" +
+            raise Error(5, f"{self} is not a class: leave seat and pin out" +
                         (", and COOPDYN_SEAT, too" if os.environ.get("COOPDYN_SEAT") else ""))
         if said != "ok":
             raise self.refusal(said)
@@ -2453,7 +2453,7 @@ class _Session:
         if closed.notice.startswith(_ENDED):
             link.lost = Error(5, closed.notice)
             return link.lost
-        link.lost = Error(6, f"{link.label} is not driven by this sim any more: {closed.notice}; "
+        link.lost = Error(6, f"{link.label} is no longer driven by this sim: {closed.notice}; "
                              f"{link.take_again()} takes it again")
         if isinstance(link, _Link):
             for other in self.links:

@@ -261,8 +261,7 @@ void AddSeatCommand(CLI::App& app, Chosen& chosen) {
       });
     };
   });
-  CLI::App* pin =
-      seat->add_subcommand("pin", "Another PIN and link for a seat; the old ones open nothing any more");
+  CLI::App* pin = seat->add_subcommand("pin", "Another PIN and link for a seat; the old ones no longer work");
   pin->add_option("seat", entry->seat, "Name of the seat")->required();
   pin->add_option("pin", entry->pin, "PIN (default: one is made)");
   pin->callback([=, &chosen] {

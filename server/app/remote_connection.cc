@@ -87,7 +87,7 @@ void RemoteConnection::TakeSeat(const ServerAddress& server) {
   const std::string reply = ReadLine();
   if (reply.starts_with("***"))  // a name server's answer to a word that it does not know
     throw RemoteError(kExitErrors, server.host + ":" + std::to_string(server.port) +
-                                       " is no class: leave --seat and COOPDYN_SEAT out");
+                                       " is not a class: leave --seat and COOPDYN_SEAT out");
   if (reply != "ok") throw RemoteError(kExitErrors, reply.substr(0, kMostShown));
   stream_.expires_after(kSeatTime);
 }

@@ -308,7 +308,7 @@ void AddPlay(CLI::App& app, const std::string& command_line, Chosen& chosen) {
 
 void AddSettings(CLI::App* sub, Settings& settings) {
   sub->add_option("--set", settings,
-                  "Give a key of the scenario another value: SECTION.key=value; may stand several times")
+                  "Give a key of the scenario another value: SECTION.key=value; may be repeated")
       ->allow_extra_args(false);
 }
 

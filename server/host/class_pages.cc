@@ -270,7 +270,7 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
   HttpAnswer LinkAnswer(const std::string& link) const {
     const RollEntry* const entry = room.FindLink(link);
     if (entry == nullptr)
-      return ErrorAnswer(404, "this link is not valid any more: ask your teacher for another");
+      return ErrorAnswer(404, "this link is no longer valid: ask your teacher for another");
     const std::string path = "/s/" + entry->seat + "/";
     return WithCookie(GoTo(path), SeatCookie(entry->seat), entry->link, path);
   }

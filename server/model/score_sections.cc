@@ -156,7 +156,8 @@ void CheckScores(const Scenario& scenario, Diagnostics& diagnostics) {
       const auto found = subjects.find(ToLower(name));
       if (found == subjects.end()) {
         diagnostics.Error(score.where, "the score '" + score.name + "' is of '" + name +
-                                           "', which is no robot, swarm or thing" + DidYouMean(name, names));
+                                           "', which is not a robot, swarm or thing" +
+                                           DidYouMean(name, names));
         continue;
       }
       count += found->second;

@@ -144,7 +144,7 @@ std::string Simulation::Restore(const SavedState& state, std::uint64_t epoch,
   frame->commanded = from.commanded;
   const bool fits = scores_.Restore(*frame, state.scores);
   frame_ = frame;
-  if (!fits) return "its scores do not fit those of the scenario";
+  if (!fits) return "its scores do not match the scenario's";
   return helpers_.controllers == nullptr ? "" : RestoreControllers(state.controllers, stopped);
 }
 
@@ -165,7 +165,7 @@ std::string Simulation::RestoreControllers(std::span<const std::byte> saved,
   if (saved.empty()) return "the states of its controllers were not saved";
   const std::vector<StoppedController> stopped = controllers.TakeStopped();
   if (told != nullptr) *told = stopped;
-  if (!fits || stopped.empty()) return "the controllers that are found do not take the state that was saved";
+  if (!fits || stopped.empty()) return "the loaded controllers reject the saved state";
   return stopped.front().why + " (" + stopped.front().robot + ")";
 }
 

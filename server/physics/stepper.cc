@@ -61,7 +61,7 @@ bool Stepper::StartFrom(const SavedStatePtr& state, Diagnostics& diagnostics) {
   auto simulation = BuildSimulation(state->frame->scene, state->frame->seed, diagnostics);
   bool built = simulation != nullptr;
   if (const std::string why = built ? simulation->Restore(*state, NextEpoch()) : ""; !why.empty()) {
-    diagnostics.Error({state->frame->scene->scenario->file, 0}, "the run cannot go on from there: " + why);
+    diagnostics.Error({state->frame->scene->scenario->file, 0}, "the run cannot continue from there: " + why);
     built = false;
   }
   if (built) {
@@ -222,7 +222,7 @@ void Stepper::StepNow(Nanoseconds now) {
     const Score& now = frame->scores[static_cast<std::size_t>(ending)];
     EndRun(now.met ? RunEnd::kScore : RunEnd::kLimit,
            fmt::format("the score {} is {:.6g} {}: {}", score.name, now.value, UnitOf(score.kind),
-                       now.met ? "the run has reached its aim" : "its time limit is reached"));
+                       now.met ? "the run has reached its goal" : "its time limit is reached"));
   }
   if (duration_ && frame->time >= *duration_) EndRun(RunEnd::kDuration, "the run has reached its duration");
   const Nanoseconds told = clock_.Now();
@@ -282,7 +282,7 @@ void Stepper::NoteStoppedControllers(const std::vector<StoppedController>& contr
     const bool drives = scene.FindRobot(stopped.robot) >= 0;
     AddEvent(stopped.with_daemon ? "info" : "error",
              drives ? stopped.robot + " stands: " + stopped.why
-                    : "the run has no supervisor any more: " + stopped.why);
+                    : "the run no longer has a supervisor: " + stopped.why);
     if (!stopped.with_daemon) NoteStopped(stopped.robot, "controller", stopped.why);
     failed |= !stopped.with_daemon;
     if (step) WriteInput(*step, ControllerStopped{stopped.robot, stopped.why});

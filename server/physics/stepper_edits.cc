@@ -15,7 +15,7 @@ namespace coopdyn {
 
 namespace {
 
-constexpr const char* kTooManyLogged = "{} names are logged already: log one of those";
+constexpr const char* kTooManyLogged = "{} names are already logged: log one of those";
 
 }  // namespace
 
@@ -376,7 +376,7 @@ EditResult Stepper::RefuseRestore(const std::string& why, const SavedState& pres
     if (lost.empty()) {
       helpers_.controllers->TakeStopped();  // already reported
     } else {
-      text += "; the present controllers are lost too" + (lost == why ? "" : ": " + lost);
+      text += "; the current controllers are lost too" + (lost == why ? "" : ": " + lost);
       text += LoseControllers(lost, std::move(stopped));
     }
   }

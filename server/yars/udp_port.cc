@@ -28,7 +28,7 @@ using std::chrono::steady_clock;
 constexpr std::chrono::seconds kWatch{2};
 
 constexpr const char* kGone =
-    "there is no robot on this port any more: the experiment has changed; a reset reads its file again";
+    "this port's robot has been removed: the experiment has changed; a reset reads its file again";
 
 /// Replaces a robot that has been removed.
 class NoRobot final : public Endpoint {

@@ -156,7 +156,7 @@ class ChannelReloadTest(unittest.TestCase):
                         client.send(request)
                         reply = client.receive()
                         self.assertEqual(reply[:4], ints(99))
-                        self.assertIn(b"no robot on this port any more", reply)
+                        self.assertIn(b"robot has been removed", reply)
                 self.file.write_text(others(STILL))
                 self.assertEqual(client.ask(60, 0, 9, -1), ints(61, 0, -1))
                 self.assertEqual(client.handshake().count(300), 3)

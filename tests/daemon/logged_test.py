@@ -48,7 +48,7 @@ class LoggedTest(RecordingTestCase):
             for number in range(100):
                 simulation.must(f"log n{number} 1")
             reply = simulation.ask("log n100 1")
-            self.assertEqual((reply.error, reply.text), (8, "100 names are logged already: log one of those"))
+            self.assertEqual((reply.error, reply.text), (8, "100 names are already logged: log one of those"))
             simulation.must("log n99 2")
 
     def test_a_recording_has_all_numbers_with_their_times_and_verifies(self):

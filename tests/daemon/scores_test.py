@@ -147,7 +147,7 @@ class ScoresTest(SwarmTestCase):
                     while True:
                         eva.set_velocity(0.1, 0)
                         sim.step()
-                self.assertIn("the run has ended: the score time is 0.1 s: the run has reached its aim", ended.exception.text)
+                self.assertIn("the run has ended: the score time is 0.1 s: the run has reached its goal", ended.exception.text)
                 with self.assertRaises(coopdyn.Error):
                     sim.log("late", 1)
                 with self.assertRaisesRegex(coopdyn.Error, "the run has ended: the score time is 0.1 s"):

@@ -36,7 +36,7 @@ HARM = {
     "takes memory that no limit counts": (TRY + "import ctypes, os\nlibc = ctypes.CDLL(None, use_errno=True)\ndef shared():\n"
                                           "    if libc.shmget(0, 1 << 30, 0o600) < 0:\n        raise OSError(ctypes.get_errno(), 'shmget')\n"
                                           "assert refused(('memfd', lambda: os.memfd_create('x')), ('shmget', shared))\nraise SystemExit('no memory')\n", r"no memory"),
-    "prints binary": ("import sys\nsys.stdout.buffer.write(bytes(range(256)) * 100)\n", r"printed bytes that are no text"),
+    "prints binary": ("import sys\nsys.stdout.buffer.write(bytes(range(256)) * 100)\n", r"printed bytes that are not text"),
     "kills": ("import os, signal\nfor who in (os.getppid(), 1, -1):\n    try:\n        os.kill(who, signal.SIGKILL)\n    except OSError as error:\n        print(error)\n"
               "raise SystemExit('nobody died')\n", r"exit code 1: nobody died"),
     "resets": ("import coopdyn\nsim = coopdyn.connect()\nsim.reset()\n" + DRIVE, r"tried to change the world"),
@@ -68,7 +68,7 @@ class HostileTest(GradeCase):
     def test_a_program_that_sleeps_for_ever_ends_by_the_clock(self):
         self.write("lane.assignment", ASSIGNMENT.replace("clock 300s", "clock 2s"))
         self.grade_all(self.submit("sleeper", "import time\ntime.sleep(1e6)\n"))
-        self.assertRegex(self.table()[0]["sentence"], "did not end: the run stood at 0 s after 2 s by the clock")
+        self.assertRegex(self.table()[0]["sentence"], "did not end: the run was at 0 s after 2 s by the clock")
 
     def test_nothing_is_left_of_a_fork_bomb_that_ignores_signals(self):
         self.submit("bomb", "import os, signal, time\nfor k in range(1, 32):\n    try:\n        signal.signal(k, signal.SIG_IGN)\n    except OSError:\n        pass\n"

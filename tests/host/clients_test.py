@@ -82,7 +82,7 @@ class Programs:
         self.kill_daemon("ana")
         after = process.communicate("go\n", timeout=600)[0].splitlines()
         self.assertEqual(after[0], "goes on")
-        self.assertIn("the class starts the daemon of the seat ana again where it was: run your program again", after[1])
+        self.assertIn("the class restarts the seat ana where it was: run your program again", after[1])
         self.assertEqual(after[2:4], [f"page {self.page}s/ana/", "driven"])
 
     def test_a_daemon_of_its_own_has_no_seat(self):

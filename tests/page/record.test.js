@@ -139,7 +139,7 @@ test('a branch by somebody else ends what was said of the recording', async () =
   const page = await openPage(player.url);
   await hasText(page, '#state', /^playing$/);
   assert.equal((await call(player.url, {module: '/playback', command: 'branch'})).error, 0);
-  await hasText(page, '#message:not(.error)', /^branched\.run is not played any more: the run is live$/);
+  await hasText(page, '#message:not(.error)', /^branched\.run is no longer played: the run is live$/);
   await hasText(page, '#state', /^running$/);
   await hasText(page, '#playback', /^$/);
   assert.equal(await page.isDisabled('#stop-all'), false);

@@ -41,7 +41,7 @@ export const keptText = (files = []) => (files.length > 0 ? files.map((file) => 
 export const ORDERS = {
   freeze: {title: 'Freeze', hint: 'The worlds stand still, and students may only watch', done: 'frozen'},
   thaw: {title: 'Thaw', hint: 'The worlds go on', done: 'thawed'},
-  take: {title: 'Take over', hint: 'You drive; the student watches', done: 'you drive', asks: 'Their programs cannot drive any more until you give the seats back.'},
+  take: {title: 'Take over', hint: 'You drive; the student watches', done: 'you drive', asks: 'Their programs cannot drive until you give the seats back.'},
   give: {title: 'Give back', hint: 'The student drives again', done: 'given back'},
   reset: {title: 'Reset', hint: 'The run begins again at zero', done: 'reset', asks: 'Their runs begin again at zero.'},
   restart: {title: 'Restart lesson', hint: 'Starts the simulation anew with the scenario of the lesson', done: 'begins the lesson anew',

@@ -78,7 +78,7 @@ export class Strip {
 
   /** When a playback ends, by anybody, replaces messages about it such as "playing a recording". */
   #followPlayback(file) {
-    if (this.#played !== null && file === null) say(`${this.#played} is not played any more: the run is live`);
+    if (this.#played !== null && file === null) say(`${this.#played} is no longer played: the run is live`);
     this.#played = file;
   }
 

@@ -86,7 +86,8 @@ TEST_F(SeatTest, RefusalsAreTheWordsOfTheClass) {
   EXPECT_TRUE(Says(none, "12 this is a class")) << none.text();
   const auto ordinary = ServerProcess::Fake({});
   const Error error = ErrorOf([&] { connect(ordinary.server(), ana_); });
-  EXPECT_TRUE(Says(error, "5 " + ordinary.server() + " is no class: leave seat and pin out")) << error.text();
+  EXPECT_TRUE(Says(error, "5 " + ordinary.server() + " is not a class: leave seat and pin out"))
+      << error.text();
 }
 
 TEST_F(SeatTest, WhatNoSheetHasSaysWhatToWrite) {

@@ -10,7 +10,7 @@ r = sim.robot('robot1');
 r.set_velocity(0.1, 0);
 sim.step();
 old.set_velocity(0.5, 0);
-expect_error('coopdyn:owned', @() old_sim.step(), 'not driven by this sim any more', 'sim.robot(''robot1'')');
+expect_error('coopdyn:owned', @() old_sim.step(), 'no longer driven by this sim', 'sim.robot(''robot1'')');
 expect_error('coopdyn:owned', @() old.set_velocity(0.5, 0));
 sim.step();
 old_sim.close();

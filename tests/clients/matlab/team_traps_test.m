@@ -7,7 +7,7 @@ s = old.step([0.5 0]);
 sim = coopdyn.connect();
 team = sim.team({'robot1', 'robot2'});
 assert(isequal(team.names, {'robot1', 'robot2'}));
-expect_error('coopdyn:owned', @() old.step([0.7 0]), 'not driven by this sim any more', 'sim.team()');
+expect_error('coopdyn:owned', @() old.step([0.7 0]), 'no longer driven by this sim', 'sim.team()');
 expect_error('coopdyn:owned', @() old.read());
 old.close();
 third = sim.robot('robot3');

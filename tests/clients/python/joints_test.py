@@ -111,8 +111,8 @@ class Joints(DaemonTestCase):
         mine = self.connect(daemon, name="ana").robot("m1")
         arm = mine.joints()
         self.connect(daemon, name="ana").robot("m1")
-        self.assert_error(6, lambda: mine.set_velocity(0.1, 0), "not driven by this sim any more")
-        self.assert_error(6, lambda: arm.hold(), "not driven by this sim any more")
+        self.assert_error(6, lambda: mine.set_velocity(0.1, 0), "no longer driven by this sim")
+        self.assert_error(6, lambda: arm.hold(), "no longer driven by this sim")
 
     def test_wrong_names_and_counts_say_what_to_write(self):
         _, robot, arm = self.arm()

@@ -189,7 +189,7 @@ class Limbs(DaemonTestCase):
         channel.set(0)
         self.sim.step()
         self.connect(self.daemon).release_robot("robot1")
-        self.assert_error(6, lambda: (channel.get(), self.sim.step()), "not driven by this sim any more")
+        self.assert_error(6, lambda: (channel.get(), self.sim.step()), "no longer driven by this sim")
         muscles = self.sim.robot("robot1").muscles()
         muscles.set_activations(0.5)
         self.sim.step()

@@ -395,7 +395,7 @@ class Requests(DaemonTestCase):
         ben.release_robot("robot1")
         mine = ben.robot("robot1")
         mine.set_velocity(0.1, 0)
-        self.assert_error(6, lambda: r.set_velocity(0.2, 0), "not driven by this sim any more")
+        self.assert_error(6, lambda: r.set_velocity(0.2, 0), "no longer driven by this sim")
 
     def test_a_team_goes_on_after_a_restore(self):
         sim = self.connect(self.start(harness.scenario_of(3)))

@@ -93,7 +93,7 @@ class Seat(SeatTestCase):
         r = sim.robot(1)
         r.set_velocity(0.1, 0)
         daemon.break_replies = 1
-        self.assert_error(-1, sim.step, "the class starts the daemon of the seat ana again where it was: run your program again")
+        self.assert_error(-1, sim.step, "the class restarts the seat ana where it was: run your program again")
         r.set_velocity(0.1, 0)
         sim.step()
 
@@ -118,7 +118,7 @@ class Refused(SeatTestCase):
 
     def test_an_ordinary_daemon_is_no_class(self):
         daemon = self.start()
-        self.assert_error(5, lambda: self.take(daemon), f"{daemon.server} is no class: leave seat and pin out")
+        self.assert_error(5, lambda: self.take(daemon), f"{daemon.server} is not a class: leave seat and pin out")
         self.variable(COOPDYN_SEAT="ana:0912")
         self.assert_error(5, lambda: self.connect(daemon), "leave seat and pin out, and COOPDYN_SEAT, too")
 

@@ -40,7 +40,7 @@ TEST_F(StepperRestoreTest, AStateWhoseScoresDoNotFitIsRefused) {
   const std::uint64_t before = StateHash(now());
   const EditResult result = Do(edit::Restore{std::make_shared<SavedState>(state)});
   EXPECT_EQ(result.error, Error::kNotPossible);
-  EXPECT_EQ(result.text, "this state cannot be restored: its scores do not fit those of the scenario");
+  EXPECT_EQ(result.text, "this state cannot be restored: its scores do not match the scenario's");
   EXPECT_EQ(StateHash(now()), before);
 }
 
@@ -178,9 +178,9 @@ TEST_F(StepperRestoreTest, AStateWhoseControllersCannotBeRestoredIsRefusedAndThe
   driver_.refused = early->controllers;
   const EditResult result = Do(edit::Restore{early});
   EXPECT_EQ(result.error, Error::kNotPossible);
-  EXPECT_THAT(result.text,
-              testing::HasSubstr("this state cannot be restored: the controllers that are found do not "
-                                 "take the state that was saved"));
+  EXPECT_THAT(
+      result.text,
+      testing::HasSubstr("this state cannot be restored: the loaded controllers reject the saved state"));
   EXPECT_EQ(Steps(5), hashes);
 }
 
@@ -195,8 +195,8 @@ TEST_F(StepperRestoreTest, ControllersLostByARefusedRestoreAreToldAsFailed) {
   const EditResult result = Do(edit::Restore{early});
   EXPECT_EQ(result.error, Error::kNotPossible);
   EXPECT_EQ(result.text,
-            "this state cannot be restored: the controllers that are found do not take the state that was "
-            "saved; the present controllers are lost too; robot2 stands now: reset or load a scenario");
+            "this state cannot be restored: the loaded controllers reject the saved state; the current "
+            "controllers are lost too; robot2 stands now: reset or load a scenario");
   EXPECT_EQ(now().step, 7u);
   EXPECT_EQ(OwnerOf("robot2").name, "controller count (stopped)");
   ASSERT_EQ(control_.stopped().size(), 1u);
@@ -255,7 +255,7 @@ TEST_F(StepperRestoreTest, AStepperDoesNotStartFromAStateWhoseControllersCannotB
   const auto other = MakeStepper(clock_, options_, {nullptr, &driver_});
   Diagnostics diagnostics;
   EXPECT_FALSE(other->StartFrom(saved, diagnostics));
-  EXPECT_THAT(diagnostics.ToString(), testing::HasSubstr("the run cannot go on from there"));
+  EXPECT_THAT(diagnostics.ToString(), testing::HasSubstr("the run cannot continue from there"));
 }
 
 TEST_F(StepperRestoreTest, AStoppedControllerIsToldAgainOfItsState) {

@@ -149,7 +149,7 @@ TEST_F(StepperSupervisorTest, TooManyNamesAreOneEvent) {
   for (int i = 0; i < 103; ++i) driver_.script[0].logs.push_back({"n" + std::to_string(i), 1});
   Step();
   EXPECT_EQ(control_.logged().size(), 100u);
-  EXPECT_THAT(Events(), ElementsAre("n100 is not logged: 100 names are logged already: log one of those"));
+  EXPECT_THAT(Events(), ElementsAre("n100 is not logged: 100 names are already logged: log one of those"));
 }
 
 TEST_F(StepperSupervisorTest, EndsTheRunAfterTheStep) {
@@ -168,7 +168,7 @@ TEST_F(StepperSupervisorTest, OneThatFailedIsAnErrorThatNamesNoRobot) {
   Start();
   driver_.stopped = {{"supervisor boss", "controller boss crashed (abort)"}};
   Step();
-  EXPECT_THAT(Events(), ElementsAre("the run has no supervisor any more: controller boss crashed (abort)"));
+  EXPECT_THAT(Events(), ElementsAre("the run no longer has a supervisor: controller boss crashed (abort)"));
   EXPECT_EQ(control_.stopped().at("supervisor boss").by, "controller");
 }
 

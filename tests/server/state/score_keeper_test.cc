@@ -336,7 +336,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongScore{"kind reach\ntarget rde",
                    "goes to 'rde', which is no target, thing or light; did you mean 'red'?"},
         WrongScore{"kind distance\nof anna",
-                   "is of 'anna', which is no robot, swarm or thing; did you mean 'ana'?"},
+                   "is of 'anna', which is not a robot, swarm or thing; did you mean 'ana'?"},
         WrongScore{"kind distance\nof ana/left_weel", "did you mean 'ana/left_wheel'?"},
         WrongScore{"kind distance\nof ana ana/left_wheel", "names 'ana' twice: leave one out"},
         WrongScore{"kind distance\ntarget red", "'target' goes with 'kind reach' only: leave it out"},

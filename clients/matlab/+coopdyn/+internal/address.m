@@ -65,7 +65,7 @@ function a = address(server, name, token, timeout, seat, pin)
   [a.seat, a.pin] = coopdyn.internal.seat_and_pin(seat, pin);
   a.why_lost = 'is the daemon still running?';
   if ~isempty(a.seat)
-    a.why_lost = ['the class starts the daemon of the seat ' a.seat ' again where it was: run your program again'];
+    a.why_lost = ['the class restarts the seat ' a.seat ' where it was: run your program again'];
   end
 end
 

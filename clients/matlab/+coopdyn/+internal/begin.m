@@ -12,7 +12,7 @@ function said = begin(a, socket, line, pattern)
     said = coopdyn.internal.hear(a, socket, '', '\n', limit);
     [first, said] = strtok([said char(10)], char(10));
     if strncmp(first, '***', 3)  % a name server's answer to an unknown word
-      text = [a.text ' is no class: leave seat and pin out'];
+      text = [a.text ' is not a class: leave seat and pin out'];
       if ~isempty(getenv('COOPDYN_SEAT'))
         text = [text ', and COOPDYN_SEAT, too'];
       end

@@ -21,7 +21,7 @@ function lose(session, link, cause)
   if ~isempty(regexp(why, 'is not in the new scenario$|^it is not there any more$', 'once'))
     session.new_world('load');
   end
-  link.lost = [link.label ' is not driven by this sim any more: ' why '; ' link.take_again() ' takes it again'];
+  link.lost = [link.label ' is no longer driven by this sim: ' why '; ' link.take_again() ' takes it again'];
   link.lost_code = 6;
   if ~link.is_team
     for k = 1:numel(session.links)  % its other actuators are lost, too
