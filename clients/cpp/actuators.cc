@@ -62,13 +62,13 @@ std::vector<std::int32_t> Channel::Ids(const Which& which, const std::vector<Map
                                        const char* one) const {
   std::vector<std::string> names;
   for (const Mapped& part : mapped) names.push_back(part.name);
-  return Chosen(which, names, one, link_->label());
+  return SelectIds(which, names, one, link_->label());
 }
 
 void Channel::set(const std::vector<double>& values, const Which& motors) {
   for (const double value : values) Finite(value, "a value");
   const std::vector<std::int32_t> ids = Ids(motors, motors_, "motor");
-  const std::vector<double> spread = Spread(values, ids.size(), "motor");
+  const std::vector<double> spread = Broadcast(values, ids.size(), "motor");
   if (ids.size() < motors_.size() && sent_.empty())
     throw Error(kNotPossible, "set all " + std::to_string(motors_.size()) +
                                   " motors first: c.set({…}), then one by its name");

@@ -55,7 +55,8 @@ int Connect(int fd, const addrinfo& to, Deadline deadline) {
   if (connect(fd, to.ai_addr, to.ai_addrlen) == 0) return 0;
   if (errno != EINPROGRESS) return errno;
   pollfd connecting{fd, POLLOUT, 0};
-  if (poll(&connecting, 1, static_cast<int>(std::max(1.0, Until(deadline) * 1000))) <= 0) return ETIMEDOUT;
+  if (poll(&connecting, 1, static_cast<int>(std::max(1.0, SecondsUntil(deadline) * 1000))) <= 0)
+    return ETIMEDOUT;
   int error = 0;
   socklen_t size = sizeof(error);
   getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size);
@@ -94,7 +95,7 @@ Deadline After(double seconds, Deadline now) {
                    std::chrono::duration<double>(std::clamp(seconds, 0.0, kYear_s)));
 }
 
-double Until(Deadline deadline, Deadline now) {
+double SecondsUntil(Deadline deadline, Deadline now) {
   return std::chrono::duration<double>(deadline - now).count();
 }
 
@@ -197,7 +198,7 @@ std::string Address::Authorization() const {
   return seat_.empty() ? "" : "Bearer " + seat_ + ":" + pin_;
 }
 
-std::string Address::WhyLost() const {
+std::string Address::LossHint() const {
   if (seat_.empty()) return "is the daemon still running?";
   return "the class restarts the seat " + seat_ + " where it was: run your program again";
 }
@@ -273,7 +274,7 @@ Socket Address::DialTcp(Deadline deadline) const {
 std::string Address::ReadLine(const Socket& socket, Deadline deadline) const {
   std::string line;
   while (!line.ends_with('\n') && line.size() < kMaxLine) {
-    if (Until(deadline) <= 0)
+    if (SecondsUntil(deadline) <= 0)
       throw Error(kTimedOut,
                   text() +
                       " accepts connections but does not answer: the daemon is stopped or busy, or "
@@ -283,7 +284,7 @@ std::string Address::ReadLine(const Socket& socket, Deadline deadline) const {
     if (n == 1) {
       line += byte;
     } else if (n < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) {
-      WaitReadable({socket.fd()}, Until(deadline));
+      WaitReadable({socket.fd()}, SecondsUntil(deadline));
     } else {
       break;
     }
@@ -348,7 +349,7 @@ Socket Address::OpenModule(const std::string& module, Deadline deadline) const {
     Socket socket = Dial(deadline);
     const std::string said = ReadLine(socket, Begin(socket, "OPEN " + module, deadline));
     if (said == "ok") return socket;
-    const bool starts_again = !seat_.empty() && said.empty() && Until(deadline) > kSeatAgain_s;
+    const bool starts_again = !seat_.empty() && said.empty() && SecondsUntil(deadline) > kSeatAgain_s;
     if (!starts_again) throw Refusal(said);
     std::this_thread::sleep_for(std::chrono::duration<double>(kSeatAgain_s));
   }

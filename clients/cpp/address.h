@@ -17,7 +17,7 @@ using Deadline = Clock::time_point;
 /// `now` plus `seconds`, capped at one year.
 Deadline After(double seconds, Deadline now = Clock::now());
 /// Seconds from `now` to `deadline`.
-double Until(Deadline deadline, Deadline now = Clock::now());
+double SecondsUntil(Deadline deadline, Deadline now = Clock::now());
 
 /// An owned file descriptor; -1: none.
 class Socket {
@@ -60,7 +60,7 @@ class Address {
   /// Value of the Authorization header for requests to the page; empty: no header.
   std::string Authorization() const;
   /// The hint in the error if the daemon closed a connection without a notice.
-  std::string WhyLost() const;
+  std::string LossHint() const;
 
   /// Returns a connected, non-blocking socket: the daemon's unix socket if it runs on this machine and has
   /// one (and COOPDYN_TCP is not set), else TCP. A class is reached only by TCP: a unix socket of that name

@@ -56,7 +56,7 @@ void Connection::Open() {
   Close();
   socket_ = address_.OpenModule(module_, After(address_.timeout_s()));
   try {
-    if (!WriteAll(fd(), std::string(kBinaryMagic))) throw Closed("", address_.WhyLost());
+    if (!WriteAll(fd(), std::string(kBinaryMagic))) throw Closed("", address_.LossHint());
     Ask({.command = command::kHello,
          .text = address_.HelloText(drives_, team_number_),
          .timeout_s = address_.timeout_s()});
@@ -100,7 +100,7 @@ void Connection::Send(std::int32_t command, std::vector<std::int32_t> params, st
   while (TryRead()) {
   }  // throws the daemon's closing notice, if it sent one
   Close();
-  throw Closed("", address_.WhyLost());
+  throw Closed("", address_.LossHint());
 }
 
 /// Removes and returns the first complete message.
@@ -125,7 +125,7 @@ std::optional<Message> Connection::TryRead() {
       }
       if (message->command == command::kClosing) {
         Close();
-        throw Closed(message->text, address_.WhyLost());
+        throw Closed(message->text, address_.LossHint());
       }
       pushes.push_back(std::move(*message));
     }
@@ -137,7 +137,7 @@ std::optional<Message> Connection::TryRead() {
     }
     if (n < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return std::nullopt;
     Close();
-    throw Closed("", address_.WhyLost());
+    throw Closed("", address_.LossHint());
   }
 }
 
@@ -148,7 +148,7 @@ Message Connection::Receive(double timeout_s, Polling* polling) {
   while (true) {
     std::optional<Message> reply = TryRead();
     now = Clock::now();
-    const bool polls = polling && polling->Goes(now);
+    const bool polls = polling && polling->ShouldPollAgain(now);
     if (reply) return std::move(*reply);
     if (polls) continue;
     if (now >= deadline) {
@@ -156,7 +156,7 @@ Message Connection::Receive(double timeout_s, Polling* polling) {
       throw Error(kTimedOut, "no answer from " + module_ + " within " + Written(timeout_s) +
                                  " s; is the daemon stopped or overloaded?");
     }
-    WaitReadable({fd()}, Until(deadline, now));
+    WaitReadable({fd()}, SecondsUntil(deadline, now));
   }
 }
 
@@ -172,7 +172,8 @@ void Connection::FinishSending() {
 
 void Connection::AwaitEnd(Deadline deadline) {
   char bytes[4096];
-  while (is_open() && WaitReadable({fd()}, Until(deadline)) && recv(fd(), bytes, sizeof(bytes), 0) > 0) {
+  while (is_open() && WaitReadable({fd()}, SecondsUntil(deadline)) &&
+         recv(fd(), bytes, sizeof(bytes), 0) > 0) {
   }
 }
 

@@ -21,7 +21,7 @@ inline constexpr const char* kPlaying = "playing a recording";  // start of an e
 inline constexpr int kLockstep = 1;                             // a mode
 inline constexpr double kRequestTimeout_s = 10;                 // of requests that are answered immediately
 inline constexpr double kLoadTimeout_s = 60;  // of requests that build a world or close a file
-inline constexpr double kFarewell_s = 0.2;    // for the daemon to read the last commands
+inline constexpr double kCloseGrace_s = 0.2;  // for the daemon to read the last commands
 
 /// A request to a module, and the timeout of its reply.
 struct Request {

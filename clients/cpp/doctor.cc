@@ -27,7 +27,7 @@ bool doctor(const std::string& server, const Options& options) {
     for (int i = 0; i < 50; ++i) {
       const Deadline start = Clock::now();
       sim.mode();
-      took_s.push_back(-Until(start));
+      took_s.push_back(-SecondsUntil(start));
     }
     std::sort(took_s.begin(), took_s.end());
     std::cout << "ok    round trip: " << static_cast<int>(took_s[25] * 1e6) << " us (median of 50), longest "

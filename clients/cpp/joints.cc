@@ -63,7 +63,7 @@ void Joints::Tune(std::int32_t command, const std::vector<const std::vector<doub
   const std::size_t count = request.params.size();
   request.data.resize(count * columns.size());
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    const std::vector<double> column = Spread(*columns[c], count, one_);
+    const std::vector<double> column = Broadcast(*columns[c], count, one_);
     for (std::size_t i = 0; i < count; ++i) request.data[i * columns.size() + c] = column[i];
   }
   link_->Read(link_->actuator, std::move(request));

@@ -81,7 +81,7 @@ struct RobotLink {
   /// Sends the kept command, or `ready`, for n steps.
   void SendStep(int n);
   /// Releases the robot for a team if this program never commanded it. True if released.
-  bool LetGo();
+  bool ReleaseIfUnused();
   /// The daemon closed the connection to the motors: throws.
   [[noreturn]] void Lose(const Closed& closed);
   /// True for joints, muscles and thrusters: a command lasts one step and names the parts.
@@ -159,7 +159,7 @@ struct TeamLink {
   /// The daemon closed the connection: throws.
   [[noreturn]] void Lose(const Closed& closed);
   /// Throws an error that says who owns the robot named in `owned`.
-  [[noreturn]] void NotOurs(const Error& owned) const;
+  [[noreturn]] void ThrowOwned(const Error& owned) const;
   bool Has(const std::string& robot) const;
 
   /// The name in errors.

@@ -35,8 +35,8 @@ class PageStream {
       failed = boost::asio::error::eof;
       if (n == 0 || (errno != EAGAIN && errno != EINTR)) return 0;
       failed = boost::asio::error::timed_out;
-      if (Until(deadline) <= 0) return 0;
-      WaitReadable({fd()}, Until(deadline));
+      if (SecondsUntil(deadline) <= 0) return 0;
+      WaitReadable({fd()}, SecondsUntil(deadline));
     }
   }
   template <class Buffers>

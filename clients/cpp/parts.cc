@@ -8,8 +8,8 @@
 
 namespace coopdyn::client {
 
-std::vector<std::int32_t> Chosen(const Which& which, const std::vector<std::string>& names,
-                                 const std::string& one, const std::string& whose) {
+std::vector<std::int32_t> SelectIds(const Which& which, const std::vector<std::string>& names,
+                                    const std::string& one, const std::string& whose) {
   const auto count = static_cast<std::int32_t>(names.size());
   std::vector<std::int32_t> ids = which.ids;
   for (const std::string& name : which.names) {
@@ -34,7 +34,7 @@ std::vector<std::int32_t> Chosen(const Which& which, const std::vector<std::stri
   return ids;
 }
 
-std::vector<double> Spread(const std::vector<double>& values, std::size_t count, const std::string& one) {
+std::vector<double> Broadcast(const std::vector<double>& values, std::size_t count, const std::string& one) {
   if (values.size() == 1) return std::vector<double>(count, values[0]);
   if (values.size() != count)
     throw Error(3, "write a value for each of the " + std::to_string(count) + " " + one +
@@ -53,14 +53,14 @@ const std::string& Parts::name() const {
 }
 
 std::vector<std::int32_t> Parts::Ids(const Which& which) const {
-  return Chosen(which, names_, one_, link_->label());
+  return SelectIds(which, names_, one_, link_->label());
 }
 
 void Parts::Actuate(std::int32_t command, const std::vector<double>& values, const Which& which,
                     const char* what) {
   for (const double value : values) Finite(value, what);
   std::vector<std::int32_t> ids = Ids(which);
-  std::vector<double> data = Spread(values, ids.size(), one_);
+  std::vector<double> data = Broadcast(values, ids.size(), one_);
   link_->Actuate(command, std::move(data), std::move(ids));
 }
 

@@ -31,10 +31,10 @@ struct Which {
 
 /// Ids of the parts that `which` selects among `names`, the parts of `whose`. `one`: their singular, e.g.
 /// "joint". Throws Error.
-std::vector<std::int32_t> Chosen(const Which& which, const std::vector<std::string>& names,
-                                 const std::string& one, const std::string& whose);
+std::vector<std::int32_t> SelectIds(const Which& which, const std::vector<std::string>& names,
+                                    const std::string& one, const std::string& whose);
 /// Returns `count` values; a single value is repeated.
-std::vector<double> Spread(const std::vector<double>& values, std::size_t count, const std::string& one);
+std::vector<double> Broadcast(const std::vector<double>& values, std::size_t count, const std::string& one);
 
 class Parts {
  public:

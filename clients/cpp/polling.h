@@ -23,7 +23,7 @@ class Polling {
     looked_at_ = now;
   }
   /// Call after each check of the sockets. True if the caller must check again immediately.
-  bool Goes(Deadline now) {
+  bool ShouldPollAgain(Deadline now) {
     if (looked_at_ < until_ && now - looked_at_ > kLost) {
       pause_ = now - resumes_at_ < kTrial ? std::min(2 * pause_, kMostPause) : kLeastPause;
       resumes_at_ = now + pause_;

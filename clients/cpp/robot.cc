@@ -340,13 +340,14 @@ Update Robot::next(const std::string& module, double timeout) {
       return {name, pushed.text, TimeOf(pushed), StepOf(pushed), pushed.params, value};
     }
     const Deadline now = Clock::now();
-    if (now >= deadline) throw Error(11, "no reading was pushed within the timeout; " + session_->Whom());
+    if (now >= deadline)
+      throw Error(11, "no reading was pushed within the timeout; " + session_->DescribeWait());
     if (now >= notice_at) {
-      const std::string whom = session_->Whom(true);
+      const std::string whom = session_->DescribeWait(true);
       notice_at = whom.empty() ? After(kNoticeAfter_s, now) : Deadline::max();
       if (!whom.empty()) std::cerr << "coopdyn: " << whom << std::endl;
     }
-    WaitReadable(fds, Until(std::min({deadline, notice_at, After(3600, now)}), now));
+    WaitReadable(fds, SecondsUntil(std::min({deadline, notice_at, After(3600, now)}), now));
   }
 }
 

@@ -207,7 +207,7 @@ void RobotLink::SendStep(int n) {
   motors->Send(sent->id, sent->joints.empty() ? std::vector<std::int32_t>{n} : sent->joints, sent->data);
 }
 
-bool RobotLink::LetGo() {
+bool RobotLink::ReleaseIfUnused() {
   if (!motors || commanded || unclaimed || lost) return false;
   Settle();
   motors->Ask({command::kRelease});
@@ -230,8 +230,8 @@ bool RobotLink::AwaitCommand(double wait_s) {
       session.Fresh(Checked(std::move(*reply)), sent_at);
       return true;
     }
-    if (Until(deadline) <= 0) return false;
-    WaitReadable({motors->fd()}, Until(deadline));
+    if (SecondsUntil(deadline) <= 0) return false;
+    WaitReadable({motors->fd()}, SecondsUntil(deadline));
   }
 }
 

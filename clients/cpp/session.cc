@@ -52,7 +52,7 @@ Connection& Session::Of(const std::string& module) {
   return connection;
 }
 
-Message Session::Tell(const std::string& module, Request request) {
+Message Session::RequestGlobal(const std::string& module, Request request) {
   Message reply = Of(module).Ask(std::move(request));
   for (const auto& link : links_) link->carried.reset();
   Note(reply);
@@ -180,13 +180,13 @@ std::shared_ptr<RobotLink> Session::Drive(const std::string& robot) {
   return link;
 }
 
-bool Session::LetGo(const std::string& robot) {
+bool Session::ReleaseIfUnused(const std::string& robot) {
   const auto of_robot = [&](const auto& link) { return link->robot == robot; };
   if (std::any_of(links_.begin(), links_.end(),
                   [&](const auto& link) { return of_robot(link) && link->commanded; }))
     return false;
   return std::count_if(links_.begin(), links_.end(),
-                       [&](const auto& link) { return of_robot(link) && link->LetGo(); }) > 0;
+                       [&](const auto& link) { return of_robot(link) && link->ReleaseIfUnused(); }) > 0;
 }
 
 void Session::LoseOthers(const RobotLink& lost) {
@@ -225,8 +225,8 @@ std::shared_ptr<TeamLink> Session::DriveTeam(const std::string& text) {
   } catch (const Error& e) {
     if (e.code() != kOwned) throw;
     const std::string robot = FirstWord(e.text());
-    if (LetGo(robot)) return DriveTeam(text);
-    team->NotOurs(e);
+    if (ReleaseIfUnused(robot)) return DriveTeam(text);
+    team->ThrowOwned(e);
   }
   teams_.push_back(team);
   return team;
@@ -277,7 +277,7 @@ void Session::CountUnstepped(RobotLink& link) {
 void Session::Lose(const Closed& closed, const std::string& label, const std::string& take_again,
                    std::optional<Error>& lost) {
   if (closed.notice().empty())
-    throw Error(Error::kNoConnection, "the connection to " + label + " broke; " + address_.WhyLost());
+    throw Error(Error::kNoConnection, "the connection to " + label + " broke; " + address_.LossHint());
   if (closed.by_load()) throw NewWorld(kLoad);
   // Reopening the connection would take the robot back from its new owner.
   lost.emplace(kOwned, label + " is no longer driven by this sim: " + closed.notice() + "; " + take_again +
@@ -314,7 +314,7 @@ WorldReset Session::NewWorld(const std::string& word) {
   const std::string before = std::exchange(scenario_, Status()["scenario"].text());
   const std::string cure = ": run your program again, or catch this to start over";
   if (word != kLoad && scenario_ == before) {
-    StartedAnew();
+    OnReset();
     return WorldReset("the world was reset" + cure);
   }
   const std::vector<std::string> gone = Loaded();
@@ -336,7 +336,7 @@ bool Session::IsNew(const Json& status) const {
   return !same && status["playback"].is_null();
 }
 
-void Session::StartedAnew() {
+void Session::OnReset() {
   reached_ = 0;
   actuators_.clear();
   ForgetCommands();
@@ -350,8 +350,8 @@ void Session::ForgetCommands() {
   for (const auto& team : teams_) team->stale = true;
 }
 
-void Session::Jumped() {
-  StartedAnew();
+void Session::OnRestored() {
+  OnReset();
   Control({command::kGetTime});  // updates the mode
   const std::vector<std::string> names = RobotNames();
   const std::set<std::string> here(names.begin(), names.end());
@@ -365,7 +365,7 @@ void Session::Jumped() {
 }
 
 std::vector<std::string> Session::Loaded() {
-  StartedAnew();
+  OnReset();
   scenario_ = Status()["scenario"].text();
   for (const auto& team : teams_) {  // reopens with the present robots
     team->connection.Close();
@@ -406,7 +406,7 @@ void Session::Close() {
   }
   // Give the daemon time to read the last `stop`, so that this program's next request, e.g. a reset, comes
   // after it. Do not wait for its reply: in lockstep, the step may be far off.
-  const Deadline deadline = After(kFarewell_s);
+  const Deadline deadline = After(kCloseGrace_s);
   for (const auto& link : links_) {
     if (!watch_ && link->is_ours()) link->motors->AwaitEnd(deadline);
     link->Close();

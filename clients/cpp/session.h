@@ -41,8 +41,8 @@ class Session {
 
   // Requests that are answered immediately.
   /// Sends a request to a module of the whole simulation.
-  Message Tell(const std::string& module, Request request);
-  Message Control(Request request) { return Tell(kSimulation, std::move(request)); }
+  Message RequestGlobal(const std::string& module, Request request);
+  Message Control(Request request) { return RequestGlobal(kSimulation, std::move(request)); }
   int AskMode();
   Json Status();
   /// The names of all robots, in the order of the scenario.
@@ -87,7 +87,7 @@ class Session {
                          std::optional<Error>& lost);
   /// One line that says what the world waits for; with `held_up`, empty if steps still run. With `in_step`,
   /// throws WorldReset if the world was reset or loaded meanwhile.
-  std::string Whom(bool held_up = false, bool in_step = false) const;
+  std::string DescribeWait(bool held_up = false, bool in_step = false) const;
   /// Sends `stop` to the robots that this session drives, then closes everything. Does not wait for a step.
   void Close();
   /// Hands over the daemon that launch() started; it exits with this session.
@@ -102,13 +102,13 @@ class Session {
   /// The scenario of the present world; a load changes it.
   void set_scenario(std::string name) { scenario_ = std::move(name); }
   /// After a reset.
-  void StartedAnew();
+  void OnReset();
   void ForgetCommands();
   /// After a load: returns those of this session's robots that the new scenario lacks.
   std::vector<std::string> Loaded();
   /// After this session's restore or branch: the world continues from another state, possibly of another
   /// scenario.
-  void Jumped();
+  void OnRestored();
   /// Another client has reset the world, or (if `word` is kLoad, or the scenario differs) loaded a scenario:
   /// discards the state of the old world and returns the error to throw.
   WorldReset NewWorld(const std::string& word = "");
@@ -134,12 +134,12 @@ class Session {
   /// The status of all robots.
   std::vector<Json> Robots();
   /// Releases a robot for a team if this program never commanded it. True if released.
-  bool LetGo(const std::string& robot);
+  bool ReleaseIfUnused(const std::string& robot);
   Connection& Of(const std::string& module);
   void Resume(std::int64_t step, std::int64_t since);
   std::vector<Waiting> WhoSteps(const TeamRequest& command);
-  void TakeIn(Waiting& w, Message reply, Replies& replies);
-  bool TakeAllIn(std::vector<Waiting>& waiting, bool all, std::vector<int>& missing, Replies& replies);
+  void StoreReply(Waiting& w, Message reply, Replies& replies);
+  bool StoreReplies(std::vector<Waiting>& waiting, bool all, std::vector<int>& missing, Replies& replies);
   Replies Collect(std::vector<Waiting>& waiting, double timeout_s);
   void CatchUp(std::vector<Waiting>& waiting);
   void GiveUp(std::vector<Waiting>& waiting, const Error& cause);

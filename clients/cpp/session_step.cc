@@ -72,7 +72,7 @@ void Session::Step(int n, double timeout_s, const TeamRequest& team_request) {
                            [](const auto& link) { return link->has_parts() && link->kept; })) {
     const Deadline deadline = After(timeout_s);
     Step(1, timeout_s);  // such a command lasts one step
-    return Step(n - 1, std::max(0.0, Until(deadline)));
+    return Step(n - 1, std::max(0.0, SecondsUntil(deadline)));
   }
   std::vector<Waiting> waiting = WhoSteps(team_request);
   const std::int64_t since = reached_ + 1;
@@ -98,7 +98,7 @@ void Session::Step(int n, double timeout_s, const TeamRequest& team_request) {
 }
 
 /// Stores a reply; throws an error reply.
-void Session::TakeIn(Waiting& w, Message reply, Replies& replies) {
+void Session::StoreReply(Waiting& w, Message reply, Replies& replies) {
   w.done = true;
   if (w.link != nullptr) w.link->sent.reset();
   if (reply.error != 0) {
@@ -119,8 +119,8 @@ void Session::TakeIn(Waiting& w, Message reply, Replies& replies) {
 
 /// Stores the replies that have arrived: `all` of them, or those before the first pending one. Sets `missing`
 /// to the descriptors of pending replies. Returns whether any reply has arrived.
-bool Session::TakeAllIn(std::vector<Waiting>& waiting, bool all, std::vector<int>& missing,
-                        Replies& replies) {
+bool Session::StoreReplies(std::vector<Waiting>& waiting, bool all, std::vector<int>& missing,
+                           Replies& replies) {
   bool any = false;
   missing.clear();
   for (Waiting& w : waiting) {
@@ -132,7 +132,7 @@ bool Session::TakeAllIn(std::vector<Waiting>& waiting, bool all, std::vector<int
       continue;
     }
     any = true;
-    TakeIn(w, std::move(*reply), replies);
+    StoreReply(w, std::move(*reply), replies);
   }
   return any;
 }
@@ -156,18 +156,18 @@ Session::Replies Session::Collect(std::vector<Waiting>& waiting, double timeout_
              !glance([&](std::size_t i) { return waiting[i].connection->fd(); }, waiting.size() - 1);
   polling()->Start(Clock::now());
   while (true) {
-    const bool any = TakeAllIn(waiting, all, missing, replies);
+    const bool any = StoreReplies(waiting, all, missing, replies);
     const Deadline now = Clock::now();
-    const bool polls = polling_.Goes(now);
+    const bool polls = polling_.ShouldPollAgain(now);
     if (missing.empty()) return replies;
     if (any) catch_up_at = After(kCatchUpAfter_s, now);
     if (!std::exchange(all, true) && !any) continue;
     if (polls) continue;
     if (now >= deadline)
-      throw Error(kTimedOut, "no answer within " + Written(timeout_s) + " s; " + Whom(false, drives));
+      throw Error(kTimedOut, "no answer within " + Written(timeout_s) + " s; " + DescribeWait(false, drives));
     if (now >= notice_at) {
       notice_at = Deadline::max();
-      std::cerr << "coopdyn: " << Whom(false, drives) << std::endl;
+      std::cerr << "coopdyn: " << DescribeWait(false, drives) << std::endl;
     }
     if (now >= catch_up_at) {
       catch_up_at = After(kCatchUpAfter_s, now);
@@ -180,7 +180,8 @@ Session::Replies Session::Collect(std::vector<Waiting>& waiting, double timeout_
     if (any && missing.size() > kFew) {
       all = !glance([&](std::size_t i) { return missing[i]; }, missing.size());
     } else {
-      WaitReadable(missing, Until(std::min({deadline, notice_at, catch_up_at, After(3600, now)}), now));
+      WaitReadable(missing,
+                   SecondsUntil(std::min({deadline, notice_at, catch_up_at, After(3600, now)}), now));
     }
   }
 }
@@ -300,7 +301,7 @@ void Session::GiveUp(std::vector<Waiting>& waiting, const Error& cause) {
   if (lost) std::rethrow_exception(lost);
 }
 
-std::string Session::Whom(bool held_up, bool in_step) const {
+std::string Session::DescribeWait(bool held_up, bool in_step) const {
   Json status;
   try {
     status = FreshStatus();

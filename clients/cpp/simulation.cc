@@ -120,13 +120,13 @@ void Simulation::stop_all() {
 
 void Simulation::reset() {
   session_->Control({.command = command::kReset, .timeout_s = kLoadTimeout_s});
-  session_->StartedAnew();
+  session_->OnReset();
 }
 
 void Simulation::reset(int seed) {
   if (seed < 0) throw Error(4, "a seed is at least 0, not " + std::to_string(seed) + ": write sim.reset(7)");
   session_->Control({command::kReset, {seed}, {}, "", kLoadTimeout_s});
-  session_->StartedAnew();
+  session_->OnReset();
 }
 
 void Simulation::reload() {
@@ -194,7 +194,7 @@ std::map<std::string, double> Simulation::scores() {
 
 void Simulation::log(const std::string& name, double value) {
   if (!std::isfinite(value)) throw Error(4, "not a finite number: write sim.log(\"energy\", 3.5)");
-  session_->Tell(kSimulation, {.command = command::kLog, .data = {value}, .text = name});
+  session_->RequestGlobal(kSimulation, {.command = command::kLog, .data = {value}, .text = name});
 }
 
 std::map<std::string, double> Simulation::logged() {
@@ -205,7 +205,7 @@ std::map<std::string, double> Simulation::logged() {
 }
 
 void Simulation::end_run(const std::string& why) {
-  session_->Tell(kSimulation, {.command = command::kEndRun, .text = why});
+  session_->RequestGlobal(kSimulation, {.command = command::kEndRun, .text = why});
 }
 
 std::vector<Awaited> Simulation::waiting() {

@@ -51,7 +51,7 @@ void Simulation::save_state(const std::string& name) {
 
 void Simulation::restore_state(const std::string& name) {
   session_->Control({command::kRestoreState, {}, {}, Word(name, "the name of a state"), kLoadTimeout_s});
-  session_->Jumped();
+  session_->OnRestored();
 }
 
 std::vector<SavedState> Simulation::saved_states() {
@@ -65,13 +65,14 @@ std::vector<SavedState> Simulation::saved_states() {
 
 std::string Simulation::record(const std::string& name) {
   return session_
-      ->Tell(kRecorder, {.command = command::kStartRecording, .text = name.empty() ? name : RunName(name)})
+      ->RequestGlobal(kRecorder,
+                      {.command = command::kStartRecording, .text = name.empty() ? name : RunName(name)})
       .text;
 }
 
 Recorded Simulation::stop_recording() {
   const Message reply =
-      session_->Tell(kRecorder, {.command = command::kStopRecording, .timeout_s = kLoadTimeout_s});
+      session_->RequestGlobal(kRecorder, {.command = command::kStopRecording, .timeout_s = kLoadTimeout_s});
   const std::size_t url =
       std::min(reply.text.find(" http://"), reply.text.size());  // the name may have blanks
   return {reply.text.substr(0, url), UrlHere(session_->address(), reply.text.substr(url))};
@@ -79,11 +80,11 @@ Recorded Simulation::stop_recording() {
 
 void Simulation::note(const std::string& text) {
   if (text.empty()) throw Error(3, "no note: write sim.note(\"half-time\")");
-  session_->Tell(kRecorder, {.command = command::kNote, .text = text});
+  session_->RequestGlobal(kRecorder, {.command = command::kNote, .text = text});
 }
 
 std::optional<Recording> Simulation::recording() {
-  const Message reply = session_->Tell(kRecorder, {command::kGetRecording});
+  const Message reply = session_->RequestGlobal(kRecorder, {command::kGetRecording});
   Require(reply, 1, 5);
   if (reply.params[0] == 0) return std::nullopt;
   const auto whole = [&](std::size_t i) { return Whole(reply.data[i]); };
@@ -92,7 +93,7 @@ std::optional<Recording> Simulation::recording() {
 
 std::vector<RunFile> Simulation::recordings() {
   const Json list = Json::Parse(
-      session_->Tell(kRecorder, {.command = command::kListRuns, .timeout_s = kLoadTimeout_s}).text);
+      session_->RequestGlobal(kRecorder, {.command = command::kListRuns, .timeout_s = kLoadTimeout_s}).text);
   std::vector<RunFile> files;
   for (const Json& f : list.items()) {
     RunFile file{.name = f["name"].text(), .bytes = Whole(f["bytes"].number())};
@@ -123,51 +124,51 @@ std::string Simulation::fetch_run(const std::string& name, const std::string& fi
 }
 
 Playback Simulation::playback() {
-  const Message reply = session_->Tell(kPlayback, {command::kGetPlayback});
+  const Message reply = session_->RequestGlobal(kPlayback, {command::kGetPlayback});
   Require(reply, 3, 4);
   return {reply.data[0],        reply.data[1],        reply.data[2],        reply.data[3],
           reply.params[0] != 0, reply.params[1] != 0, reply.params[2] != 0, reply.text};
 }
 
 void Simulation::seek(double time) {
-  session_->Tell(kPlayback, {.command = command::kSeek, .data = {Finite(time, "the time [s]")}});
+  session_->RequestGlobal(kPlayback, {.command = command::kSeek, .data = {Finite(time, "the time [s]")}});
 }
 
 void Simulation::play(std::optional<double> speed) {
   std::vector<double> data;
   if (speed) data.push_back(PlaySpeed(*speed));
-  session_->Tell(kPlayback, {.command = command::kPlay, .data = std::move(data)});
+  session_->RequestGlobal(kPlayback, {.command = command::kPlay, .data = std::move(data)});
 }
 
 void Simulation::set_play_speed(double s) {
-  session_->Tell(kPlayback, {.command = command::kSetPlaySpeed, .data = {PlaySpeed(s)}});
+  session_->RequestGlobal(kPlayback, {.command = command::kSetPlaySpeed, .data = {PlaySpeed(s)}});
 }
 
 void Simulation::skip(int n) {
   if (n == 0) throw Error(4, "n is how many steps to go on, or back if below 0, not 0: write sim.skip(1)");
-  session_->Tell(kPlayback, {command::kSkip, {n}});
+  session_->RequestGlobal(kPlayback, {command::kSkip, {n}});
 }
 
 void Simulation::set_loop(bool on) {
-  session_->Tell(kPlayback, {command::kSetLoop, {on ? 1 : 0}});
+  session_->RequestGlobal(kPlayback, {command::kSetLoop, {on ? 1 : 0}});
 }
 
 void Simulation::branch(std::optional<double> time) {
   std::vector<double> data;
   if (time) data.push_back(Finite(*time, "the time [s]"));
-  session_->Tell(kPlayback, {command::kBranch, {}, std::move(data), "", kExportTimeout_s});
-  session_->Jumped();
+  session_->RequestGlobal(kPlayback, {command::kBranch, {}, std::move(data), "", kExportTimeout_s});
+  session_->OnRestored();
 }
 
 void Simulation::open_run(const std::string& name) {
   if (name.empty()) throw Error(3, "no name: write sim.open_run(\"lesson1\")");
-  session_->Tell(kPlayback, {command::kOpenRecording, {}, {}, name, kExportTimeout_s});
-  session_->Jumped();
+  session_->RequestGlobal(kPlayback, {command::kOpenRecording, {}, {}, name, kExportTimeout_s});
+  session_->OnRestored();
 }
 
 void Simulation::close_run() {
-  session_->Tell(kPlayback, {command::kCloseRecording});
-  session_->Jumped();
+  session_->RequestGlobal(kPlayback, {command::kCloseRecording});
+  session_->OnRestored();
 }
 
 }  // namespace coopdyn::client

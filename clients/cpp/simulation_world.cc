@@ -21,7 +21,7 @@ constexpr double kLoadTimeout_s = 60;
 
 /// Makes an edit and prints its warnings; returns the names of the edited objects.
 std::string Edit(Session& session, std::int32_t command, std::string text, std::vector<double> data = {}) {
-  const Message reply = session.Tell(
+  const Message reply = session.RequestGlobal(
       kWorld,
       {.command = command, .data = std::move(data), .text = std::move(text), .timeout_s = kLoadTimeout_s});
   const std::size_t end = std::min(reply.text.find('\n'), reply.text.size());
@@ -86,12 +86,12 @@ std::string Simulation::redo() {
 }
 
 std::string Simulation::world() {
-  return session_->Tell(kWorld, {.command = command::kListWorld}).text;
+  return session_->RequestGlobal(kWorld, {.command = command::kListWorld}).text;
 }
 
 std::string Simulation::save_scenario(const std::string& file) {
   if (file.empty()) throw Error(3, "no name: write sim.save_scenario(\"mine.scenario\")");
-  const std::string text = session_->Tell(kWorld, {.command = command::kSaveWorld}).text;
+  const std::string text = session_->RequestGlobal(kWorld, {.command = command::kSaveWorld}).text;
   std::ofstream out(file, std::ios::binary);
   out << text;
   out.close();
@@ -102,7 +102,7 @@ std::string Simulation::save_scenario(const std::string& file) {
 Picked Simulation::pick(const std::array<double, 3>& origin, const std::array<double, 3>& direction) {
   std::vector<double> data(origin.begin(), origin.end());
   data.insert(data.end(), direction.begin(), direction.end());
-  const Message reply = session_->Tell(kWorld, {.command = command::kPick, .data = std::move(data)});
+  const Message reply = session_->RequestGlobal(kWorld, {.command = command::kPick, .data = std::move(data)});
   Require(reply, 1, 4);
   return {reply.text, {reply.data[0], reply.data[1], reply.data[2]}, reply.data[3]};
 }

@@ -92,7 +92,7 @@ Message TeamLink::Claim() {
   return names.empty() ? claim(text) : connection.Ask({command::kGetTeam});  // no robot is left
 }
 
-void TeamLink::NotOurs(const Error& owned) const {
+void TeamLink::ThrowOwned(const Error& owned) const {
   const std::string robot = FirstWord(owned.text());
   if (const TeamLink* other = session.TeamWith(robot, this))
     throw Error(kOwned, "robot " + robot + " belongs to your " + other->label() +
@@ -165,7 +165,7 @@ void TeamLink::GiveUp(bool stop) {
       if (stop) connection.Send(command::kStopTeam);
       connection.Send(command::kRelease);
       connection.FinishSending();
-      connection.AwaitEnd(After(kFarewell_s));
+      connection.AwaitEnd(After(kCloseGrace_s));
     } catch (const Error&) {
       // Already closed.
     }
@@ -185,7 +185,7 @@ void TeamLink::Take() {
     }
     why = std::string(kPlaying) + ": sim.branch() goes on live from here";
   } catch (const Error& e) {
-    if (e.code() == kOwned && !playing.empty()) NotOurs(e);  // a branch has ended the playback
+    if (e.code() == kOwned && !playing.empty()) ThrowOwned(e);  // a branch has ended the playback
     if (e.code() != kNotPossible || !e.text().starts_with(kPlaying)) throw;
     why = e.text();
   }

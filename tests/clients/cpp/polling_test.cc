@@ -17,11 +17,11 @@ class ClientPollingTest : public ::testing::Test {
   /// A wait that is preempted for 4 ms.
   void LoseCore() {
     polling_.Start(now_);
-    polling_.Goes(now_ += milliseconds(4));
+    polling_.ShouldPollAgain(now_ += milliseconds(4));
   }
   bool Polls() {
     polling_.Start(now_);
-    return polling_.Goes(now_);
+    return polling_.ShouldPollAgain(now_);
   }
 
   Polling polling_;
@@ -30,9 +30,9 @@ class ClientPollingTest : public ::testing::Test {
 
 TEST_F(ClientPollingTest, GoesOnForTheSpin) {
   polling_.Start(now_);
-  EXPECT_TRUE(polling_.Goes(now_ + microseconds(30)));
-  EXPECT_TRUE(polling_.Goes(now_ + microseconds(49)));
-  EXPECT_FALSE(polling_.Goes(now_ + microseconds(50)));
+  EXPECT_TRUE(polling_.ShouldPollAgain(now_ + microseconds(30)));
+  EXPECT_TRUE(polling_.ShouldPollAgain(now_ + microseconds(49)));
+  EXPECT_FALSE(polling_.ShouldPollAgain(now_ + microseconds(50)));
 }
 
 TEST_F(ClientPollingTest, PausesOnceTheCoreWasLost) {
@@ -44,8 +44,8 @@ TEST_F(ClientPollingTest, PausesOnceTheCoreWasLost) {
 
 TEST_F(ClientPollingTest, AWaitLongerThanTheSpinIsNoLoss) {
   polling_.Start(now_);
-  while (polling_.Goes(now_)) now_ += microseconds(10);
-  polling_.Goes(now_ += seconds(3));  // it slept until the reply came
+  while (polling_.ShouldPollAgain(now_)) now_ += microseconds(10);
+  polling_.ShouldPollAgain(now_ += seconds(3));  // it slept until the reply came
   EXPECT_TRUE(Polls());
 }
 
