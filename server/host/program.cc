@@ -79,7 +79,9 @@ std::string Program::Save(std::string_view text, std::string_view base) {
 }
 
 std::string Program::Run() {
-  if (run_ != nullptr) return "your program runs: stop it first";
+  if (run_ != nullptr && stop_words_.empty()) return "your program runs: stop it first";
+  again_ = run_ != nullptr;
+  if (again_) return {};
   if (plan_.clients.empty())
     return "programs cannot run on this server: it lacks the folder clients of coopdyn. Tell your teacher";
   std::error_code code;
@@ -139,6 +141,7 @@ void Program::OnEnd(ProgramEnd end) {
   unsaved_ = true;
   SaveOutput();
   on_change_();
+  if (std::exchange(again_, false)) Run();
 }
 
 void Program::SaveOutput() {

@@ -41,7 +41,7 @@ class Program {
   /// Keeps the text. `base`: the version on which it was made; when somebody else at the seat has changed
   /// that since, or when `text` is no program, an error text.
   std::string Save(std::string_view text, std::string_view base);
-  /// Starts it; an error text.
+  /// Starts it, if it was just stopped after its end. An error text.
   std::string Run();
   /// `why`: the sentence that the student reads.
   void Stop(const std::string& why = "The program was stopped.");
@@ -82,6 +82,7 @@ class Program {
   std::uint64_t runs_ = 0;
   bool unsaved_ = false;
   std::string stop_words_;  // empty: nobody has stopped it
+  bool again_ = false;      // it is to run again after that
   ProgramEnd end_;
   std::string error_;
   Nanoseconds ended_at_ = 0;

@@ -13,6 +13,8 @@ import harness
 
 REALTIME = harness.scenario(mode="realtime")
 DRIVE = "import coopdyn\nsim = coopdyn.connect()\nr = sim.robot('robot1')\n"
+# Others on this machine may run the same test.
+SLEEPS = [f"{86421 + k}.{os.getpid()}" for k in range(4)]
 FOREVER = "import time\nprint('begun', flush=True)\nwhile True:\n    time.sleep(0.05)\n"
 
 
@@ -89,12 +91,21 @@ class Runs(ProgramCase):
         self.end(self.host)
 
     def test_stop_ends_all_its_processes(self):
-        self.begin(self.host, "import os\nfor k in range(3):\n    if os.fork() == 0:\n        os.setsid()\n        os.execlp('sleep', 'sleep', '86421')\n" + FOREVER)
-        until(lambda: len(processes("sleep 86421")) == 3)
+        self.begin(self.host, f"import os\nfor k in range(3):\n    if os.fork() == 0:\n        os.setsid()\n        os.execlp('sleep', 'sleep', '{SLEEPS[0]}')\n" + FOREVER)
+        until(lambda: len(processes("sleep " + SLEEPS[0])) == 3)
         self.ask(self.host, "stop", {})
         state = self.end(self.host)
         self.assertEqual((state["sentence"], state["error"]), ("The program was stopped.", False))
-        until(lambda: not processes("sleep 86421"))
+        until(lambda: not processes("sleep " + SLEEPS[0]))
+
+    def test_it_runs_again_at_once_after_a_stop(self):
+        self.begin(self.host, FOREVER)
+        self.await_output(self.host, "begun")
+        first = self.get(self.host)["run"]
+        self.ask(self.host, "stop", {})
+        self.begin(self.host, "print('again')\n")
+        until(lambda: self.get(self.host)["run"] == first + 1 and not self.get(self.host)["runs"])
+        self.assertEqual(self.printed(self.host), "again\n")
 
     def test_the_teacher_may_read_and_stop_it(self):
         self.begin(self.host, FOREVER)
@@ -262,22 +273,22 @@ class Kept(ProgramCase):
 
     def test_nothing_is_left_when_the_host_is_killed(self):
         with Host() as host:
-            self.begin(host, "import os\nprint('begun', flush=True)\nos.execlp('sleep', 'sleep', '86422')\n")
-            until(lambda: processes("sleep 86422"))
+            self.begin(host, f"import os\nprint('begun', flush=True)\nos.execlp('sleep', 'sleep', '{SLEEPS[1]}')\n")
+            until(lambda: processes("sleep " + SLEEPS[1]))
             output = host.folder / "class/seats/ana/output.txt"
             until(lambda: output.exists() and "begun" in output.read_text())
             host.kill()
-            until(lambda: not processes("sleep 86422") and not processes(str(host.folder / "class/seats/ana/program.py")))
+            until(lambda: not processes("sleep " + SLEEPS[1]) and not processes(str(host.folder / "class/seats/ana/program.py")))
             host.start()
             self.assertEqual((self.get(host)["runs"], self.printed(host)), (False, "begun\n[It ran at this moment.]\n"))
 
     def test_nothing_is_left_when_the_process_that_watches_is_killed(self):
         with Host() as host:
-            self.begin(host, "import os\nos.execlp('sleep', 'sleep', '86423')\n")
-            until(lambda: processes("sleep 86423"))
+            self.begin(host, f"import os\nos.execlp('sleep', 'sleep', '{SLEEPS[2]}')\n")
+            until(lambda: processes("sleep " + SLEEPS[2]))
             os.kill(processes(str(host.folder / "class/seats/ana/program.py"))[0], signal.SIGKILL)
             self.assertEqual(self.end(host)["sentence"], "The program was ended from outside.")
-            until(lambda: not processes("sleep 86423"))
+            until(lambda: not processes("sleep " + SLEEPS[2]))
 
 
 class Teaching(ProgramCase):
@@ -295,10 +306,10 @@ class Teaching(ProgramCase):
                 self.await_output(host, "begun")
                 host.order(do=order, seats=["ana"])
                 self.assertIn(words, self.end(host)["sentence"])
-            self.begin(host, "import os\nos.execlp('sleep', 'sleep', '86424')\n")
-            until(lambda: processes("sleep 86424"))
+            self.begin(host, f"import os\nos.execlp('sleep', 'sleep', '{SLEEPS[3]}')\n")
+            until(lambda: processes("sleep " + SLEEPS[3]))
             subprocess.run([BINARY, "seat", "remove", "ana", "--folder", str(host.folder / "class")], check=True, capture_output=True)
-            until(lambda: not processes("sleep 86424"))
+            until(lambda: not processes("sleep " + SLEEPS[3]))
 
     def test_a_seat_with_a_program_is_not_idle(self):
         with Host(REALTIME, "--idle", "0.02") as host:

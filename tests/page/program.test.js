@@ -56,6 +56,17 @@ test('it is stopped', async () => {
   assert.ok(await ana.isDisabled('#program-stop'));
 });
 
+test('it runs again at once after a stop', async () => {
+  await ana.click('#program-run');
+  await hasText(ana, '#program-state', /^It runs\.$/);
+  await ana.click('#program-stop');
+  await ana.waitForSelector('#program-run:enabled');
+  await ana.click('#program-run');
+  await hasText(ana, '#program-output', /the nearest thing is/);
+  await ana.click('#program-stop');
+  await hasText(ana, '#program-state', /^The program was stopped\.$/);
+});
+
 test('what one types is kept by itself, and runs with Ctrl+Enter', async () => {
   await write(ana, 'print("ready", 6 * 7)');
   await eventually(() => kept() === 'print("ready", 6 * 7)');

@@ -18,6 +18,7 @@ export class Program {
   #theirs = false;   // somebody else at the seat has changed it, too
   #trouble = '';     // why it is not kept, or does not run
   #marked = 0;       // line
+  #stopped = -1;     // the run that was stopped, and ends at once
   #timer = 0;
   #saving = null;
   #starting = null;
@@ -63,6 +64,8 @@ export class Program {
     if (isShown('program')) this.#follow();
     this.#show();
   }
+
+  get #runs() { return this.#state.runs && this.#state.run !== this.#stopped; }
 
   #follow() {
     this.#output.follow(this.#state);
@@ -167,7 +170,7 @@ export class Program {
 
   async run() {
     await this.#start();
-    if (!this.#code || this.#state.runs || this.#theirs) return;
+    if (!this.#code || this.#runs || this.#theirs) return;
     clearTimeout(this.#timer);
     await this.#saving;
     if (await this.#post('run')) this.#follow();
@@ -176,6 +179,7 @@ export class Program {
   async #stop() {
     const {error} = await post(programAddress('stop'), {});
     this.#trouble = error;
+    if (!error) this.#stopped = this.#state.run;
     this.#show();
   }
 
@@ -222,8 +226,8 @@ export class Program {
 
   #show() {
     const {runs, sentence: how, error} = this.#state;
-    if (byId('program-run')) setOff('program-run', runs ? 'It runs already' : '', 'Run this program on the server (Ctrl+Enter)');
-    setOff('program-stop', runs ? '' : 'It does not run', 'Ends the program');
+    if (byId('program-run')) setOff('program-run', this.#runs ? 'It runs already' : '', 'Run this program on the server (Ctrl+Enter)');
+    setOff('program-stop', this.#runs ? '' : 'It does not run', 'Ends the program');
     this.#choice.hidden = !this.#theirs;
     const text = this.#trouble || (runs ? 'It runs.' : how || 'It does not run.');
     this.#says.classList.toggle('error', this.#trouble !== '' || (error && !runs));
