@@ -83,7 +83,7 @@ struct ProgramRun::Impl : std::enable_shared_from_this<ProgramRun::Impl> {
   }
 
   void TakePackets() {
-    for (int i = 0; i < kPacketsAtOnce; ++i) {
+    for (int i = 0; i < kPacketsAtOnce && process != 0; ++i) {
       Packet packet = Receive(talk.native_handle());
       if (packet.kind == 'W') break;
       if (packet.kind == 0) return End();
@@ -97,7 +97,7 @@ struct ProgramRun::Impl : std::enable_shared_from_this<ProgramRun::Impl> {
         Accept(0);
       }
     }
-    Listen();
+    if (process != 0) Listen();
   }
 
   void Accept(int taken) {

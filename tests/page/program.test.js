@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import {readFileSync} from 'node:fs';
 import {join} from 'node:path';
 import {before, test} from 'node:test';
-import {eventually, hasText, newPage, startClass} from './harness.js';
+import {eventually, hasText, newPage, openPage, startClass, startDaemon} from './harness.js';
 
 let host, ana, link;
 const has = (page) => page.waitForFunction(() => window.coopdyn?.program && /^[\d.]+ s$/.test(document.getElementById('time').textContent));
@@ -84,6 +84,13 @@ test('an error leads to its line', async () => {
   assert.equal(await ana.evaluate(() => { const {state} = window.coopdyn.program.code.view; return state.doc.lineAt(state.selection.main.from).number; }), 3);
 });
 
+test('the wall tells of the error', async () => {
+  const wall = await newPage();
+  await wall.goto(new URL(`wall/#token=${host.token}`, host.url).href);
+  await hasText(wall, '.tile[data-seat="ana"] .why', /NameError/);
+  await hasText(wall, '.tile[data-seat="ana"] .program', /^a program of the page ended with an error$/);
+});
+
 test('text and output are there again after a reload', async () => {
   await ana.reload();
   await has(ana);
@@ -153,7 +160,6 @@ test('the teacher at the seat reads the program, and cannot change it', async ()
 });
 
 test('a daemon without a class has no such tab', async () => {
-  const {startDaemon, openPage} = await import('./harness.js');
   const page = await openPage((await startDaemon('classroom', '--no-render')).url);
   assert.equal(await page.locator('#tab-program').count(), 0);
 });

@@ -3,7 +3,7 @@
 import {make} from './dom.js';
 
 const KEPT = 200000;  // characters on the page
-const PLACE = /^(\s*)(File "\/program\/program\.py", line (\d+))(.*)$/;
+const PLACE = /^(\s*File "\/program\/program\.py", )(line (\d+))(.*)$/;
 
 export class ProgramOutput {
   #show;
