@@ -14,7 +14,7 @@ from plan import Wrong
 kNobody = 65534
 kFolder, kClients, kHome = "/submission", "/coopdyn", "/tmp"
 kSystem = ("/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32", "/opt")
-kSettings = ("alternatives", "fonts", "java", "ld.so.cache", "ld.so.conf", "ld.so.conf.d", "localtime", "nsswitch.conf", "octave", "python3",
+kSettings = ("alternatives", "fonts", "java", "ld.so.cache", "ld.so.conf", "ld.so.conf.d", "localtime", "matplotlibrc", "nsswitch.conf", "octave", "python3",
              "timezone")
 kUsers = {"passwd": f"nobody:x:{kNobody}:{kNobody}::{kHome}:/bin/sh\n", "group": f"nogroup:x:{kNobody}:\n"}  # instead of the machine's
 kShared_bytes = 16 << 20  # of /dev/shm

@@ -138,6 +138,12 @@ class Runs(ProgramCase):
         state, output = self.run_to_end(self.host, "import sys\nsys.stdout.buffer.write(b'\\0\\x1b[31m\\xff\\xc3\\xa9\\r\\n')\n")
         self.assertEqual((output, state["error"]), ("\\x00\\x1b[31m\\xffé\n", False))
 
+    def test_numpy_and_matplotlib_of_the_server_are_there(self):
+        text = "import numpy\nimport matplotlib.pyplot as plot\nplot.plot(numpy.arange(3))\nplot.savefig('a.png')\nprint(open('a.png', 'rb').read(4))\n"
+        missing = subprocess.run(["/usr/bin/python3", "-c", "import matplotlib"], capture_output=True, check=False).returncode != 0
+        state, output = self.run_to_end(self.host, text)
+        self.assertIn("No module named" if missing else "b'\\x89PNG'", output, state["sentence"])
+
     def test_another_student_reaches_no_part_of_it(self):
         ben = self.host.as_student("ben")
         for method, path in (("GET", "program"), ("GET", "program/output/0"), ("POST", "program"), ("POST", "program/run"), ("POST", "program/stop")):
