@@ -50,7 +50,10 @@ class Output:
 
 def shown(data):
     """Bytes as text: what cannot be printed stands as \\x…."""
-    text = data.decode("utf-8", "backslashreplace").replace("\r\n", "\n")
+    return printable(data.decode("utf-8", "backslashreplace").replace("\r\n", "\n"))
+
+
+def printable(text):
     return "".join(c if c in "\n\t" or c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 

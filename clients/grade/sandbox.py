@@ -14,7 +14,7 @@ from plan import Wrong
 kNobody = 65534
 kFolder, kClients, kHome = "/submission", "/coopdyn", "/tmp"
 kSystem = ("/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32", "/opt")
-kSettings = ("alternatives", "fonts", "java", "ld.so.cache", "ld.so.conf", "ld.so.conf.d", "localtime", "nsswitch.conf", "octave", "python3",
+kSettings = ("alternatives", "fonts", "java", "ld.so.cache", "ld.so.conf", "ld.so.conf.d", "localtime", "matplotlibrc", "nsswitch.conf", "octave", "python3",
              "timezone")
 kUsers = {"passwd": f"nobody:x:{kNobody}:{kNobody}::{kHome}:/bin/sh\n", "group": f"nogroup:x:{kNobody}:\n"}  # instead of the machine's
 kShared_bytes = 16 << 20  # of /dev/shm
@@ -45,7 +45,7 @@ def environment(server, submission, clients):
 
 
 def limits(values):
-    """Of each process. RLIMIT_DATA, as RLIMIT_AS also counts what is only reserved."""
+    """Of each process, as words before its command. RLIMIT_DATA, as RLIMIT_AS also counts what is only reserved."""
     cpu_s = int(values["time"]) + 1
     disk = values["disk"]
     return ["prlimit", f"--cpu={cpu_s}:{cpu_s + 1}", f"--data={values['memory']}", f"--fsize={disk}", f"--nofile={kFiles}", "--core=0"]
@@ -111,7 +111,8 @@ class Sandbox:
             os.chmod(folder, 0o750)
 
 
-def box(values, folder, clients, given):
+def machine(given):
+    """The beginning of each box: nothing of the machine but programs, libraries and their settings, and the variables `given`."""
     words = ["bwrap", "--unshare-user", "--unshare-pid", "--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try", "--die-with-parent", "--new-session",
              "--uid", str(kNobody), "--gid", str(kNobody), "--hostname", "sandbox", "--clearenv"]
     if "--disable-userns" in options_of_bwrap():
@@ -126,11 +127,20 @@ def box(values, folder, clients, given):
             words += ["--ro-bind", path, path]
     for name in kSettings:
         words += ["--ro-bind-try", f"/etc/{name}", f"/etc/{name}"]
+    return words
+
+
+def kernel_folders():
+    return ["--proc", "/proc", "--dev", "/dev", "--size", str(kShared_bytes), "--tmpfs", "/dev/shm"]
+
+
+def box(values, folder, clients, given):
+    words = machine(given)
     for name in kUsers:
         words += ["--ro-bind", os.path.join(clients, name), f"/etc/{name}"]
     for path in values["reads"]:
         words += ["--ro-bind", path, path]
-    words += ["--proc", "/proc", "--dev", "/dev", "--size", str(kShared_bytes), "--tmpfs", "/dev/shm", "--size", str(values["disk"]), "--tmpfs", kHome]
+    words += [*kernel_folders(), "--size", str(values["disk"]), "--tmpfs", kHome]
     words += ["--ro-bind", clients, kClients, "--ro-bind", folder, kFolder, "--chdir", kFolder, "--remount-ro", "/dev", "--remount-ro", "/"]
     return words
 

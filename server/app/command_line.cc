@@ -16,6 +16,7 @@
 #include "server/app/commands.h"
 #include "server/app/options.h"
 #include "server/app/print.h"
+#include "server/app/python_programs.h"
 #include "server/app/yars_words.h"
 #include "server/controllers/child_process.h"
 #include "server/model/readers.h"
@@ -147,15 +148,9 @@ int RunBench(std::vector<std::string> words) {
 /// wrote.
 int RunPython(const std::string& name, std::vector<std::string> words) {
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe");
-  const char* named = std::getenv("COOPDYN_PYTHON");
-  // Debian's own Python has Debian's Dask and matplotlib.
-  const std::string python = named != nullptr && *named != '\0'            ? named
-                             : std::filesystem::exists("/usr/bin/python3") ? "/usr/bin/python3"
-                                                                           : "python3";
-  for (const std::filesystem::path& folder : DataPath({}).folders) {
-    const std::filesystem::path package = folder / "clients" / name;
-    if (!std::filesystem::is_directory(package)) continue;
-    words.insert(words.begin(), {python, package, program, folder});
+  const std::string python = PythonProgram();
+  if (const std::filesystem::path folder = FolderWithClient(name); !folder.empty()) {
+    words.insert(words.begin(), {python, folder / "clients" / name, program, folder});
     HandOver(words);
     PrintError("coopdyn: coopdyn {} needs Python 3: {} cannot be started\n", name, python);
     return kExitErrors;

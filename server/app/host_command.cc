@@ -14,6 +14,7 @@
 #include "server/app/commands.h"
 #include "server/app/options.h"
 #include "server/app/print.h"
+#include "server/app/python_programs.h"
 #include "server/app/shutdown.h"
 #include "server/host/class_pages.h"
 #include "server/host/class_room.h"
@@ -164,6 +165,9 @@ int RunHost(HostOptions options) {
   for (const std::string& folder : options.scenario_folders)
     what.plan.more_arguments.insert(what.plan.more_arguments.end(),
                                     {"--scenarios", fs::absolute(folder).string()});
+  what.programs.python = PythonProgram();
+  if (const fs::path found = FolderWithClient("programs"); !found.empty())
+    what.programs.clients = fs::absolute(found) / "clients";
   what.plan.port = options.seat_ports;
   if (options.seat_ports != 0) {
     for (const std::string& address : options.hosts)

@@ -32,6 +32,7 @@
 #include "server/base/spawn.h"
 #include "server/host/class_routes.h"
 #include "server/host/json_fields.h"
+#include "server/host/program_requests.h"
 #include "server/host/sheet.h"
 #include "server/net/await.h"
 #include "server/web/access.h"
@@ -75,13 +76,6 @@ HttpAnswer HtmlAnswer(std::string page) {
 
 HttpAnswer GoTo(const std::string& where) {
   return {.status = 303, .headers = {{"Location", where}, {"Cache-Control", "no-store"}}};
-}
-
-/// The object in a body of JSON; empty: there is none.
-json::object ObjectIn(const std::string& body) {
-  error_code failed;
-  json::value read = json::parse(body, failed);
-  return failed || !read.is_object() ? json::object() : std::move(read.as_object());
 }
 
 }  // namespace
@@ -234,11 +228,13 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
 
   /// Whether the guest may ask for that: status 200 without a body.
   HttpAnswer Judge(const Guest& guest, const ClassRoute& route) const {
-    if (route.kind == ClassRouteKind::kSeatAsks) {
+    if (route.kind == ClassRouteKind::kSeatAsks || route.kind == ClassRouteKind::kProgram) {
       const std::string why = WhyNotStudent(guest, route.seat);
       return why.empty() ? HttpAnswer() : ErrorAnswer(403, why);
     }
-    const bool stranger = route.kind == ClassRouteKind::kWallAsks && !IsTeacher(guest.parser->get());
+    const bool stranger =
+        (route.kind == ClassRouteKind::kWallAsks || route.kind == ClassRouteKind::kWallProgram) &&
+        !IsTeacher(guest.parser->get());
     return stranger ? ErrorAnswer(403, "this needs the teacher's token") : HttpAnswer();
   }
 
@@ -259,6 +255,9 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
         return HandleStudent(request, route);
       case ClassRouteKind::kWallAsks:
         return HandleTeacher(request, route.rest);
+      case ClassRouteKind::kProgram:
+      case ClassRouteKind::kWallProgram:
+        return HandleProgram(guest, route);
       case ClassRouteKind::kUnknown:
       case ClassRouteKind::kSeat:
       case ClassRouteKind::kWallSeat:
@@ -318,6 +317,16 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     const json::value* const up = said.if_contains("up");
     room.RaiseHand(route.seat, up != nullptr && up->is_bool() && up->as_bool());
     return JsonAnswer("{}");
+  }
+
+  HttpAnswer HandleProgram(const Guest& guest, const ClassRoute& route) {
+    Program* const program = room.FindProgram(route.seat);
+    if (program == nullptr) return ErrorAnswer(404, "there is no seat " + route.seat);
+    const Request& request = guest.parser->get();
+    const bool post = request.method() == http::verb::post;
+    const bool teaches = route.kind == ClassRouteKind::kWallProgram;
+    if (post && !teaches) room.NoteActive(route.seat, guest.peer.text);
+    return AnswerProgram(*program, post, route.rest, request.body(), teaches);
   }
 
   HttpAnswer HandleTeacher(const Request& request, const std::string& what) {

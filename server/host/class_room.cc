@@ -95,8 +95,21 @@ void ClassRoom::AddSeat(const RollEntry& entry) {
   place.seat = std::make_unique<Seat>(context_, entry.seat, folder_of(entry.seat),
                                       url_ + "s/" + entry.seat + "/", std::move(plan), clock_, logger_);
   place.seat->set_on_change([this] { Changed(); });
+  place.program = std::make_unique<Program>(
+      context_, entry.seat, folder_of(entry.seat), options_.programs, clock_,
+      [this, seat = entry.seat](UniqueFd fd) { ConnectProgram(seat, std::move(fd)); }, [this] { Changed(); });
   LoadDesk(entry.seat, place.desk);
   places_.insert_or_assign(entry.seat, std::move(place));
+}
+
+void ClassRoom::ConnectProgram(const std::string& seat, UniqueFd connection) {
+  const auto found = places_.find(seat);
+  if (found == places_.end()) return;
+  found->second.desk.language = "python";
+  PassedSocket passed{.kind = PassedKind::kNames};
+  passed.peer = {.text = "the program of the seat", .trusted = true, .yields = true};
+  passed.fd = std::move(connection);
+  found->second.seat->Pass(std::move(passed));
 }
 
 void ClassRoom::Open(const std::string& url) {
@@ -113,6 +126,11 @@ void ClassRoom::Open(const std::string& url) {
 Seat* ClassRoom::FindSeat(std::string_view name) {
   const auto found = places_.find(name);
   return found == places_.end() ? nullptr : found->second.seat.get();
+}
+
+Program* ClassRoom::FindProgram(std::string_view seat) {
+  const auto found = places_.find(seat);
+  return found == places_.end() ? nullptr : found->second.program.get();
 }
 
 const RollEntry* ClassRoom::FindLink(std::string_view link) const {
@@ -144,8 +162,9 @@ void ClassRoom::PutAllAside(std::function<void()> done) {
   bool waits = false;
   for (auto& [name, place] : places_) {
     place.seat->Close();
-    waits =
-        waits || place.seat->state() == SeatState::kRunning || place.seat->state() == SeatState::kStarting;
+    place.program->Stop("The class has ended.");
+    waits = waits || place.program->runs() || place.seat->state() == SeatState::kRunning ||
+            place.seat->state() == SeatState::kStarting;
   }
   if (!waits) return done();
   timer_.expires_after(std::chrono::milliseconds(20));
@@ -156,6 +175,8 @@ void ClassRoom::PutAllAside(std::function<void()> done) {
 
 void ClassRoom::Tick() {
   for (auto& [name, place] : places_) {
+    if (place.program->runs()) place.desk.active = clock_.Now();
+    place.program->SaveOutput();
     if (place.seat->state() == SeatState::kRunning) {
       AskStatus(name, place);
       PutIdleAside(place);
@@ -277,6 +298,7 @@ void ClassRoom::HandIn(const std::string& seat, std::function<void(std::string)>
   std::error_code code;
   fs::create_directories(into, code);
   if (code) return done("it cannot be kept: " + code.message());
+  found->second.program->SaveOutput();
   for (const char* name : {"program.py", "output.txt"}) {
     std::error_code missing;
     fs::copy_file(folder / name, into / name, fs::copy_options::overwrite_existing, missing);
@@ -386,8 +408,10 @@ void ClassRoom::Order(const std::string& name, Place& place, const json::object&
   } else if (what == "reset") {
     if (runs) Command(place, "/simulation", "reset");
   } else if (what == "restart") {
+    place.program->Stop("The teacher began the lesson anew, so the program was stopped.");
     place.seat->BeginAnew(options_.lessons[lesson_]);
   } else if (what == "aside") {
+    place.program->Stop("Your simulation was put aside, so the program was stopped.");
     place.seat->PutAside();
   } else if (what == "push" || what == "next") {
     Push(place, what == "next" ? options_.lessons[lesson_] : TextIn(order, "lesson"), text);

@@ -18,6 +18,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/host/program.h"
 #include "server/host/roll.h"
 #include "server/host/seat.h"
 #include "server/host/seat_call.h"
@@ -28,6 +29,7 @@ struct ClassOptions {
   std::filesystem::path folder;      // of all that the class keeps
   std::vector<std::string> lessons;  // scenarios, in the order of the lesson plan; at least one
   SeatPlan plan = {};                // its lesson is set from `lessons`
+  ProgramPlan programs = {};         // that students write in their pages
   Nanoseconds idle = 15 * 60 * kNanosecondsPerSecond;  // a seat where nothing happens is put aside; 0: never
 };
 
@@ -82,6 +84,8 @@ class ClassRoom {
   Seat* FindSeat(std::string_view name);
   /// The seat whose personal link ends with `link`; null: none.
   const RollEntry* FindLink(std::string_view link) const;
+  /// What the student has written in the page; null: no such seat.
+  Program* FindProgram(std::string_view seat);
   std::filesystem::path folder_of(const std::string& seat) const;
 
   /// Uses another class list: seats that are not in it any more are put aside.
@@ -107,6 +111,7 @@ class ClassRoom {
  private:
   struct Place {
     std::unique_ptr<Seat> seat;
+    std::unique_ptr<Program> program;
     Desk desk;
     bool asking = false;  // for the status
   };
@@ -116,6 +121,8 @@ class ClassRoom {
   };
 
   void AddSeat(const RollEntry& entry);
+  /// The program of a seat has connected to its simulation.
+  void ConnectProgram(const std::string& seat, UniqueFd connection);
   void Tick();
   void AskStatus(const std::string& name, Place& place);
   void TakeStatus(Place& place, const std::string& body);

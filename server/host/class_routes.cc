@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "server/host/class_routes.h"
 
+#include <algorithm>
+
 #include "server/base/words.h"
 
 namespace coopdyn {
@@ -29,9 +31,17 @@ ClassRoute FindClassRoute(std::string_view target) {
     if (!route.rest.starts_with(kClass)) return route;
     route.kind = ClassRouteKind::kSeatAsks;
     route.rest = route.rest.substr(kClass.size(), route.rest.find('?') - kClass.size());
-    return route;
+    if (route.rest != "program" && !route.rest.starts_with("program/")) return route;
+    return {ClassRouteKind::kProgram, route.seat,
+            route.rest.substr(std::min<std::size_t>(8, route.rest.size()))};
   }
   if (target.starts_with("/wall/s/")) return SeatRoute(target.substr(8), ClassRouteKind::kWallSeat);
+  constexpr std::string_view kPrograms = "/wall/class/programs/";
+  if (path.starts_with(kPrograms)) {
+    ClassRoute route = SeatRoute(path.substr(kPrograms.size()), ClassRouteKind::kWallProgram);
+    if (!route.rest.empty()) route.rest.erase(0, 1);
+    return route;
+  }
   if (path.starts_with("/wall/class/"))
     return {ClassRouteKind::kWallAsks, {}, std::string(path.substr(std::string_view("/wall/class/").size()))};
   if (path.starts_with("/wall/")) return {ClassRouteKind::kAsset, {}, std::string(path.substr(5))};

@@ -9,14 +9,16 @@ namespace coopdyn {
 
 enum class ClassRouteKind {
   kUnknown,
-  kAsset,      // /, /wall and the files of both
-  kLink,       // /l/LINK: a student's personal link
-  kLogin,      // POST /login
-  kWallLogin,  // POST /wall/login
-  kSeatAsks,   // /s/NAME/class/WHAT
-  kSeat,       // /s/NAME/...: of the seat's daemon
-  kWallAsks,   // /wall/class/WHAT
-  kWallSeat    // /wall/s/NAME/...: the teacher at a seat
+  kAsset,       // /, /wall and the files of both
+  kLink,        // /l/LINK: a student's personal link
+  kLogin,       // POST /login
+  kWallLogin,   // POST /wall/login
+  kSeatAsks,    // /s/NAME/class/WHAT
+  kSeat,        // /s/NAME/...: of the seat's daemon
+  kWallAsks,    // /wall/class/WHAT
+  kWallSeat,    // /wall/s/NAME/...: the teacher at a seat
+  kProgram,     // /s/NAME/class/program/WHAT; WHAT may be empty
+  kWallProgram  // /wall/class/programs/NAME/WHAT
 };
 
 struct ClassRoute {

@@ -35,6 +35,8 @@ ClassRoom::Need ClassRoom::NeedOf(const Place& place) const {
   constexpr Nanoseconds kNew = 2 * 60 * kNanosecondsPerSecond;
   if (!desk.refused.empty() && now - desk.refused_at < kNew) return {2, desk.refused};
   if (!desk.last_error.empty() && now - desk.error_at < kNew) return {2, desk.last_error};
+  if (!place.program->error().empty() && now - place.program->ended_at() < kNew)
+    return {2, place.program->error()};
   const json::value* const clients = desk.status.if_contains("clients");
   const bool here = clients != nullptr && clients->to_number<std::size_t>() > 0;
   if (here && place.seat->state() == SeatState::kRunning && now - desk.active > kStuck)
@@ -78,6 +80,7 @@ json::object ClassRoom::StudentJson(const std::string& seat) const {
           {"taken", found->second.seat->taken()},
           {"frozen", desk.frozen},
           {"trouble", found->second.seat->trouble()},
+          {"program", found->second.program->StateJson()},
           {"notes", std::move(notes)},
           {"handed_in", std::move(handed_in)}};
 }
@@ -107,6 +110,7 @@ json::object ClassRoom::WallJson() const {
     tile["language"] = place.desk.language;
     tile["idle_s"] = (now - place.desk.active) / kNanosecondsPerSecond;
     tile["error"] = place.desk.last_error;
+    tile["program"] = place.program->StateJson();
     tile["need"] = need.rank;
     tile["why"] = need.why;
     rows.push_back({std::move(need), place.desk.hand_since, std::move(tile)});

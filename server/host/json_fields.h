@@ -4,6 +4,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <boost/json.hpp>
 
@@ -13,6 +14,13 @@ namespace coopdyn {
 inline std::string TextIn(const boost::json::object& object, std::string_view key) {
   const boost::json::value* const value = object.if_contains(key);
   return value != nullptr && value->is_string() ? std::string(value->as_string()) : std::string();
+}
+
+/// The object that `text` is; empty: it is none.
+inline boost::json::object ObjectIn(std::string_view text) {
+  boost::system::error_code failed;
+  boost::json::value read = boost::json::parse(text, failed);
+  return failed || !read.is_object() ? boost::json::object() : std::move(read.as_object());
 }
 
 }  // namespace coopdyn

@@ -30,7 +30,7 @@ import {World} from './world.js';
 startLayout();
 for (const [id, title] of [['world', 'World'], ['arena', 'Arena'], ['plots', 'Plots'], ['runs', 'Runs'], ['text', 'Text'], ['cost', 'Cost']]) tab(id, title);
 const connection = new Connection(rememberedToken(), SEAT ? isAwake : undefined);
-if (SEAT) import('./class.js').then(({ClassBar}) => new ClassBar(connection));
+const bar = SEAT ? import('./class.js').then(({ClassBar}) => new ClassBar(connection)) : null;
 const strip = new Strip();
 const rates = new StripHistory();
 const controls = new Controls(connection);
@@ -65,6 +65,7 @@ openView().then(async (view) => {
   const world = new World(connection, view);
   window.coopdyn = {view, connection, world, plots, editor};  // for tests, and for the curious
   window.coopdyn.film = new Film(view);
+  bar?.then(({program}) => { window.coopdyn.program = program; });
   if (!view.controls) return;
   view.addEventListener('select', ({detail}) => people.select(detail?.name ?? ''));
   gallery.setWorld(world);

@@ -4,6 +4,7 @@
 import {keptText, ORDERS, troubleText, whenText} from './class_words.js';
 import {make, setText} from './dom.js';
 import {follow, post} from './host_events.js';
+import {Program} from './program.js';
 import {hostAddress, SEAT, seatIn} from './seat.js';
 
 const button = (title, act, properties = {}) => {
@@ -21,6 +22,7 @@ export class ClassBar {
   #said = make('p', {id: 'class-said', role: 'status', hidden: true});
   #read = null;     // a trouble that was read
   #asleep = false;
+  program = new Program();
   parts;
 
   constructor(connection) {
@@ -46,6 +48,7 @@ export class ClassBar {
     document.title = `${seat.name} – coopdyn`;
     this.#who.replaceChildren(...this.parts.who(seat));
     this.parts.update(seat);
+    this.program.update(seat.program);
     this.#asleep = seat.daemon === 'asleep';
     document.body.classList.toggle('asleep', this.#asleep);
     this.#showState(seat);
@@ -113,6 +116,7 @@ class StudentPart {
 
   async #handsIn() {
     this.#handIn.disabled = true;
+    await this.#bar.program.save();
     const {error} = await post(hostAddress('hand-in'), {});
     this.#handIn.disabled = false;
     if (error) return this.#bar.say(error, true);

@@ -5,6 +5,7 @@ import {defaultKeymap, history, historyKeymap, isolateHistory} from '@codemirror
 import {lintGutter, lintKeymap, setDiagnostics} from '@codemirror/lint';
 import {EditorState} from '@codemirror/state';
 import {Decoration, drawSelection, EditorView, highlightActiveLine, keymap, lineNumbers, MatchDecorator, ViewPlugin} from '@codemirror/view';
+import {LOOK} from './code_look.js';
 import {GRAMMAR, kindOf, TEMPLATES} from './grammar.js';
 
 const SECTION = /^\s*\[([^\]]*)\]?/;
@@ -51,24 +52,7 @@ export function completionsAt(context, names) {
   return {from: context.pos - value[2].length, options: choices.map((label) => ({label, type: 'enum'}))};
 }
 
-const LOOK = EditorView.theme({
-  '&': {height: '100%', color: 'var(--ink)', backgroundColor: 'var(--field)', fontSize: '13px'},
-  '.cm-scroller': {fontFamily: 'var(--mono)', lineHeight: '1.5'},
-  '.cm-content': {caretColor: 'var(--ink)'},
-  '.cm-cursor': {borderLeftColor: 'var(--ink)'},
-  '&.cm-focused': {outline: '2px solid var(--accent)', outlineOffset: '-2px'},
-  '&.cm-focused .cm-selectionBackground, .cm-selectionBackground': {backgroundColor: 'color-mix(in srgb, var(--accent) 25%, transparent) !important'},
-  '.cm-gutters': {backgroundColor: 'var(--field)', color: 'var(--quiet)', borderRight: '1px solid var(--line)'},
-  '.cm-activeLine': {backgroundColor: 'color-mix(in srgb, var(--accent) 7%, transparent)'},
-  '.cm-tooltip': {backgroundColor: 'var(--raised)', color: 'var(--ink)', border: '1px solid var(--line)'},
-  '.cm-tooltip.cm-completionInfo': {whiteSpace: 'pre-line'},
-  '.cm-tooltip-autocomplete ul li[aria-selected]': {backgroundColor: 'var(--accent)', color: 'var(--on-accent)'},
-  // Replaces CodeMirror's data: images, which the page's security policy forbids.
-  '.cm-lintRange': {backgroundImage: 'none !important', textDecoration: 'underline wavy var(--bad)', textDecorationSkipInk: 'none'},
-  '.cm-lintRange-warning': {textDecorationColor: 'var(--warn)'},
-  '.cm-lint-marker': {content: 'normal !important', borderRadius: '50%', width: '0.7em', height: '0.7em', margin: '0.35em auto'},
-  '.cm-lint-marker-error': {backgroundColor: 'var(--bad)'},
-  '.cm-lint-marker-warning': {backgroundColor: 'var(--warn)'},
+const SCENARIO_LOOK = EditorView.theme({
   '.section': {color: 'var(--accent)', fontWeight: '650'},
   '.comment, .comment *': {color: 'var(--quiet) !important', fontStyle: 'italic'},
   '.key': {color: 'var(--good)'},
@@ -80,7 +64,7 @@ export class CodeView {
   constructor(host, text, names, onChange) {
     const root = host.attachShadow({mode: 'open'});
     const state = EditorState.create({doc: text, extensions: [
-      LOOK, lineNumbers(), history(), drawSelection(), highlightActiveLine(), lintGutter(),
+      LOOK, SCENARIO_LOOK, lineNumbers(), history(), drawSelection(), highlightActiveLine(), lintGutter(),
       colored(/^\s*\[[^\]]*\]/gm, 'section'), colored(/(^|\s)[#;].*$/gm, 'comment'), colored(/^\s*[A-Za-z_]\w*(?=\s)/gm, 'key'),
       autocompletion({override: [(context) => completionsAt(context, names)], icons: false, interactionDelay: 0}),
       keymap.of([{key: 'Tab', run: acceptCompletion}, ...completionKeymap, ...lintKeymap, ...historyKeymap, ...defaultKeymap]),

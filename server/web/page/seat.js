@@ -8,6 +8,9 @@ export const SEAT = name ? {name, teaches: wall !== undefined} : null;
 /** The address of the host's `what` ("me", "events", …) for this page. */
 export const hostAddress = (what) => `${SEAT.teaches ? '../../' : ''}class/${what}`;
 
+/** The address of `what` ("", "run", "stop", "output/") of this seat's program. */
+export const programAddress = (what = '') => hostAddress((SEAT.teaches ? `programs/${SEAT.name}` : 'program') + (what && `/${what}`));
+
 /** What the host says of this seat: of what it sends a student (docs/protocol.md), or of what the wall gets. */
 export const seatIn = (said) => (SEAT.teaches ? {...said.seats.find(({seat}) => seat === SEAT.name), names: said.names} : said);
 

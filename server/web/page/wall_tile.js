@@ -14,8 +14,10 @@ export const scoreText = ({value, unit}) => (unit ? `${showNumber(value, 2)} ${u
 
 /** What drives, or would: "Python drives", "MATLAB, not driving". */
 export function programText(seat) {
+  if (seat.program?.runs) return seat.driven_by ? 'a program of the page drives' : 'a program of the page runs';
   const language = languageText(seat.language), drives = seat.driven_by ?? '';
   if (language && drives) return `${language} drives`;
+  if (seat.program?.error && !drives) return 'a program of the page ended with an error';
   if (drives) return drives.startsWith('page') ? 'the page drives' : `${drives} drives`;
   return language ? `${language}, not driving` : 'nobody drives';
 }
@@ -92,7 +94,7 @@ export class Tile {
     setText(this.#state, word.replace(/:.*/, ''));
     this.#state.title = word;
     Object.assign(this.element.dataset, {state: key, hand: seat.hand, need: Math.min(seat.need, 5), taken: seat.taken && !seat.frozen});
-    setText(this.#program, seat.taken && !seat.frozen ? 'you drive' : key === 'asleep' || !(seat.driven_by || seat.language) ? '' : programText(seat));
+    setText(this.#program, seat.taken && !seat.frozen ? 'you drive' : key === 'asleep' || !(seat.driven_by || seat.language || seat.program?.runs || seat.program?.error) ? '' : programText(seat));
     const idle = seat.idle_s + ago_s;
     setText(this.#idle, key === 'asleep' ? '' : idle < 10 ? 'active' : `idle ${idleText(idle)}`);
     const why = whyText(seat) || (key === 'ended' ? seat.ended ?? '' : '');

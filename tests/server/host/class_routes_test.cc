@@ -87,5 +87,24 @@ TEST(Sheet, ACodeTooLongIsLeftOut) {
   EXPECT_EQ(QrSvg(std::string(5000, 'x')), "");
 }
 
+TEST(FindClassRoute, ProgramsBelongToTheirSeat) {
+  ClassRoute route = FindClassRoute("/s/ana/class/program?x");
+  EXPECT_EQ(route.kind, ClassRouteKind::kProgram);
+  EXPECT_EQ(route.seat + "|" + route.rest, "ana|");
+  route = FindClassRoute("/s/ana/class/program/output/12");
+  EXPECT_EQ(route.kind, ClassRouteKind::kProgram);
+  EXPECT_EQ(route.seat + "|" + route.rest, "ana|output/12");
+  EXPECT_EQ(FindClassRoute("/s/ana/class/programs").kind, ClassRouteKind::kSeatAsks);
+}
+
+TEST(FindClassRoute, TheTeacherAsksForProgramsOnTheWall) {
+  ClassRoute route = FindClassRoute("/wall/class/programs/ana");
+  EXPECT_EQ(route.kind, ClassRouteKind::kWallProgram);
+  EXPECT_EQ(route.seat + "|" + route.rest, "ana|");
+  route = FindClassRoute("/wall/class/programs/ana/stop");
+  EXPECT_EQ(route.kind, ClassRouteKind::kWallProgram);
+  EXPECT_EQ(route.seat + "|" + route.rest, "ana|stop");
+}
+
 }  // namespace
 }  // namespace coopdyn
