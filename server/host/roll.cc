@@ -129,6 +129,19 @@ const RollEntry* Roll::Find(std::string_view seat) const {
   return found == entries_.end() ? nullptr : &*found;
 }
 
+const RollEntry* Roll::FindNamed(std::string_view name, std::string_view pin) const {
+  const std::string plain = SeatNameFor(name);
+  // What has none of our letters is compared as it is, or everybody would be called so.
+  const bool has_letters = plain != SeatNameFor({});
+  const RollEntry* found = nullptr;
+  for (const RollEntry& entry : entries_) {
+    const bool same =
+        entry.seat == name || entry.name == name || (has_letters && SeatNameFor(entry.name) == plain);
+    if (same && (found == nullptr || entry.pin == pin)) found = &entry;
+  }
+  return found;
+}
+
 std::string Roll::FreeSeat(std::string_view name) const {
   const std::string plain = SeatNameFor(name);
   std::string seat = plain;

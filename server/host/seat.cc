@@ -14,6 +14,7 @@
 #include <csignal>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
@@ -32,6 +33,7 @@ using boost::system::error_code;
 constexpr std::chrono::milliseconds kLookEvery{10};
 constexpr std::uintmax_t kMaxLog = std::uintmax_t{1} << 20;
 constexpr const char* kRuns = "runs";
+constexpr int kLastRun = 999'999;
 
 void Limit(pid_t process, __rlimit_resource what, std::uint64_t most) {
   const rlimit limit{most, most};
@@ -45,15 +47,24 @@ pid_t ProcessBehind(int fd) {
   return ::getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 ? who.pid : 0;
 }
 
+/// It has ended, but its parent, as some containers' first process, does not ask how.
+bool IsZombie(pid_t process) {
+  std::ifstream file(fmt::format("/proc/{}/stat", process));
+  const std::string stat{std::istreambuf_iterator<char>(file), {}};
+  return stat.find(") Z ", std::min(stat.rfind(')'), stat.size())) != std::string::npos;
+}
+
 /// Also of a daemon that an earlier host started. One of ours that has ended is gone from then on.
 bool IsAlive(pid_t process) {
   if (process <= 0 || ::waitpid(process, nullptr, WNOHANG) == process) return false;
-  return ::kill(process, 0) == 0 || errno == EPERM;
+  return (::kill(process, 0) == 0 || errno == EPERM) && !IsZombie(process);
 }
 
 /// The last line of a log that says something.
 std::string LastLine(const fs::path& log) {
-  std::ifstream file(log);
+  constexpr std::streamoff kEnd = 64 << 10;  // the log may be long
+  std::ifstream file(log, std::ios::binary | std::ios::ate);
+  file.seekg(std::max<std::streamoff>(file.tellg() - kEnd, 0));
   std::string line, last;
   while (std::getline(file, line)) {
     if (!line.empty()) last = line;
@@ -79,7 +90,9 @@ int NewestRun(const fs::path& folder) {
     const std::string name = it->path().filename().string();
     int number = 0;
     const auto [rest, error] = std::from_chars(name.data(), name.data() + name.size(), number);
-    if (error == std::errc() && std::string_view(rest) == ".run") newest = std::max(newest, number);
+    // Longer numbers are a student's own names.
+    if (error == std::errc() && std::string_view(rest) == ".run" && number <= kLastRun)
+      newest = std::max(newest, number);
   }
   return newest;
 }
@@ -104,7 +117,8 @@ Seat::Seat(boost::asio::io_context& context, std::string name, fs::path folder, 
       plan_(std::move(plan)),
       clock_(clock),
       logger_(std::move(logger)),
-      timer_(context) {
+      timer_(context),
+      patience_(context) {
   std::error_code code;
   fs::create_directories(folder_ / kRuns, code);
   fs::permissions(folder_, fs::perms::owner_all, code);
@@ -155,8 +169,17 @@ void Seat::Wake() {
 void Seat::PutAside() {
   wanted_ = false;
   if (state_ == SeatState::kAsleep || process_ == 0) return;
-  ends_ = true;
+  if (!std::exchange(ends_, true)) KillIfItStays();
   ::kill(process_, SIGTERM);
+}
+
+void Seat::KillIfItStays() {
+  patience_.expires_after(kEndTime);
+  patience_.async_wait([this, alive = alive_, process = process_](const error_code& error) {
+    if (error || !*alive || process_ != process) return;
+    logger_->warn("seat {}: its daemon did not end within {} s and was killed", name_, kEndTime.count());
+    ::kill(process, SIGKILL);
+  });
 }
 
 void Seat::BeginAnew(const std::string& lesson) {
@@ -257,6 +280,7 @@ void Seat::OnDeath() {
   const bool in_start = state_ == SeatState::kStarting;
   // What has closed its door may still write its recording: the next one starts when it is gone.
   if (IsAlive(process_)) {
+    if (!by_us && state_ == SeatState::kRunning) KillIfItStays();
     ends_ = by_us;
     state_ = SeatState::kStarting;  // so that nobody starts another one
     timer_.expires_after(kLookEvery);

@@ -92,6 +92,23 @@ TEST(Roll, TwoStudentsOfOneNameHaveTwoSeats) {
   EXPECT_EQ(roll.entries().at(1).seat, "ana2");
 }
 
+TEST(Roll, StudentsOfOneNameAreToldApartByTheirPin) {
+  const Roll roll = Read("name,pin\nAna Lima,7305\nAna Lima,1234\nBen,1234\n");
+  EXPECT_EQ(roll.FindNamed("ana lima", "1234")->seat, "ana-lima2");
+  EXPECT_EQ(roll.FindNamed("Ana Lima", "7305")->seat, "ana-lima");
+  EXPECT_EQ(roll.FindNamed("ana-lima2", "1234")->seat, "ana-lima2");
+  EXPECT_EQ(roll.FindNamed("Ana Lima", "0000")->seat, "ana-lima");
+  EXPECT_EQ(roll.FindNamed("Cleo", "1234"), nullptr);
+}
+
+TEST(Roll, NamesWithoutLatinLettersAreFoundAsTheyAreWritten) {
+  const Roll roll = Read("name,pin\n李明,7305\nليلى,1234\n");
+  EXPECT_EQ(roll.FindNamed("李明", "7305")->seat, "student");
+  EXPECT_EQ(roll.FindNamed("ليلى", "1234")->seat, "student2");
+  EXPECT_EQ(roll.FindNamed("王芳", "7305"), nullptr);
+  EXPECT_EQ(roll.FindNamed("", "7305"), nullptr);
+}
+
 TEST(Roll, ASeatTwiceIsRefused) {
   std::string errors;
   Read("seat,name\nana,Ana\nana,Other\n", &errors);
