@@ -316,7 +316,8 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
       return ErrorAnswer(404, "a seat's page may ask for me, events, hand and hand-in");
     const json::object said = ObjectIn(request.body());
     const json::value* const up = said.if_contains("up");
-    room.RaiseHand(route.seat, up != nullptr && up->is_bool() && up->as_bool());
+    if (up == nullptr || !up->is_bool()) return ErrorAnswer(400, R"(write {"up": true}, or false)");
+    room.RaiseHand(route.seat, up->as_bool());
     return JsonAnswer("{}");
   }
 

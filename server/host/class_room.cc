@@ -9,6 +9,7 @@
 #include <ctime>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <utility>
 
 #include "server/base/printable.h"
@@ -398,17 +399,17 @@ std::string ClassRoom::Do(const json::object& order) {
   if (std::ranges::find(known, what) == known.end())
     return "the order is none of " + fmt::format("{}", fmt::join(known, ", "));
   if ((what == "message" || what == "push") && TextIn(order, "text").empty()) return what + " needs a text";
-  std::vector<std::string> names;
+  std::set<std::string> names;  // a seat that is named twice gets the order once
   const json::value* const seats = order.if_contains("seats");
   if (seats != nullptr && !seats->is_array()) return R"(seats is a list, e.g. ["ana"]; without it, all)";
   if (seats != nullptr) {
     for (const json::value& seat : seats->as_array()) {
       const std::string name = seat.is_string() ? std::string(seat.as_string()) : "";
       if (!places_.contains(name)) return "there is no seat '" + Printable(name, 60) + "'";
-      names.push_back(name);
+      names.insert(name);
     }
   } else {
-    for (const auto& [name, place] : places_) names.push_back(name);
+    for (const auto& [name, place] : places_) names.insert(name);
   }
   json::object given = order;
   if (what == "push") {

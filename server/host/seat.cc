@@ -56,8 +56,9 @@ bool IsZombie(pid_t process) {
 
 /// Also of a daemon that an earlier host started. One of ours that has ended is gone from then on.
 bool IsAlive(pid_t process) {
+  const bool is_zombie = process > 0 && IsZombie(process);  // of ours, waitpid() takes it away
   if (process <= 0 || ::waitpid(process, nullptr, WNOHANG) == process) return false;
-  return (::kill(process, 0) == 0 || errno == EPERM) && !IsZombie(process);
+  return !is_zombie && (::kill(process, 0) == 0 || errno == EPERM);
 }
 
 /// The last line of a log that says something.
@@ -253,8 +254,15 @@ void Seat::AwaitDoor() {
   timer_.expires_after(kLookEvery);
   timer_.async_wait([this, alive = alive_](const error_code& error) {
     if (error || !*alive || state_ != SeatState::kStarting) return;
-    if (UniqueFd door = ConnectToDoor(door_path())) return Enter(std::move(door));
-    if (!IsAlive(process_)) return OnDeath();
+    const bool lives = IsAlive(process_);
+    UniqueFd door = ConnectToDoor(door_path());
+    // Another daemon may be there, which a host started that was killed at once: ours ends then.
+    const pid_t behind = door ? ProcessBehind(door.get()) : 0;
+    if (behind > 0 && (behind == process_ || !lives)) {
+      process_ = behind;
+      return Enter(std::move(door));
+    }
+    if (!lives) return OnDeath();
     if (clock_.Now() - started_ > kStartTime) ::kill(process_, SIGKILL);
     AwaitDoor();
   });

@@ -32,6 +32,19 @@ def is_alive(pid):
         return False
 
 
+def children(parent):
+    """Also those that have ended, and for whose end nobody has asked."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            words = stat.read_text().rpartition(") ")[2].split()
+        except OSError:
+            continue
+        if int(words[1]) == parent:
+            found.append(stat.parent.name)
+    return found
+
+
 class Doors(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -87,6 +100,16 @@ class Doors(unittest.TestCase):
         self.assertEqual((status, "seats is a list" in text), (400, True))
         self.assertFalse(self.host.me("ben")["frozen"])
 
+    def test_an_order_that_names_a_seat_many_times_is_given_once(self):
+        self.host.order(do="message", seats=["ben"] * 1000, text="Hello")
+        self.assertEqual(len(self.host.me("ben")["notes"]), 1)
+
+    def test_a_hand_is_up_or_down_and_nothing_else(self):
+        me = self.host.as_student("ben")
+        self.host.fetch("POST", "/s/ben/class/hand", {"up": True}, me)
+        status, text, _ = self.host.fetch("POST", "/s/ben/class/hand", {"up": "yes"}, me)
+        self.assertEqual((status, '{"up": true}' in text, self.host.me("ben")["hand"]), (400, True, True))
+
     def test_hand_ins_at_once_are_one(self):
         self.host.status("ana")
         me = self.host.as_student("ana")
@@ -132,10 +155,31 @@ class Daemons(unittest.TestCase):
             self.assertFalse(is_alive(hung))
             host.status("ana")
 
+    def test_a_daemon_that_a_killed_host_has_just_started_becomes_the_seats(self):
+        with Host(REALTIME) as host:
+            folder = host.folder / "class" / "seats" / "ana"
+            with subprocess.Popen([BINARY, "serve", host.folder / "test.scenario", "--no-render", "--seat", folder / "door", "--seat-url",
+                                   "http://localhost/s/ana/"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as other:
+                until((folder / "door").exists)
+                self.assertEqual(host.seat("ana").said, "ok")
+                host.tile("ana", lambda tile: tile["daemon"] == "running")
+                host.order(do="aside", seats=["ana"])
+                self.assertEqual(other.wait(harness.LIMIT_S), 0)
+            host.tile("ana", lambda tile: tile["daemon"] == "asleep")
+
     def test_a_recording_with_the_largest_number_is_no_run_of_the_seat(self):
         with Host(REALTIME) as host:
             (host.folder / "class" / "seats" / "ana" / "runs" / "2147483647.run").touch()
             self.assertIn("000001", str(host.status("ana")["recording"]))
+
+    def test_daemons_that_have_ended_leave_no_processes_behind(self):
+        with Host(REALTIME) as host:
+            for _ in range(20):
+                host.status("ana")
+                host.order(do="restart", seats=["ana"])
+            host.order(do="aside")
+            host.tile("ana", lambda tile: tile["daemon"] == "asleep")
+            until(lambda: not children(host.process.pid))
 
     def test_what_runs_of_students_who_have_left_ends_with_the_next_host(self):
         with Host(REALTIME) as host:
