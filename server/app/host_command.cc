@@ -10,6 +10,7 @@
 #include <cstring>
 #include <fstream>
 #include <future>
+#include <iterator>
 #include <memory>
 #include <set>
 #include <utility>
@@ -94,7 +95,10 @@ std::optional<Roll> ChooseRoll(const HostOptions& options) {
   }
   PrintErrorLines(diagnostics.ToString());
   if (!roll) return std::nullopt;
-  if (const std::string error = SaveRoll(kept, *roll); !error.empty()) {
+  std::ifstream file(kept);
+  const bool is_kept = std::string{std::istreambuf_iterator<char>(file), {}} == roll->ToCsv();
+  // What is there need not be written: the disk may be full.
+  if (const std::string error = is_kept ? "" : SaveRoll(kept, *roll); !error.empty()) {
     PrintError("coopdyn: {}\n", error);
     return std::nullopt;
   }
@@ -166,7 +170,8 @@ class RollWatch {
 
 int RunHost(HostOptions options) {
   std::error_code code;
-  fs::create_directories(options.folder, code);
+  if (fs::create_directories(options.folder, code))
+    fs::permissions(options.folder, fs::perms::owner_all, code);
   options.folder = fs::absolute(options.folder).lexically_normal();
   if (code) {
     PrintError("coopdyn: --folder {}: {}\n", options.folder, code.message());
@@ -185,6 +190,7 @@ int RunHost(HostOptions options) {
   if (!CheckLessons(options)) return kExitErrors;
   std::optional<Roll> roll = ChooseRoll(options);
   if (!roll) return kExitErrors;
+  RollWatch watch(options.folder, *roll);
   problem = DoorProblem(options.folder, *roll);
   const std::string token = problem.empty() ? TeacherToken(options.folder, problem) : std::string();
   if (!problem.empty()) {
@@ -248,7 +254,6 @@ int RunHost(HostOptions options) {
   Print("ready names={}:{} http={} seats={}\n", Bracketed(host), door.port(), url,
         room.roll().entries().size());
 
-  RollWatch watch(options.folder, room.roll());
   while (shutdown.Wait(kNanosecondsPerSecond) != Shutdown::Wake::kEnd) {
     if (std::optional<Roll> changed = watch.Look(log.logger()))
       io.Call([&room, &changed] { room.SetRoll(std::move(*changed)); });
@@ -260,8 +265,17 @@ int RunHost(HostOptions options) {
   return kExitOk;
 }
 
+/// False, and it has been said: there is no class in FOLDER.
+bool HasClass(const std::string& folder) {
+  std::error_code code;
+  if (fs::exists(fs::symlink_status(RollFile(folder), code))) return true;
+  PrintError("coopdyn: there is no class in the folder {}: write the --folder of its coopdyn host\n", folder);
+  return false;
+}
+
 /// Changes the list of FOLDER and says what it has become.
 int ChangeRoll(const std::string& folder, const std::function<std::string(Roll&)>& change) {
+  if (!HasClass(folder)) return kExitErrors;
   const UniqueFd lock = LockRoll(folder);
   Diagnostics diagnostics;
   std::optional<Roll> roll = LoadRoll(RollFile(folder), diagnostics);
@@ -327,6 +341,7 @@ void AddSeatCommand(CLI::App& app, Chosen& chosen) {
   CLI::App* list = seat->add_subcommand("list", "Seats, PINs, names and groups");
   list->callback([=, &chosen] {
     chosen = [=] {
+      if (!HasClass(*folder)) return kExitErrors;
       Diagnostics diagnostics;
       const std::optional<Roll> roll = LoadRoll(RollFile(*folder), diagnostics);
       PrintErrorLines(diagnostics.ToString());

@@ -65,8 +65,9 @@ Roll NumberedRoll(int students, const RandomDigits& random);
 
 /// "ana-muller" for "Ana Müller"; "student" if nothing is left.
 std::string SeatNameFor(std::string_view name);
-/// What is wrong with a seat's name or a PIN, and what to write instead; empty: nothing.
+/// What is wrong with a seat's name, a PIN or a link, and what to write instead; empty: nothing.
 std::string SeatNameError(std::string_view seat);
 std::string PinError(std::string_view pin);
+std::string LinkError(std::string_view link);
 
 }  // namespace coopdyn

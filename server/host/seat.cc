@@ -307,7 +307,10 @@ void Seat::OnDeath() {
   const Nanoseconds now = clock_.Now();
   deaths_.push_back(now);
   while (now - deaths_.front() > kCrashWindow) deaths_.pop_front();
-  const std::string why = LastLine(folder_ / "daemon.log");
+  std::error_code code;
+  constexpr std::uintmax_t kNothing = std::uintmax_t{64} << 10;
+  const std::string why =
+      fs::space(folder_, code).available < kNothing ? "the disk is full" : LastLine(folder_ / "daemon.log");
   logger_->warn("seat {}: its daemon has ended{}{}", name_, in_start ? " while it started: " : ": ", why);
   if (deaths_.size() >= 2 * kCrashes) {
     waiting_.clear();

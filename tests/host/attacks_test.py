@@ -235,6 +235,18 @@ class Files(unittest.TestCase):
             self.assertEqual(kept.read_text(), before)
             self.assertIn("desk.json cannot be written", (host.folder / "host.log").read_text())
 
+    def test_a_list_that_has_not_changed_is_not_written_at_a_start(self):
+        with Host(REALTIME) as host:
+            host.kill()
+            Path(f"{host.folder / 'class' / 'class.csv'}.new").symlink_to("/dev/full")
+            host.start()
+            self.assertEqual(host.seat("ana").said, "ok")
+
+    def test_a_seat_command_in_a_folder_without_a_class_says_what_to_write(self):
+        for words in (("list",), ("add", "Ana"), ("remove", "ana"), ("pin", "ana")):
+            done = run("seat", *words, "--folder", os.devnull + "/x")
+            self.assertEqual((done.returncode, "write the --folder of its coopdyn host" in done.stderr), (1, True), words)
+
     def test_a_token_that_cannot_be_kept_is_an_error(self):
         with Host(REALTIME) as host:
             host.kill()
@@ -250,6 +262,12 @@ class Files(unittest.TestCase):
         with Host(REALTIME) as host:
             done = run("host", "--students", "2", "--port", "0", "--folder", host.folder / ("x" * 100))
             self.assertEqual((done.returncode, "write a --folder that is" in done.stderr), (1, True))
+
+    def test_only_its_owner_reads_a_folder_that_the_host_makes(self):
+        with Host(REALTIME) as host:
+            folder = host.folder / "other"
+            run("host", "nosuchlesson", "--students", "2", "--port", "0", "--folder", folder)
+            self.assertEqual(folder.stat().st_mode & 0o777, 0o700)
 
 
 if __name__ == "__main__":

@@ -115,6 +115,24 @@ TEST(Roll, ASeatTwiceIsRefused) {
   EXPECT_NE(errors.find("c.csv:3: error: the seat ana is there already"), std::string::npos) << errors;
 }
 
+TEST(Roll, ALinkIsASecretOfOneSeat) {
+  std::string errors;
+  Read("name,link\nAna,x\nBen,0123456789abcdef;a\nCleo,0123456789abcdef\nDan,0123456789abcdef\n", &errors);
+  EXPECT_NE(errors.find("c.csv:2: error: a link has 16 to 64 letters and digits"), std::string::npos)
+      << errors;
+  EXPECT_NE(errors.find("c.csv:3: error: a link has 16"), std::string::npos) << errors;
+  EXPECT_EQ(errors.find("c.csv:4"), std::string::npos) << errors;
+  EXPECT_NE(errors.find("c.csv:5: error: this is the link of cleo"), std::string::npos) << errors;
+}
+
+TEST(Roll, EmptyColumnsOfASpreadsheetAreNoMistakeAndMillionsAreRefused) {
+  std::string errors;
+  EXPECT_EQ(Read("name,,\nAna,,\n", &errors).entries().size(), 1);
+  EXPECT_EQ(errors, "");
+  Read(std::string(2'000'000, ','), &errors);
+  EXPECT_NE(errors.find("there are 2000001 columns"), std::string::npos) << errors;
+}
+
 TEST(Roll, ANewPinMakesTheOldLinkInvalid) {
   Roll roll = Read("name,pin\nAna,7305\n");
   const std::string link = roll.entries()[0].link;
