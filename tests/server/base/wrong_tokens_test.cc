@@ -30,8 +30,8 @@ TEST(WrongTokensTest, ARightTokenForOneThingDoesNotForgiveWrongOnesForAnother) {
   WrongTokens tokens(NullLogger());
   for (int i = 0; i < WrongTokens::kFree; ++i) {
     EXPECT_EQ(tokens.Judge(false, "10.0.0.7:1", 0, "ana"), TokenVerdict::kWrong);
-    if (i + 1 < WrongTokens::kFree)
-      EXPECT_EQ(tokens.Judge(true, "10.0.0.7:1", 0, "ben"), TokenVerdict::kRight);
+    if (i + 1 == WrongTokens::kFree) break;
+    EXPECT_EQ(tokens.Judge(true, "10.0.0.7:1", 0, "ben"), TokenVerdict::kRight);
   }
   EXPECT_EQ(tokens.Judge(true, "10.0.0.7:1", 0, "ben"), TokenVerdict::kTooSoon);
 }
