@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <spdlog/fmt/fmt.h>
+#include <sys/file.h>
 #include <sys/random.h>
 #include <unistd.h>
 
@@ -13,7 +14,6 @@
 #include <vector>
 
 #include "server/model/text_file.h"
-#include "server/net/unique_fd.h"
 
 namespace coopdyn {
 namespace {
@@ -33,6 +33,7 @@ std::vector<unsigned char> RandomBytes(std::size_t count) {
 std::string WriteOwn(const fs::path& file, const std::string& text) {
   const fs::path fresh = file.string() + ".new";
   const UniqueFd fd(::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+  if (fd) errno = ENOSPC;  // what a write that ends early means
   const bool written = fd && ::write(fd.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size());
   if (!written || ::rename(fresh.c_str(), file.c_str()) != 0)
     return file.string() + " cannot be written: " + std::strerror(errno);
@@ -69,17 +70,24 @@ std::optional<Roll> LoadRoll(const fs::path& file, Diagnostics& diagnostics, con
   return roll;
 }
 
+UniqueFd LockRoll(const fs::path& folder) {
+  UniqueFd lock(::open((folder / "class.csv.lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+  if (lock) ::flock(lock.get(), LOCK_EX);
+  return lock;
+}
+
 std::string SaveRoll(const fs::path& file, const Roll& roll) {
   return WriteOwn(file, roll.ToCsv());
 }
 
-std::string TeacherToken(const fs::path& folder) {
+std::string TeacherToken(const fs::path& folder, std::string& error) {
   const fs::path file = folder / "token";
   std::ifstream kept(file);
   std::string token;
   if (kept >> token && token.size() >= kTokenDigits) return token;
   token = SystemRandom().hex(kTokenDigits);
-  return WriteOwn(file, token + "\n").empty() ? token : "";
+  error = WriteOwn(file, token + "\n");
+  return error.empty() ? token : "";
 }
 
 }  // namespace coopdyn

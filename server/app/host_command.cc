@@ -2,12 +2,18 @@
 #include <fmt/core.h>
 #include <sys/file.h>
 #include <sys/resource.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
 #include <future>
+#include <iterator>
 #include <memory>
 #include <set>
+#include <utility>
 
 #include "server/app/addresses.h"
 #include "server/app/class_files.h"
@@ -21,6 +27,7 @@
 #include "server/host/front_door.h"
 #include "server/model/readers.h"
 #include "server/net/io_thread.h"
+#include "server/record/run_header.h"
 
 namespace coopdyn {
 namespace {
@@ -43,10 +50,15 @@ struct HostOptions {
   std::string log_level = "info";
 };
 
-/// Only one host may use a folder. Held until it is destroyed.
-UniqueFd LockFolder(const fs::path& folder) {
+/// Only one host may use a folder. Held until it is destroyed; none: `error` says why.
+UniqueFd LockFolder(const fs::path& folder, std::string& error) {
   UniqueFd lock(::open((folder / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
-  if (lock && ::flock(lock.get(), LOCK_EX | LOCK_NB) != 0) lock.Reset();
+  if (!lock) {
+    error = "the folder " + folder.string() + " cannot be used: " + std::strerror(errno);
+  } else if (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0) {
+    error = "another host uses the folder " + folder.string() + ": write another --folder";
+    lock.Reset();
+  }
   return lock;
 }
 
@@ -54,12 +66,22 @@ UniqueFd LockFolder(const fs::path& folder) {
 /// said why.
 std::optional<Roll> ChooseRoll(const HostOptions& options) {
   const fs::path kept = RollFile(options.folder);
+  const fs::path taken_file = fs::path(options.folder) / "list";  // the hash of the list that was taken in
+  const UniqueFd lock = LockRoll(options.folder);
   Diagnostics diagnostics;
   std::optional<Roll> roll;
+  std::error_code code;  // a pipe can be read only once
+  const std::string hash =
+      fs::is_regular_file(options.class_file, code) ? FileHash(options.class_file) : std::string();
   if (!options.class_file.empty()) {
     Diagnostics none;
     const std::optional<Roll> before = fs::exists(kept) ? LoadRoll(kept, none) : std::nullopt;
-    roll = LoadRoll(options.class_file, diagnostics, before.value_or(Roll()));
+    // The same list again does not undo what `coopdyn seat` has changed since.
+    std::string taken;
+    std::ifstream(taken_file) >> taken;
+    roll = before && !hash.empty() && hash == taken
+               ? before
+               : LoadRoll(options.class_file, diagnostics, before.value_or(Roll()));
   } else if (options.students > 0 && !fs::exists(kept)) {
     roll = NumberedRoll(options.students, SystemRandom());
   } else if (fs::exists(kept)) {
@@ -74,11 +96,26 @@ std::optional<Roll> ChooseRoll(const HostOptions& options) {
   }
   PrintErrorLines(diagnostics.ToString());
   if (!roll) return std::nullopt;
-  if (const std::string error = SaveRoll(kept, *roll); !error.empty()) {
+  std::ifstream file(kept);
+  const bool is_kept = std::string{std::istreambuf_iterator<char>(file), {}} == roll->ToCsv();
+  // What is there need not be written: the disk may be full.
+  if (const std::string error = is_kept ? "" : SaveRoll(kept, *roll); !error.empty()) {
     PrintError("coopdyn: {}\n", error);
     return std::nullopt;
   }
+  if (!hash.empty()) std::ofstream(taken_file) << hash << '\n';
   return roll;
+}
+
+/// Each seat's daemon listens in its folder, and the kernel limits such paths. An error text.
+std::string DoorProblem(const fs::path& folder, const Roll& roll) {
+  for (const RollEntry& entry : roll.entries()) {
+    const std::string door = (folder / "seats" / entry.seat / "door").string();
+    if (door.size() >= sizeof(sockaddr_un::sun_path))
+      return fmt::format("the path {} is too long for a socket: write a --folder that is {} bytes shorter",
+                         door, door.size() + 1 - sizeof(sockaddr_un::sun_path));
+  }
+  return {};
 }
 
 /// False: a scenario has mistakes, which have been said.
@@ -96,16 +133,28 @@ bool CheckLessons(const HostOptions& options) {
 /// The class list may be changed while the host runs: by `coopdyn seat`, or by an editor.
 class RollWatch {
  public:
-  explicit RollWatch(fs::path file) : file_(std::move(file)), seen_(Stamp()) {}
+  RollWatch(fs::path folder, Roll roll)
+      : folder_(std::move(folder)), roll_(std::move(roll)), last_(Stamp()), seen_(last_) {}
 
-  /// The new list, if there is one; mistakes are logged, and the old one stays.
+  /// The new list, if there is one that has not changed since the last look: an editor may write it in
+  /// pieces. Mistakes are logged, and the old one stays. PINs that are not in it are those of before, or made
+  /// and written.
   std::optional<Roll> Look(const Logger& logger) {
-    const auto stamp = Stamp();
-    if (stamp == seen_) return std::nullopt;
-    seen_ = stamp;
-    Diagnostics diagnostics;
-    std::optional<Roll> roll = LoadRoll(file_, diagnostics);
-    if (!roll) logger->error("the class list stays as it was: {}", diagnostics.ToString());
+    const auto before = std::exchange(last_, Stamp());
+    if (last_ == seen_ || last_ != before) return std::nullopt;
+    const UniqueFd lock = LockRoll(folder_);
+    seen_ = last_;
+    Diagnostics diagnostics, again;
+    std::optional<Roll> roll = LoadRoll(file_, diagnostics, roll_);
+    if (!roll) {
+      logger->error("the class list stays as it was: {}", diagnostics.ToString());
+      return roll;
+    }
+    roll_ = *roll;
+    const std::optional<Roll> written = LoadRoll(file_, again);
+    if (written && written->ToCsv() == roll->ToCsv()) return roll;
+    if (std::string error = SaveRoll(file_, *roll); !error.empty()) logger->error("{}", error);
+    seen_ = last_ = Stamp();
     return roll;
   }
 
@@ -115,21 +164,24 @@ class RollWatch {
     return {fs::last_write_time(file_, code), fs::file_size(file_, code)};
   }
 
-  const fs::path file_;
-  std::pair<fs::file_time_type, std::uintmax_t> seen_;
+  const fs::path folder_, file_ = RollFile(folder_);
+  Roll roll_;
+  std::pair<fs::file_time_type, std::uintmax_t> last_, seen_;
 };
 
 int RunHost(HostOptions options) {
   std::error_code code;
-  fs::create_directories(options.folder, code);
+  if (fs::create_directories(options.folder, code))
+    fs::permissions(options.folder, fs::perms::owner_all, code);
   options.folder = fs::absolute(options.folder).lexically_normal();
   if (code) {
     PrintError("coopdyn: --folder {}: {}\n", options.folder, code.message());
     return kExitErrors;
   }
-  const UniqueFd lock = LockFolder(options.folder);
+  std::string problem;
+  const UniqueFd lock = LockFolder(options.folder, problem);
   if (!lock) {
-    PrintError("coopdyn: another host uses the folder {}: write another --folder\n", options.folder);
+    PrintError("coopdyn: {}\n", problem);
     return kExitErrors;
   }
   if (options.lessons.empty()) options.lessons = {"classroom"};
@@ -139,7 +191,13 @@ int RunHost(HostOptions options) {
   if (!CheckLessons(options)) return kExitErrors;
   std::optional<Roll> roll = ChooseRoll(options);
   if (!roll) return kExitErrors;
-  const std::string token = TeacherToken(options.folder);
+  RollWatch watch(options.folder, *roll);
+  problem = DoorProblem(options.folder, *roll);
+  const std::string token = problem.empty() ? TeacherToken(options.folder, problem) : std::string();
+  if (!problem.empty()) {
+    PrintError("coopdyn: {}\n", problem);
+    return kExitErrors;
+  }
 
   Shutdown shutdown;
   const LogBackend log(options.log_level, "");
@@ -200,7 +258,6 @@ int RunHost(HostOptions options) {
   Print("ready names={}:{} http={} seats={}\n", Bracketed(host), door.port(), url,
         room.roll().entries().size());
 
-  RollWatch watch(RollFile(options.folder));
   while (shutdown.Wait(kNanosecondsPerSecond) != Shutdown::Wake::kEnd) {
     if (std::optional<Roll> changed = watch.Look(log.logger()))
       io.Call([&room, &changed] { room.SetRoll(std::move(*changed)); });
@@ -212,8 +269,18 @@ int RunHost(HostOptions options) {
   return kExitOk;
 }
 
+/// False, and it has been said: there is no class in FOLDER.
+bool HasClass(const std::string& folder) {
+  std::error_code code;
+  if (fs::exists(fs::symlink_status(RollFile(folder), code))) return true;
+  PrintError("coopdyn: there is no class in the folder {}: write the --folder of its coopdyn host\n", folder);
+  return false;
+}
+
 /// Changes the list of FOLDER and says what it has become.
 int ChangeRoll(const std::string& folder, const std::function<std::string(Roll&)>& change) {
+  if (!HasClass(folder)) return kExitErrors;
+  const UniqueFd lock = LockRoll(folder);
   Diagnostics diagnostics;
   std::optional<Roll> roll = LoadRoll(RollFile(folder), diagnostics);
   if (!roll) {
@@ -277,6 +344,7 @@ void AddSeatCommand(CLI::App& app, Chosen& chosen) {
   CLI::App* list = seat->add_subcommand("list", "Seats, PINs, names and groups");
   list->callback([=, &chosen] {
     chosen = [=] {
+      if (!HasClass(*folder)) return kExitErrors;
       Diagnostics diagnostics;
       const std::optional<Roll> roll = LoadRoll(RollFile(*folder), diagnostics);
       PrintErrorLines(diagnostics.ToString());

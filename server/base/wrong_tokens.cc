@@ -26,7 +26,8 @@ std::string NetworkOf(const std::string& peer) {
   return std::string(text) + "/64";
 }
 
-TokenVerdict WrongTokens::Judge(bool right, const std::string& peer, Nanoseconds now) {
+TokenVerdict WrongTokens::Judge(bool right, const std::string& peer, Nanoseconds now,
+                                const std::string& what) {
   const std::string address = NetworkOf(peer);
   int wrong = 0;
   {
@@ -34,13 +35,16 @@ TokenVerdict WrongTokens::Judge(bool right, const std::string& peer, Nanoseconds
     const auto found = tries_.find(address);
     if (found != tries_.end() && now < found->second.next) return TokenVerdict::kTooSoon;
     if (right) {
-      if (found != tries_.end()) tries_.erase(found);
+      if (found == tries_.end()) return TokenVerdict::kRight;
+      if (const auto mine = found->second.wrong_for.extract(what)) found->second.wrong -= mine.mapped();
+      if (found->second.wrong <= 0) tries_.erase(found);
       return TokenVerdict::kRight;
     }
     if (found == tries_.end()) MakeRoom(now);
     Tries& tries = tries_[address];
-    if (now - tries.last > kForgotten) tries.wrong = 0;
+    if (now - tries.last > kForgotten) tries = {};
     wrong = ++tries.wrong;
+    if (tries.wrong_for.size() < kMaxKinds || tries.wrong_for.contains(what)) ++tries.wrong_for[what];
     tries.last = tries.next = now;
     constexpr int kLongestPower = 6;
     if (wrong >= kFree) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -25,19 +26,22 @@ class WrongTokens {
  public:
   static constexpr int kFree = 3;  // wrong tokens without a wait; then 1 s, 2 s, 4 s, ...
   static constexpr Nanoseconds kLongestWait = 60 * kNanosecondsPerSecond;
-  static constexpr std::size_t kMaxAddresses = 1024;
+  static constexpr std::size_t kMaxAddresses = 1024, kMaxKinds = 64;
 
   explicit WrongTokens(Logger logger) : logger_(std::move(logger)) {}
 
   /// The verdict on a token from `peer` (ADDRESS:PORT) at `now`. `right`: whether the token matches. kTooSoon
-  /// does not reveal whether it does.
-  TokenVerdict Judge(bool right, const std::string& peer, Nanoseconds now) EXCLUDES(mutex_);
+  /// does not reveal whether it does. `what` the token opens: a right one only forgives wrong ones for the
+  /// same, so that nobody guesses another's between two of their own.
+  TokenVerdict Judge(bool right, const std::string& peer, Nanoseconds now, const std::string& what = {})
+      EXCLUDES(mutex_);
   /// The message for `peer` if a token at `now` would be too soon; else empty.
   std::string WaitText(const std::string& peer, Nanoseconds now) const EXCLUDES(mutex_);
 
  private:
   struct Tries {
     int wrong = 0;
+    std::map<std::string, int> wrong_for = {};  // what they were for, of the first kMaxKinds kinds
     Nanoseconds last = 0, next = 0;  // time of the last wrong token; earliest time of the next check
   };
   /// Drops all addresses without recent tries; if there are none, the address whose last try is oldest.

@@ -9,7 +9,6 @@
 #include <csignal>
 #include <functional>
 #include <optional>
-#include <set>
 #include <sstream>
 #include <utility>
 
@@ -30,7 +29,9 @@
 
 #include "protocol/json_text.h"
 #include "server/base/spawn.h"
+#include "server/base/words.h"
 #include "server/host/class_routes.h"
+#include "server/host/crowd.h"
 #include "server/host/json_fields.h"
 #include "server/host/program_requests.h"
 #include "server/host/sheet.h"
@@ -86,6 +87,8 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     explicit Guest(asio::ip::tcp::socket socket) : stream(std::move(socket)) {}
     beast::tcp_stream stream;
     PeerInfo peer;
+    bool waits = false;  // for what takes longer
+    Crowd::Ticket ticket = 0;
     beast::flat_buffer buffer = {};
     std::optional<http::request_parser<http::string_body>> parser = {};
   };
@@ -102,7 +105,6 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
         listener(c, s, [this](UniqueFd fd, PeerInfo peer) { Open(std::move(fd), std::move(peer)); }) {}
 
   void Open(UniqueFd fd, PeerInfo peer) {
-    if (guests.size() >= kMaxGuests) return;
     asio::ip::tcp::socket socket(context);
     error_code failed;
     const bool v4 = PeerAddress(fd.get()).ip.find(':') == std::string::npos;
@@ -111,9 +113,9 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     fd.Release();
     const auto guest = std::make_shared<Guest>(std::move(socket));
     guest->peer = std::move(peer);
-    guests.insert(guest);
+    guest->ticket = guests.Enter(NetworkOf(guest->peer.text), [guest] { guest->stream.close(); });
     asio::co_spawn(context, Serve(guest), [weak = weak_from_this(), guest](const std::exception_ptr& thrown) {
-      if (const auto impl = weak.lock()) impl->guests.erase(guest);
+      if (const auto impl = weak.lock()) (guest->waits ? impl->waiting : impl->guests).Leave(guest->ticket);
       guest->stream.close();
       if (thrown) std::rethrow_exception(thrown);  // the thread logs it
     });
@@ -143,6 +145,9 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
       if (answer.status == 200 && answer.body.empty()) answer = Handle(*guest, route);
     }
     if (answer.status == kLater) {
+      guests.Leave(guest->ticket);
+      guest->waits = true;
+      guest->ticket = waiting.Enter(route.seat, [guest] { guest->stream.close(); });
       const Later later = LaterOf(route);
       if (later == Later::kEvents) co_return co_await Stream(guest, route);
       if (later == Later::kArchive) co_return co_await Collect(guest);
@@ -284,15 +289,10 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
 
   HttpAnswer Login(const Guest& guest) const {
     const json::object said = ObjectIn(guest.parser->get().body());
-    const std::string name = TextIn(said, "name");
-    // People write their name as the list has it, or the seat's.
-    const auto& entries = room.roll().entries();
-    const auto known = std::ranges::find_if(entries, [&name](const RollEntry& entry) {
-      return entry.seat == name || SeatNameFor(entry.name) == SeatNameFor(name);
-    });
-    const std::string seat = known == entries.end() ? name : known->seat;
-    if (std::string why = guard.Judge(seat, TextIn(said, "pin"), guest.peer.text); !why.empty())
-      return ErrorAnswer(403, why);
+    const std::string name(Trim(TextIn(said, "name"))), pin(Trim(TextIn(said, "pin")));
+    const RollEntry* const known = room.roll().FindNamed(name, pin);
+    const std::string seat = known == nullptr ? name : known->seat;
+    if (std::string why = guard.Judge(seat, pin, guest.peer.text); !why.empty()) return ErrorAnswer(403, why);
     const std::string path = "/s/" + seat + "/";
     return WithCookie(JsonAnswer(json::serialize(json::object{{"go", path}})), SeatCookie(seat), known->link,
                       path);
@@ -315,7 +315,8 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
       return ErrorAnswer(404, "a seat's page may ask for me, events, hand and hand-in");
     const json::object said = ObjectIn(request.body());
     const json::value* const up = said.if_contains("up");
-    room.RaiseHand(route.seat, up != nullptr && up->is_bool() && up->as_bool());
+    if (up == nullptr || !up->is_bool()) return ErrorAnswer(400, R"(write {"up": true}, or false)");
+    room.RaiseHand(route.seat, up->as_bool());
     return JsonAnswer("{}");
   }
 
@@ -424,7 +425,7 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
       guest->stream.expires_never();
       out.clear();
       pause.expires_after(kEventsEvery);
-      if (std::get<0>(co_await pause.async_wait(kAwait)) || !guests.contains(guest)) co_return;
+      if (std::get<0>(co_await pause.async_wait(kAwait)) || !waiting.contains(guest->ticket)) co_return;
     }
   }
 
@@ -459,7 +460,8 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
   const std::vector<std::string> host_names;
   const Clock& clock;
   Listener listener;
-  std::set<GuestPtr> guests;
+  Crowd guests{kMaxGuests, kMaxGuests};          // by network
+  Crowd waiting{kMaxWaiting, kMaxWaitingOfOne};  // known ones who wait for an answer, by seat
 };
 
 ClassPages::ClassPages(asio::io_context& context, ClassRoom& room, SeatGuard& guard, std::string token,
@@ -469,7 +471,8 @@ ClassPages::ClassPages(asio::io_context& context, ClassRoom& room, SeatGuard& gu
                                    clock, services)) {}
 
 ClassPages::~ClassPages() {
-  for (const auto& guest : std::exchange(impl_->guests, {})) guest->stream.close();
+  impl_->guests.Clear();
+  impl_->waiting.Clear();
 }
 
 std::string ClassPages::Listen(const std::vector<std::string>& addresses, int port) {

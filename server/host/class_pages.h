@@ -21,8 +21,11 @@ class ClassPages {
   static constexpr std::uint32_t kMaxHeaderBytes = 16 << 10;
   static constexpr std::uint64_t kMaxBodyBytes = 1 << 20;
   static constexpr std::chrono::seconds kRequestTime{15};
-  /// Connections to the host itself at once; more are closed.
+  /// Connections whose request is read or answered; of more, the oldest of the address with the most is
+  /// closed.
   static constexpr std::size_t kMaxGuests = 512;
+  /// Those of all seats and of one, or of the wall, that wait for events, hand in or collect.
+  static constexpr std::size_t kMaxWaiting = 4096, kMaxWaitingOfOne = 16;
 
   /// `token`: of the wall. `host_names`: as in WebOptions. `wrong` counts wrong tokens. All outlive it.
   ClassPages(boost::asio::io_context& context, ClassRoom& room, SeatGuard& guard, std::string token,

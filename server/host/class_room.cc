@@ -9,6 +9,7 @@
 #include <ctime>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <utility>
 
 #include "server/base/printable.h"
@@ -29,6 +30,16 @@ std::string ClockTime(const char* format) {
   return fmt::format(fmt::runtime(format), fmt::localtime(std::time(nullptr)));
 }
 
+/// What a student's scenario says may be long: the wall shows the beginning.
+json::value Short(const json::value& value) {
+  constexpr std::size_t kMaxText = 200, kMaxScores = 16;
+  if (value.is_string()) return json::value(Printable(value.as_string(), kMaxText));
+  if (!value.is_array()) return value;
+  const json::array& all = value.as_array();
+  return json::array(all.begin(),
+                     all.begin() + static_cast<std::ptrdiff_t>(std::min(all.size(), kMaxScores)));
+}
+
 /// The clients that a status names, without those of the page's and the host's own.
 std::size_t ClientsIn(const json::object& status) {
   const json::value* const clients = status.if_contains("clients");
@@ -47,6 +58,13 @@ std::string TextToLoad(const std::string& lesson) {
   return text + "\n# file: " + fs::path(lesson).filename().string() + "\n";
 }
 
+std::size_t CountIn(const fs::path& folder) {
+  std::size_t count = 0;
+  std::error_code code;
+  for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) ++count;
+  return count;
+}
+
 /// Why a module did not do what it was told; empty: it did.
 std::string ErrorIn(const SeatAnswer& answer) {
   if (answer.status != 200) return answer.body.empty() ? "no answer" : Printable(answer.body, kMaxError);
@@ -56,6 +74,10 @@ std::string ErrorIn(const SeatAnswer& answer) {
   const json::value* const error = reply.as_object().if_contains("error");
   const bool done = error != nullptr && error->is_int64() && error->as_int64() == 0;
   return done ? "" : Printable(TextIn(reply.as_object(), "text"), kMaxError);
+}
+
+bool HasEnded(const Seat& seat) {
+  return seat.state() == SeatState::kAsleep || seat.state() == SeatState::kFailed;
 }
 
 /// Whether an event of the daemon is of the student's making. A slow machine is not.
@@ -88,7 +110,8 @@ void ClassRoom::AddSeat(const RollEntry& entry) {
   plan.lesson = options_.lessons[lesson_];
   const auto is_taken = [this](int port) {
     return std::ranges::any_of(places_,
-                               [port](const auto& place) { return place.second.seat->port() == port; });
+                               [port](const auto& place) { return place.second.seat->port() == port; }) ||
+           std::ranges::any_of(leaving_, [port](const auto& seat) { return seat.second->port() == port; });
   };
   while (plan.port != 0 && is_taken(plan.port)) plan.port += kPortsOfSeat;
   Place place;
@@ -115,12 +138,26 @@ void ClassRoom::ConnectProgram(const std::string& seat, UniqueFd connection) {
 void ClassRoom::Open(const std::string& url) {
   url_ = url;
   for (const RollEntry& entry : roll_.entries()) AddSeat(entry);
+  EndStrays();
   for (auto& [name, place] : places_) {
     place.seat->Find();
     place.seat->SetTaken(place.desk.frozen);
-    place.desk.active = clock_.Now();
+    place.desk.active = place.desk.answered = clock_.Now();
   }
   Tick();
+}
+
+void ClassRoom::EndStrays() {
+  std::error_code code;
+  for (fs::directory_iterator it(options_.folder / "seats", code), end; !code && it != end;
+       it.increment(code)) {
+    const std::string name = it->path().filename().string();
+    if (places_.contains(name) || !ConnectToDoor((it->path() / "door").string())) continue;
+    auto seat = std::make_unique<Seat>(context_, name, it->path(), url_, options_.plan, clock_, logger_);
+    seat->Find();
+    seat->PutAside();
+    leaving_[name] = std::move(seat);
+  }
 }
 
 Seat* ClassRoom::FindSeat(std::string_view name) {
@@ -149,9 +186,14 @@ void ClassRoom::SetRoll(Roll roll) {
     leaving_[it->first] = std::move(it->second.seat);
     it = places_.erase(it);
   }
+  AddMissing();
+}
+
+void ClassRoom::AddMissing() {
+  std::erase_if(leaving_, [](const auto& leaving) { return HasEnded(*leaving.second); });
   for (const RollEntry& entry : roll_.entries()) {
-    if (places_.contains(entry.seat)) continue;
-    leaving_.erase(entry.seat);
+    // A student who comes back waits for the daemon that ends.
+    if (places_.contains(entry.seat) || leaving_.contains(entry.seat)) continue;
     AddSeat(entry);
     places_.find(entry.seat)->second.seat->Find();
   }
@@ -166,6 +208,7 @@ void ClassRoom::PutAllAside(std::function<void()> done) {
     waits = waits || place.program->runs() || place.seat->state() == SeatState::kRunning ||
             place.seat->state() == SeatState::kStarting;
   }
+  waits = waits || std::ranges::any_of(leaving_, [](const auto& seat) { return !HasEnded(*seat.second); });
   if (!waits) return done();
   timer_.expires_after(std::chrono::milliseconds(20));
   timer_.async_wait([this, alive = alive_, done = std::move(done)](const auto& error) mutable {
@@ -181,10 +224,12 @@ void ClassRoom::Tick() {
       AskStatus(name, place);
       PutIdleAside(place);
       if (ticks_ % kTidyEvery == 0) place.seat->TidyRuns();
+    } else {
+      place.desk.answered = clock_.Now();
     }
   }
   ++ticks_;
-  std::erase_if(leaving_, [](const auto& leaving) { return leaving.second->state() == SeatState::kAsleep; });
+  if (!leaving_.empty()) AddMissing();
   timer_.expires_after(kTick);
   timer_.async_wait([this, alive = alive_](const auto& error) {
     if (!error && *alive) Tick();
@@ -198,7 +243,9 @@ void ClassRoom::AskStatus(const std::string& name, Place& place) {
     const auto found = places_.find(name);
     if (found == places_.end()) return;
     found->second.asking = false;
-    if (answer.status == 200) TakeStatus(found->second, answer.body);
+    if (answer.status != 200) return;
+    found->second.desk.answered = clock_.Now();
+    TakeStatus(found->second, answer.body);
   });
 }
 
@@ -211,7 +258,7 @@ void ClassRoom::TakeStatus(Place& place, const std::string& body) {
   const Nanoseconds now = clock_.Now();
   json::object brief;
   for (const char* key : {"scenario", "mode", "state", "ended", "time_s", "rtf", "scores", "robot_count"}) {
-    if (const json::value* const value = status.if_contains(key)) brief[key] = *value;
+    if (const json::value* const value = status.if_contains(key)) brief[key] = Short(*value);
   }
   const std::size_t clients = ClientsIn(status);
   brief["clients"] = clients;
@@ -288,14 +335,19 @@ void ClassRoom::RaiseHand(const std::string& seat, bool up) {
 void ClassRoom::HandIn(const std::string& seat, std::function<void(std::string)> done) {
   const auto found = places_.find(seat);
   if (found == places_.end()) return done("there is no such seat");
+  if (found->second.hands_in) return done("what you handed in before is still being kept: wait a moment");
   const fs::path folder = folder_of(seat);
   const fs::path into = folder / "handed-in" / ClockTime("{:%Y%m%d-%H%M%S}");
+  std::error_code code;
+  if (fs::exists(into, code)) return done("you have just handed in: wait a moment");
+  if (CountIn(folder / "handed-in") >= kMaxHandIns)
+    return done("you have handed in " + std::to_string(kMaxHandIns) +
+                " times: ask your teacher to remove some of these");
   if (SizeOf(folder / "handed-in") + SizeOf(folder / "runs" / RunFileName(NewestRun(folder / "runs"))) >
       options_.plan.limits.disk_bytes)
     return done("your share of the disk is full: ask your teacher to remove what you handed in before");
   // The status must not begin a recording between the two of the hand-in.
   found->second.desk.recording_tried = clock_.Now();
-  std::error_code code;
   fs::create_directories(into, code);
   if (code) return done("it cannot be kept: " + code.message());
   found->second.program->SaveOutput();
@@ -305,16 +357,21 @@ void ClassRoom::HandIn(const std::string& seat, std::function<void(std::string)>
   }
   // A recording can be copied when it has ended, and a young one has a file only then; the run goes on in the
   // next.
+  found->second.hands_in = true;
   const auto keep = [this, alive = alive_, seat, runs = folder / "runs", into,
                      done = std::move(done)](const SeatAnswer&) {
     if (!*alive) return;
+    const auto place = places_.find(seat);
+    if (place != places_.end()) place->second.hands_in = false;
     const int run = NewestRun(runs);
     if (run == 0) return done("");
+    const fs::path file = runs / RunFileName(run), kept = into / "recording.run";
     std::error_code failed;
-    fs::copy_file(runs / RunFileName(run), into / "recording.run", fs::copy_options::overwrite_existing,
-                  failed);
-    const auto place = places_.find(seat);
+    fs::create_hard_link(file, kept, failed);  // at once, as nobody changes a recording that has ended
+    if (failed) fs::copy_file(file, kept, failed);
     if (place != places_.end()) Command(place->second, "/recorder", "start", RunFileName(run + 1));
+    std::error_code gone;
+    if (failed) fs::remove_all(into, gone);
     done(failed ? "the recording cannot be kept: " + failed.message() : "");
   };
   if (found->second.seat->state() != SeatState::kRunning) return keep({});
@@ -364,16 +421,17 @@ std::string ClassRoom::Do(const json::object& order) {
   if (std::ranges::find(known, what) == known.end())
     return "the order is none of " + fmt::format("{}", fmt::join(known, ", "));
   if ((what == "message" || what == "push") && TextIn(order, "text").empty()) return what + " needs a text";
-  std::vector<std::string> names;
+  std::set<std::string> names;  // a seat that is named twice gets the order once
   const json::value* const seats = order.if_contains("seats");
-  if (seats != nullptr && seats->is_array()) {
+  if (seats != nullptr && !seats->is_array()) return R"(seats is a list, e.g. ["ana"]; without it, all)";
+  if (seats != nullptr) {
     for (const json::value& seat : seats->as_array()) {
       const std::string name = seat.is_string() ? std::string(seat.as_string()) : "";
       if (!places_.contains(name)) return "there is no seat '" + Printable(name, 60) + "'";
-      names.push_back(name);
+      names.insert(name);
     }
   } else {
-    for (const auto& [name, place] : places_) names.push_back(name);
+    for (const auto& [name, place] : places_) names.insert(name);
   }
   json::object given = order;
   if (what == "push") {

@@ -44,6 +44,7 @@ struct Desk {
   std::vector<Note> notes = {};     // from the teacher, oldest first
   std::string language = {};        // of the student's program, as it said: "python"
   Nanoseconds active = 0;           // when the student last did something
+  Nanoseconds answered = 0;         // when the daemon last said how it is, or did not run
   boost::json::object status = {};  // of the daemon, in brief; empty: none yet
   std::string last_error = {};      // of the student's run
   Nanoseconds error_at = 0;
@@ -56,7 +57,9 @@ struct Desk {
 
 class ClassRoom {
  public:
-  static constexpr std::size_t kMaxNotes = 50, kMaxNoteBytes = 2000;
+  static constexpr std::size_t kMaxNotes = 50, kMaxNoteBytes = 2000, kMaxHandIns = 200;
+  /// Not even a busy daemon takes so long to say how it is.
+  static constexpr Nanoseconds kSilent = 30 * kNanosecondsPerSecond;
   /// A student who is connected and does nothing for this long may need help.
   static constexpr Nanoseconds kStuck = 5 * 60 * kNanosecondsPerSecond;
   /// As many resets within kResetWindow are a loop.
@@ -113,7 +116,8 @@ class ClassRoom {
     std::unique_ptr<Seat> seat;
     std::unique_ptr<Program> program;
     Desk desk;
-    bool asking = false;  // for the status
+    bool asking = false;    // for the status
+    bool hands_in = false;  // the daemon ends the recording for it
   };
   struct Need {
     int rank = 0;  // 0: none; higher first
@@ -123,6 +127,10 @@ class ClassRoom {
   void AddSeat(const RollEntry& entry);
   /// The program of a seat has connected to its simulation.
   void ConnectProgram(const std::string& seat, UniqueFd connection);
+  /// Puts aside what still runs of students who left the list while no host ran.
+  void EndStrays();
+  /// Seats for those of the list who have none yet.
+  void AddMissing();
   void Tick();
   void AskStatus(const std::string& name, Place& place);
   void TakeStatus(Place& place, const std::string& body);

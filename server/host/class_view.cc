@@ -31,6 +31,9 @@ ClassRoom::Need ClassRoom::NeedOf(const Place& place) const {
   const auto minutes = [now](Nanoseconds since) { return (now - since) / (60 * kNanosecondsPerSecond); };
   if (desk.hand_since != 0) return {5, fmt::format("hand up for {} min", minutes(desk.hand_since))};
   if (place.seat->state() == SeatState::kFailed) return {4, place.seat->trouble()};
+  if (place.seat->state() == SeatState::kRunning && now - desk.answered > kSilent)
+    return {4, fmt::format("its simulation has not answered for {} s: Restart lesson ends it",
+                           (now - desk.answered) / kNanosecondsPerSecond)};
   if (desk.resets.size() >= kResets) return {3, fmt::format("{} resets within a minute", desk.resets.size())};
   constexpr Nanoseconds kNew = 2 * 60 * kNanosecondsPerSecond;
   if (!desk.refused.empty() && now - desk.refused_at < kNew) return {2, desk.refused};
@@ -135,9 +138,14 @@ void ClassRoom::SaveDesk(const std::string& name, const Desk& desk) const {
       {"hand", desk.hand_since != 0}, {"frozen", desk.frozen}, {"notes", std::move(notes)}};
   const fs::path file = folder_of(name) / "desk.json";
   const fs::path fresh = file.string() + ".new";
-  std::ofstream(fresh) << json::serialize(kept) << '\n';
+  std::ofstream out(fresh);
+  out << json::serialize(kept) << '\n';
+  out.close();
   std::error_code code;
-  fs::rename(fresh, file, code);
+  if (out.good()) fs::rename(fresh, file, code);
+  if (!out.good() || code)
+    logger_->warn("seat {}: {} cannot be written: the raised hand and messages would be lost in a restart",
+                  name, file.string());
 }
 
 void ClassRoom::LoadDesk(const std::string& name, Desk& desk) const {

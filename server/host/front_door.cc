@@ -3,7 +3,6 @@
 
 #include <sys/socket.h>
 
-#include <set>
 #include <utility>
 
 #include <boost/asio/awaitable.hpp>
@@ -15,6 +14,7 @@
 
 #include "server/base/printable.h"
 #include "server/base/words.h"
+#include "server/host/crowd.h"
 #include "server/net/await.h"
 
 namespace coopdyn {
@@ -42,7 +42,8 @@ std::string SeatGuard::Judge(std::string_view seat, std::string_view pin, const 
   if (std::string wait = wrong_.WaitText(peer, now); !wait.empty()) return wait;
   const RollEntry* const entry = room_.roll().Find(seat);
   const bool right = entry != nullptr && TokenGuard(entry->pin, true).Matches(pin);
-  if (wrong_.Judge(right, peer, now) == TokenVerdict::kRight) return {};
+  const std::string what = "seat " + std::string(seat.substr(0, FrontDoor::kMaxLine));
+  if (wrong_.Judge(right, peer, now, what) == TokenVerdict::kRight) return {};
   // One text for both, so that nobody finds out who is in the class.
   return "no seat '" + Printable(seat, 40) +
          "' with this PIN: both stand on the sheet that the teacher hands out";
@@ -55,16 +56,18 @@ struct FrontDoor::Impl : std::enable_shared_from_this<FrontDoor::Impl> {
         }) {}
 
   void Open(UniqueFd fd, PeerInfo peer) {
-    if (guests.size() >= kMaxGuests) return;
     const auto guest = std::make_shared<Socket>(context);
     error_code failed;
     guest->assign({AF_UNSPEC, 0}, fd.get(), failed);
     if (failed) return;
     fd.Release();
-    guests.insert(guest);
+    const Crowd::Ticket ticket = guests.Enter(NetworkOf(peer.text), [guest] {
+      error_code ignored;
+      guest->close(ignored);
+    });
     asio::co_spawn(context, Serve(guest, std::move(peer)),
-                   [weak = weak_from_this(), guest](const std::exception_ptr& thrown) {
-                     if (const auto impl = weak.lock()) impl->guests.erase(guest);
+                   [weak = weak_from_this(), guest, ticket](const std::exception_ptr& thrown) {
+                     if (const auto impl = weak.lock()) impl->guests.Leave(ticket);
                      error_code ignored;
                      guest->close(ignored);
                      if (thrown) std::rethrow_exception(thrown);  // the thread logs it
@@ -118,17 +121,14 @@ struct FrontDoor::Impl : std::enable_shared_from_this<FrontDoor::Impl> {
   SeatGuard& guard;
   NetServices& services;
   Listener listener;
-  std::set<std::shared_ptr<Socket>> guests;
+  Crowd guests{kMaxGuests, kMaxGuests};  // who have not said their line, by network
 };
 
 FrontDoor::FrontDoor(asio::io_context& context, ClassRoom& room, SeatGuard& guard, NetServices& services)
     : impl_(std::make_shared<Impl>(context, room, guard, services)) {}
 
 FrontDoor::~FrontDoor() {
-  for (const auto& guest : impl_->guests) {
-    error_code ignored;
-    guest->close(ignored);
-  }
+  impl_->guests.Clear();
 }
 
 std::string FrontDoor::Listen(const std::vector<std::string>& addresses, int port) {

@@ -49,7 +49,7 @@ class FrontDoor {
   static constexpr std::size_t kMaxLine = 256;
   /// How long a client may take to say its line.
   static constexpr std::chrono::seconds kLineTime{15};
-  /// Connections that have not said it yet; more are closed.
+  /// Connections that have not said it yet; of more, the oldest of the address with the most is closed.
   static constexpr std::size_t kMaxGuests = 256;
 
   /// All outlive it.

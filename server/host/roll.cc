@@ -12,7 +12,9 @@
 namespace coopdyn {
 namespace {
 
-constexpr std::size_t kMaxSeatName = 32, kMaxPersonName = 80, kPinDigits = 4, kLinkDigits = 24;
+constexpr std::size_t kMaxSeatName = 32, kMaxPersonName = 80, kPinDigits = 4, kLinkDigits = 24,
+                      kShortestLink = 16, kLongestLink = 64;
+constexpr std::size_t kMaxColumns = 1000;
 constexpr std::array<std::string_view, 5> kColumns = {"seat", "name", "pin", "group", "link"};
 
 std::string* FieldOf(RollEntry& entry, std::string_view column) {
@@ -124,9 +126,29 @@ std::string PinError(std::string_view pin) {
   return good ? "" : "a PIN has 4 to 16 letters or digits, e.g. 7305, not '" + Printable(pin, 40) + "'";
 }
 
+std::string LinkError(std::string_view link) {
+  const bool good =
+      link.size() >= kShortestLink && link.size() <= kLongestLink &&
+      std::all_of(link.begin(), link.end(), [](char c) { return IsDigit(c) || IsLower(c) || IsUpper(c); });
+  return good ? "" : "a link has 16 to 64 letters and digits: leave it empty, and one is made";
+}
+
 const RollEntry* Roll::Find(std::string_view seat) const {
   const auto found = std::ranges::find(entries_, seat, &RollEntry::seat);
   return found == entries_.end() ? nullptr : &*found;
+}
+
+const RollEntry* Roll::FindNamed(std::string_view name, std::string_view pin) const {
+  const std::string plain = SeatNameFor(name);
+  // What has none of our letters is compared as it is, or everybody would be called so.
+  const bool has_letters = plain != SeatNameFor({});
+  const RollEntry* found = nullptr;
+  for (const RollEntry& entry : entries_) {
+    const bool same =
+        entry.seat == name || entry.name == name || (has_letters && SeatNameFor(entry.name) == plain);
+    if (same && (found == nullptr || entry.pin == pin)) found = &entry;
+  }
+  return found;
 }
 
 std::string Roll::FreeSeat(std::string_view name) const {
@@ -153,7 +175,14 @@ std::string Roll::Add(RollEntry entry, const RandomDigits& random) {
   if (Find(entry.seat) != nullptr) return "the seat " + entry.seat + " is there already";
   if (entry.pin.empty()) entry.pin = random.decimal(kPinDigits);
   if (std::string error = PinError(entry.pin); !error.empty()) return error;
-  if (entry.link.empty()) entry.link = random.hex(kLinkDigits);
+  if (entry.link.empty()) {
+    entry.link = random.hex(kLinkDigits);
+  } else if (std::string error = LinkError(entry.link); !error.empty()) {
+    return error;
+  } else if (const auto same = std::ranges::find(entries_, entry.link, &RollEntry::link);
+             same != entries_.end()) {
+    return "this is the link of " + same->seat + ": leave it empty, and one is made";
+  }
   entries_.push_back(std::move(entry));
   return {};
 }
@@ -196,10 +225,15 @@ Roll ReadRoll(std::string_view text, const std::string& file, const RandomDigits
     diagnostics.Error({file, 1}, "a quote is not closed");
     return roll;
   }
+  if (columns.size() > kMaxColumns) {
+    diagnostics.Error({file, 1},
+                      "there are " + std::to_string(columns.size()) + " columns: write e.g. name,pin,group");
+    return roll;
+  }
   for (std::string& column : columns) {
     column = ToLower(Trim(column));
     RollEntry any;
-    if (FieldOf(any, column) == nullptr) {
+    if (!column.empty() && FieldOf(any, column) == nullptr) {
       const std::vector<std::string> known(kColumns.begin(), kColumns.end());
       diagnostics.Warning(
           {file, 1}, "the column '" + Printable(column, 40) + "' is not used" + DidYouMean(column, known));

@@ -36,6 +36,9 @@ class Roll {
   std::string FreeSeat(std::string_view name) const;
   const std::vector<RollEntry>& entries() const { return entries_; }
   const RollEntry* Find(std::string_view seat) const;  // null: no such seat
+  /// Whom people mean who write a name as the list has it, with other accents or cases, or that of the seat:
+  /// of several, the one with this PIN. Null: nobody.
+  const RollEntry* FindNamed(std::string_view name, std::string_view pin) const;
   /// The seat nearest to `seat`, for "did you mean"; empty if none is near.
   std::string Nearest(std::string_view seat) const;
   /// Adds a student; makes a seat's name out of `entry.name`, a PIN and a link where they are empty. Returns
@@ -62,8 +65,9 @@ Roll NumberedRoll(int students, const RandomDigits& random);
 
 /// "ana-muller" for "Ana Müller"; "student" if nothing is left.
 std::string SeatNameFor(std::string_view name);
-/// What is wrong with a seat's name or a PIN, and what to write instead; empty: nothing.
+/// What is wrong with a seat's name, a PIN or a link, and what to write instead; empty: nothing.
 std::string SeatNameError(std::string_view seat);
 std::string PinError(std::string_view pin);
+std::string LinkError(std::string_view link);
 
 }  // namespace coopdyn

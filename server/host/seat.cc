@@ -14,6 +14,7 @@
 #include <csignal>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
@@ -32,6 +33,7 @@ using boost::system::error_code;
 constexpr std::chrono::milliseconds kLookEvery{10};
 constexpr std::uintmax_t kMaxLog = std::uintmax_t{1} << 20;
 constexpr const char* kRuns = "runs";
+constexpr int kLastRun = 999'999;
 
 void Limit(pid_t process, __rlimit_resource what, std::uint64_t most) {
   const rlimit limit{most, most};
@@ -45,15 +47,25 @@ pid_t ProcessBehind(int fd) {
   return ::getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 ? who.pid : 0;
 }
 
+/// It has ended, but its parent, as some containers' first process, does not ask how.
+bool IsZombie(pid_t process) {
+  std::ifstream file(fmt::format("/proc/{}/stat", process));
+  const std::string stat{std::istreambuf_iterator<char>(file), {}};
+  return stat.find(") Z ", std::min(stat.rfind(')'), stat.size())) != std::string::npos;
+}
+
 /// Also of a daemon that an earlier host started. One of ours that has ended is gone from then on.
 bool IsAlive(pid_t process) {
+  const bool is_zombie = process > 0 && IsZombie(process);  // of ours, waitpid() takes it away
   if (process <= 0 || ::waitpid(process, nullptr, WNOHANG) == process) return false;
-  return ::kill(process, 0) == 0 || errno == EPERM;
+  return !is_zombie && (::kill(process, 0) == 0 || errno == EPERM);
 }
 
 /// The last line of a log that says something.
 std::string LastLine(const fs::path& log) {
-  std::ifstream file(log);
+  constexpr std::streamoff kEnd = 64 << 10;  // the log may be long
+  std::ifstream file(log, std::ios::binary | std::ios::ate);
+  file.seekg(std::max<std::streamoff>(file.tellg() - kEnd, 0));
   std::string line, last;
   while (std::getline(file, line)) {
     if (!line.empty()) last = line;
@@ -79,7 +91,9 @@ int NewestRun(const fs::path& folder) {
     const std::string name = it->path().filename().string();
     int number = 0;
     const auto [rest, error] = std::from_chars(name.data(), name.data() + name.size(), number);
-    if (error == std::errc() && std::string_view(rest) == ".run") newest = std::max(newest, number);
+    // Longer numbers are a student's own names.
+    if (error == std::errc() && std::string_view(rest) == ".run" && number <= kLastRun)
+      newest = std::max(newest, number);
   }
   return newest;
 }
@@ -104,7 +118,8 @@ Seat::Seat(boost::asio::io_context& context, std::string name, fs::path folder, 
       plan_(std::move(plan)),
       clock_(clock),
       logger_(std::move(logger)),
-      timer_(context) {
+      timer_(context),
+      patience_(context) {
   std::error_code code;
   fs::create_directories(folder_ / kRuns, code);
   fs::permissions(folder_, fs::perms::owner_all, code);
@@ -155,8 +170,17 @@ void Seat::Wake() {
 void Seat::PutAside() {
   wanted_ = false;
   if (state_ == SeatState::kAsleep || process_ == 0) return;
-  ends_ = true;
+  if (!std::exchange(ends_, true)) KillIfItStays();
   ::kill(process_, SIGTERM);
+}
+
+void Seat::KillIfItStays() {
+  patience_.expires_after(kEndTime);
+  patience_.async_wait([this, alive = alive_, process = process_](const error_code& error) {
+    if (error || !*alive || process_ != process) return;
+    logger_->warn("seat {}: its daemon did not end within {} s and was killed", name_, kEndTime.count());
+    ::kill(process, SIGKILL);
+  });
 }
 
 void Seat::BeginAnew(const std::string& lesson) {
@@ -230,8 +254,15 @@ void Seat::AwaitDoor() {
   timer_.expires_after(kLookEvery);
   timer_.async_wait([this, alive = alive_](const error_code& error) {
     if (error || !*alive || state_ != SeatState::kStarting) return;
-    if (UniqueFd door = ConnectToDoor(door_path())) return Enter(std::move(door));
-    if (!IsAlive(process_)) return OnDeath();
+    const bool lives = IsAlive(process_);
+    UniqueFd door = ConnectToDoor(door_path());
+    // Another daemon may be there, which a host started that was killed at once: ours ends then.
+    const pid_t behind = door ? ProcessBehind(door.get()) : 0;
+    if (behind > 0 && (behind == process_ || !lives)) {
+      process_ = behind;
+      return Enter(std::move(door));
+    }
+    if (!lives) return OnDeath();
     if (clock_.Now() - started_ > kStartTime) ::kill(process_, SIGKILL);
     AwaitDoor();
   });
@@ -257,6 +288,7 @@ void Seat::OnDeath() {
   const bool in_start = state_ == SeatState::kStarting;
   // What has closed its door may still write its recording: the next one starts when it is gone.
   if (IsAlive(process_)) {
+    if (!by_us && state_ == SeatState::kRunning) KillIfItStays();
     ends_ = by_us;
     state_ = SeatState::kStarting;  // so that nobody starts another one
     timer_.expires_after(kLookEvery);
@@ -275,7 +307,10 @@ void Seat::OnDeath() {
   const Nanoseconds now = clock_.Now();
   deaths_.push_back(now);
   while (now - deaths_.front() > kCrashWindow) deaths_.pop_front();
-  const std::string why = LastLine(folder_ / "daemon.log");
+  std::error_code code;
+  constexpr std::uintmax_t kNothing = std::uintmax_t{64} << 10;
+  const std::string why =
+      fs::space(folder_, code).available < kNothing ? "the disk is full" : LastLine(folder_ / "daemon.log");
   logger_->warn("seat {}: its daemon has ended{}{}", name_, in_start ? " while it started: " : ": ", why);
   if (deaths_.size() >= 2 * kCrashes) {
     waiting_.clear();

@@ -7,6 +7,7 @@
 
 #include <sys/types.h>
 
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <filesystem>
@@ -56,6 +57,9 @@ class Seat {
   static constexpr Nanoseconds kCrashWindow = 60 * kNanosecondsPerSecond;
   /// How long a daemon may take to start.
   static constexpr Nanoseconds kStartTime = 60 * kNanosecondsPerSecond;
+
+  /// How long a daemon that was told to end may take; then it is killed.
+  static constexpr std::chrono::seconds kEndTime{20};
 
   /// `folder` holds what belongs to the seat; it is made if it is not there. `url`: of its page. `clock`
   /// outlives the seat.
@@ -110,6 +114,7 @@ class Seat {
   /// Uses a connection to the daemon's door.
   void Enter(UniqueFd door);
   void OnDeath();
+  void KillIfItStays();
   void SendWaiting();
   void SetState(SeatState state, const std::string& trouble);
   std::filesystem::path door_path() const { return folder_ / "door"; }
@@ -127,7 +132,7 @@ class Seat {
   std::string trouble_;
   pid_t process_ = 0;  // 0: none
   std::unique_ptr<Descriptor> door_;
-  boost::asio::steady_timer timer_;
+  boost::asio::steady_timer timer_, patience_;
   Nanoseconds started_ = 0;
   std::deque<PassedSocket> waiting_;
   std::deque<Nanoseconds> deaths_;  // of late

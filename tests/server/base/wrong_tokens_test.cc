@@ -26,6 +26,25 @@ TEST(WrongTokensTest, WhoTriesOnWaitsLongerAndLonger) {
   EXPECT_EQ(tokens.Judge(true, "10.0.0.7:1", 3 * kSecond), TokenVerdict::kRight);
 }
 
+TEST(WrongTokensTest, ARightTokenForOneThingDoesNotForgiveWrongOnesForAnother) {
+  WrongTokens tokens(NullLogger());
+  for (int i = 0; i < WrongTokens::kFree; ++i) {
+    EXPECT_EQ(tokens.Judge(false, "10.0.0.7:1", 0, "ana"), TokenVerdict::kWrong);
+    if (i + 1 == WrongTokens::kFree) break;
+    EXPECT_EQ(tokens.Judge(true, "10.0.0.7:1", 0, "ben"), TokenVerdict::kRight);
+  }
+  EXPECT_EQ(tokens.Judge(true, "10.0.0.7:1", 0, "ben"), TokenVerdict::kTooSoon);
+}
+
+TEST(WrongTokensTest, ManyAtOneAddressWhoSlipAndThenGetItRightNeverWait) {
+  WrongTokens tokens(NullLogger());
+  for (int student = 0; student < 100; ++student) {
+    const std::string seat = std::to_string(student);
+    EXPECT_EQ(tokens.Judge(false, "10.0.0.7:1", 0, seat), TokenVerdict::kWrong);
+    EXPECT_EQ(tokens.Judge(true, "10.0.0.7:1", 0, seat), TokenVerdict::kRight);
+  }
+}
+
 TEST(WrongTokensTest, SaysHowLongToWait) {
   WrongTokens tokens(NullLogger());
   const std::string peer = "10.0.0.7:1";

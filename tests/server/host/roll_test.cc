@@ -92,10 +92,45 @@ TEST(Roll, TwoStudentsOfOneNameHaveTwoSeats) {
   EXPECT_EQ(roll.entries().at(1).seat, "ana2");
 }
 
+TEST(Roll, StudentsOfOneNameAreToldApartByTheirPin) {
+  const Roll roll = Read("name,pin\nAna Lima,7305\nAna Lima,1234\nBen,1234\n");
+  EXPECT_EQ(roll.FindNamed("ana lima", "1234")->seat, "ana-lima2");
+  EXPECT_EQ(roll.FindNamed("Ana Lima", "7305")->seat, "ana-lima");
+  EXPECT_EQ(roll.FindNamed("ana-lima2", "1234")->seat, "ana-lima2");
+  EXPECT_EQ(roll.FindNamed("Ana Lima", "0000")->seat, "ana-lima");
+  EXPECT_EQ(roll.FindNamed("Cleo", "1234"), nullptr);
+}
+
+TEST(Roll, NamesWithoutLatinLettersAreFoundAsTheyAreWritten) {
+  const Roll roll = Read("name,pin\n李明,7305\nليلى,1234\n");
+  EXPECT_EQ(roll.FindNamed("李明", "7305")->seat, "student");
+  EXPECT_EQ(roll.FindNamed("ليلى", "1234")->seat, "student2");
+  EXPECT_EQ(roll.FindNamed("王芳", "7305"), nullptr);
+  EXPECT_EQ(roll.FindNamed("", "7305"), nullptr);
+}
+
 TEST(Roll, ASeatTwiceIsRefused) {
   std::string errors;
   Read("seat,name\nana,Ana\nana,Other\n", &errors);
   EXPECT_NE(errors.find("c.csv:3: error: the seat ana is there already"), std::string::npos) << errors;
+}
+
+TEST(Roll, ALinkIsASecretOfOneSeat) {
+  std::string errors;
+  Read("name,link\nAna,x\nBen,0123456789abcdef;a\nCleo,0123456789abcdef\nDan,0123456789abcdef\n", &errors);
+  EXPECT_NE(errors.find("c.csv:2: error: a link has 16 to 64 letters and digits"), std::string::npos)
+      << errors;
+  EXPECT_NE(errors.find("c.csv:3: error: a link has 16"), std::string::npos) << errors;
+  EXPECT_EQ(errors.find("c.csv:4"), std::string::npos) << errors;
+  EXPECT_NE(errors.find("c.csv:5: error: this is the link of cleo"), std::string::npos) << errors;
+}
+
+TEST(Roll, EmptyColumnsOfASpreadsheetAreNoMistakeAndMillionsAreRefused) {
+  std::string errors;
+  EXPECT_EQ(Read("name,,\nAna,,\n", &errors).entries().size(), 1);
+  EXPECT_EQ(errors, "");
+  Read(std::string(2'000'000, ','), &errors);
+  EXPECT_NE(errors.find("there are 2000001 columns"), std::string::npos) << errors;
 }
 
 TEST(Roll, ANewPinMakesTheOldLinkInvalid) {
