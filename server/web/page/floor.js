@@ -23,7 +23,9 @@ vec3 tiled(vec3 base, vec2 p) {
   vec2 cell = floor(p);
   base *= 1.0 - 0.06 * mod(cell.x + cell.y, 2.0) * (1.0 - clamp(pixel * 1.5, 0.0, 1.0));
   float mark = 0.30 * lines(p, 0.016) + 0.28 * lines(p / 5.0, 0.007);
+#ifdef STANDARD  // physically based materials: there is a graphics card
   mark += 0.14 * lines(p * 10.0, 0.05) * (1.0 - smoothstep(0.004, 0.012, pixel));
+#endif
   return mix(base, tileInk, min(mark, 0.6));
 }
 `;

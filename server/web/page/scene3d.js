@@ -11,7 +11,7 @@ import {geometryOf} from './shapes.js';
 const ROUND = 32;  // segments of round shapes
 const ROUND_OF_MANY = [[20, 24], [100, 16], [Infinity, 8]];  // [maximum robots of a kind, segments of their round shapes]
 
-const CROWD = 100;  // robots
+const CROWD = 60;  // robots
 const BEVEL_M = {thing: 0.02, robot: 0.006};
 const LEAST_SEEN_M = 3;  // shows some floor around a single small thing
 const FLAG = {pole: 0.012, ball: 0.03, foot: 0.09, ring: 0.22, height: 0.55, cloth: [0.30, 0.19]};
@@ -323,7 +323,7 @@ export class Scene3d {
       this.pickable.push(mesh);
       return mesh;
     };
-    const own = this.#makeMaterial(description.color, {roughness: 0.6, side: THREE.DoubleSide}), metal = this.#makeMaterial([0.75, 0.76, 0.78], {roughness: 0.35, metalness: 0.6});
+    const own = this.#makeMaterial(description.color, {roughness: 0.6, side: THREE.DoubleSide, emissive: color(description.color), emissiveIntensity: 0.3}), metal = this.#makeMaterial([0.75, 0.76, 0.78], {roughness: 0.35, metalness: 0.6});
     const cylinder = (radius, length) => geometryOf({type: 'cylinder', size: [radius, length]}, ROUND, BEVEL_M.robot);
     add(cylinder(FLAG.pole, z), metal, -z / 2);
     add(cylinder(FLAG.foot, 0.02), own, 0.01 - z);

@@ -76,7 +76,7 @@ export function geometryOf({type, size = []}, round, most) {
   const [a, b] = size, fine = round >= FINE;
   switch (type) {
     case 'box': return fine ? bevelledBox(size, Math.min(most, 0.15 * Math.min(...size))) : new THREE.BoxGeometry(...size);
-    case 'cylinder': return bevelledCylinder(a, b, round, fine ? Math.min(most, 0.15 * b, 0.2 * a) : 0);
+    case 'cylinder': return fine ? bevelledCylinder(a, b, round, Math.min(most, 0.15 * b, 0.2 * a)) : new THREE.CylinderGeometry(a, a, b, round).applyMatrix4(UP);
     case 'sphere': return new THREE.SphereGeometry(a, round, round / 2).applyMatrix4(UP);
     case 'capsule': return new THREE.CapsuleGeometry(a, b, Math.ceil(round / 4), round).applyMatrix4(UP);
     default: return null;

@@ -7,8 +7,9 @@ import * as THREE from 'three';
 const SUN_W = new THREE.Vector3(-0.66, -0.56, 1);
 const SUN = {light: 2.5, dark: 2.3}, SKY = {light: 1, dark: 0.78};  // intensities
 const SHADOW_ROBOTS = {software: 10, hardware: 600};  // beyond this, shadows cost more than they show
-const SLOW_MS = 60;   // between two pictures
-const RATIOS = [1, 0.85, 0.7];  // drawn pixels per screen pixel along a side; fewer would show
+const SLOW_MS = [60, 60, 120, 120];  // between two pictures, by level: then the next
+const CROWD = 60;     // robots beyond which small parts are left out from the start
+const RATIOS = [1, 0.8, 0.65];  // drawn pixels per screen pixel along a side; fewer would show
 const FINE_MS = 300;  // without motion, until the view is drawn finely
 const FINE_RATIO = 1.5, FINE_PIXELS = 2.5e6;
 
@@ -75,7 +76,7 @@ export class Stage {
     this.renderer = new THREE.WebGLRenderer({canvas, antialias: !this.#software, preserveDrawingBuffer: true});
     this.renderer.toneMapping = THREE.NeutralToneMapping;
     this.renderer.shadowMap.enabled = true;
-    this.renderer.shadowMap.type = THREE.PCFShadowMap;
+    this.renderer.shadowMap.type = this.#software ? THREE.BasicShadowMap : THREE.PCFShadowMap;
     this.#sun.shadow.mapSize.setScalar(this.#software ? 1024 : 2048);
     Object.assign(this.#sun.shadow, {bias: -0.0003, normalBias: 0.015, radius: this.#software ? 1.5 : 2.5});
     root.add(this.#sun, this.#sun.target);
@@ -119,11 +120,11 @@ export class Stage {
     const {camera} = this.#sun.shadow;
     Object.assign(camera, {left: -radius, right: radius, top: radius, bottom: -radius, near: 0.1, far: 5 * radius});
     camera.updateProjectionMatrix();
-    this.#useLevel(this.#level);
+    this.#useLevel(this.#software && scene.description.robots.length > CROWD ? Math.max(2, this.#level) : this.#level);
   }
 
   /** Another scenario may be cheaper than the last. */
-  startAnew() { this.#useLevel(0); }
+  startAnew() { this.#level = 0; }
 
   set shadows(wanted) {
     this.#shadows = wanted;
@@ -156,7 +157,7 @@ export class Stage {
     this.#drawnAt = now;
     if (!this.#software || !moves || pause > 500) return;
     this.#interval += 0.15 * (pause - this.#interval);
-    if (this.#interval < SLOW_MS || this.#level >= RATIOS.length + 1) return;
+    if (this.#level >= SLOW_MS.length || this.#interval < SLOW_MS[this.#level]) return;
     this.#interval = 33;
     this.#useLevel(this.#level + (this.#level === 0 && !this.#sun.castShadow ? 2 : 1));
   }
