@@ -8,23 +8,22 @@ const MOST_NUMBERS = 60;  // along a side
 const SLAB_M = 0.1;
 const INK = {light: [0.25, 0.29, 0.34], dark: [0.80, 0.84, 0.89]};
 
-// Lines as wide as given, at least a pixel; far away they fade to their share of the floor.
+// Lines as wide as given, at least a pixel; far away they fade to their share of the floor. `pixel`: the size of one, in units of p.
 const TILES = `
-float lines(vec2 p, float width) {
-  vec2 pixel = max(fwidth(p), vec2(1e-5));
-  vec2 drawn = clamp(vec2(width), pixel, vec2(0.5));
-  vec2 away = abs(fract(p - 0.5) - 0.5) * 2.0;
-  vec2 cover = smoothstep(drawn + pixel, drawn - pixel, away) * clamp(width / drawn, 0.0, 1.0);
-  cover = mix(cover, vec2(width), clamp(pixel * 2.0 - 1.0, 0.0, 1.0));
-  return mix(cover.x, 1.0, cover.y);
+float lines(vec2 p, vec2 pixel, float width) {
+  vec2 drawn = max(vec2(width), pixel);
+  vec2 away = 2.0 * abs(fract(p - 0.5) - 0.5);
+  vec2 cover = clamp((drawn + pixel - away) / (2.0 * pixel), 0.0, 1.0) * width / drawn;
+  return max(cover.x, cover.y);
 }
 vec3 tiled(vec3 base, vec2 p) {
-  float pixel = length(fwidth(p));
+  vec2 pixel = max(fwidth(p), vec2(1e-5));
+  float coarse = max(pixel.x, pixel.y);
   vec2 cell = floor(p);
-  base *= 1.0 - 0.06 * mod(cell.x + cell.y, 2.0) * (1.0 - clamp(pixel * 1.5, 0.0, 1.0));
-  float mark = 0.30 * lines(p, 0.016) + 0.28 * lines(p / 5.0, 0.007);
+  base *= 1.0 - 0.06 * mod(cell.x + cell.y, 2.0) * max(0.0, 1.0 - 2.0 * coarse);
+  float mark = 0.30 * lines(p, pixel, 0.016) + 0.28 * lines(0.2 * p, 0.2 * pixel, 0.007);
 #ifdef STANDARD  // physically based materials: there is a graphics card
-  mark += 0.14 * lines(p * 10.0, 0.05) * (1.0 - smoothstep(0.004, 0.012, pixel));
+  mark += 0.14 * lines(10.0 * p, 10.0 * pixel, 0.05) * (1.0 - smoothstep(0.003, 0.009, coarse));
 #endif
   return mix(base, tileInk, min(mark, 0.6));
 }
@@ -94,7 +93,9 @@ export class FloorMesh {
     this.top.position.z = -0.0005;
     this.top.receiveShadow = true;
     const thick = Math.min(height, SLAB_M);
-    this.#slab = new THREE.Mesh(new THREE.BoxGeometry(length, width, thick), makeMaterial(color, {roughness: 0.9}));
+    const sides = new THREE.BoxGeometry(length, width, thick);
+    sides.setIndex([...sides.index.array].filter((_, i) => i < 24 || i >= 30));  // its upper side is never seen
+    this.#slab = new THREE.Mesh(sides, makeMaterial(color, {roughness: 0.9}));
     this.#slab.position.z = -thick / 2 - 0.002;
     this.#numbers = numbers(length, width, this.#ink.value);
     this.#numbers.raycast = () => {};

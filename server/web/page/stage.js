@@ -38,17 +38,16 @@ function makeSky(renderer) {
   return made;
 }
 
-/** From `color` a little brighter above to a little darker below, in sRGB. */
-function makeBackground(color) {
-  const rows = 64, bytes = new Uint8Array(4 * rows), rgb = color.clone().convertLinearToSRGB();
-  for (let row = 0; row < rows; ++row) {
-    const share = row / (rows - 1), factor = 0.90 + 0.16 * share;
-    bytes.set([rgb.r, rgb.g, rgb.b].map((part) => Math.min(255, Math.round(255 * part * factor))), 4 * row);
-    bytes[4 * row + 3] = 255;
-  }
-  const map = new THREE.DataTexture(bytes, 1, rows);
-  Object.assign(map, {colorSpace: THREE.SRGBColorSpace, magFilter: THREE.LinearFilter, minFilter: THREE.LinearFilter, needsUpdate: true});
-  return map;
+/** Behind everything: a colour, a little brighter above, darker below. Drawn last, where nothing else is, without textures and conversions:
+ *  without a graphics card these would cost more than all else. */
+function makeBackground() {
+  const vertexShader = 'varying float up; void main() { up = uv.y; gl_Position = vec4(position.xy, 1.0, 1.0); }';
+  const fragmentShader = 'uniform vec3 ground; varying float up; void main() { gl_FragColor = vec4(ground * (0.9 + 0.16 * up), 1.0); }';
+  const material = new THREE.ShaderMaterial({vertexShader, fragmentShader, depthWrite: false, uniforms: {ground: {value: new THREE.Vector3()}}});
+  const mesh = new THREE.Mesh(new THREE.PlaneGeometry(2, 2), material);
+  mesh.frustumCulled = false;
+  mesh.renderOrder = 100;
+  return mesh;
 }
 
 export class Stage {
@@ -58,6 +57,7 @@ export class Stage {
   #frame;
   #sun = new THREE.DirectionalLight(0xfff8f0, SUN.light);
   #sky = new THREE.HemisphereLight(0xdfeaff, 0x85878c, 1);
+  #background = makeBackground();
   #shadows = true;   // wanted
   #many = false;     // too many robots for shadows
   #scene = null;
@@ -79,7 +79,7 @@ export class Stage {
     this.renderer.shadowMap.type = this.#software ? THREE.BasicShadowMap : THREE.PCFShadowMap;
     this.#sun.shadow.mapSize.setScalar(this.#software ? 1024 : 2048);
     Object.assign(this.#sun.shadow, {bias: -0.0003, normalBias: 0.015, radius: this.#software ? 1.5 : 2.5});
-    root.add(this.#sun, this.#sun.target);
+    root.add(this.#sun, this.#sun.target, this.#background);
     if (this.#software) root.add(this.#sky);
     else root.environment = makeSky(this.renderer);
     this.resize();
@@ -100,11 +100,10 @@ export class Stage {
     const ground = new THREE.Color(getComputedStyle(this.#frame).backgroundColor);
     const {r, g, b} = ground.clone().convertLinearToSRGB();
     this.#dark = 0.3 * r + 0.6 * g + 0.1 * b < 0.5;
-    this.#root.background?.dispose?.();
-    this.#root.background = makeBackground(ground);
+    this.#background.material.uniforms.ground.value.set(r, g, b);
     const theme = this.#dark ? 'dark' : 'light';
-    this.#sun.intensity = SUN[theme];
-    this.#sky.intensity = 2.5 * SKY[theme];
+    this.#sun.intensity = (this.#software ? 1.12 : 1) * SUN[theme];
+    this.#sky.intensity = 2.9 * SKY[theme];
     this.#root.environmentIntensity = 0.85 * SKY[theme];
     this.#scene?.paint(this.#dark);
   }

@@ -185,10 +185,7 @@ export class View3d extends EventTarget {
     this.#stale = false;
     const wanted = this.#wanted, selected = this.#selected?.name;
     this.#drop?.();
-    // The next scene reuses its shaders: dispose of it after drawing that one.
-    const last = this.#scene;
-    last?.root.removeFromParent();
-    this.#drop = () => { last?.dispose(); this.#drop = null; };
+    this.#retire(this.#scene);
     this.#scene = new Scene3d(description, {onLoaded: () => { this.#dirty = true; }, makeMaterial: this.makeMaterial});
     this.#root.add(this.#scene.root);
     this.#between.reset(description.bodies);
@@ -208,6 +205,13 @@ export class View3d extends EventTarget {
     this.#looks.keep(this.#scene);
     this.#dirty = true;
     this.dispatchEvent(new Event('scene'));
+  }
+
+  /** Takes a scene away. The next one reuses its shaders: it is freed after drawing that one. Not a part of #show, whose other functions
+   *  would keep the last scene alive as long as the new one. */
+  #retire(last) {
+    last?.root.removeFromParent();
+    this.#drop = () => { last?.dispose(); this.#drop = null; };
   }
 
   // --- sensors' rays: the daemon draws them, from the same camera, over the view
