@@ -104,7 +104,7 @@ export class Stage {
     const theme = this.#dark ? 'dark' : 'light';
     this.#sun.intensity = (this.#software ? 1.12 : 1) * SUN[theme];
     this.#sky.intensity = 2.9 * SKY[theme];
-    this.#root.environmentIntensity = 0.85 * SKY[theme];
+    this.#root.environmentIntensity = 0.78 * SKY[theme];
     this.#scene?.paint(this.#dark);
   }
 
