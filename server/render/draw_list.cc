@@ -7,6 +7,7 @@
 
 #include "server/geometry/mesh.h"
 #include "server/render/joint_marks.h"
+#include "server/render/palette.h"
 #include "server/render/sensor_marks.h"
 
 namespace coopdyn {
@@ -112,7 +113,7 @@ class Builder {
   }
 
   Color Painted(const Color& color) const {
-    return numbers_ ? Color{static_cast<double>(number_), 0, 0} : color;
+    return numbers_ ? Color{static_cast<double>(number_), 0, 0} : of_robot_ ? color : ShownColor(color);
   }
 
   static Instance MakeInstance(const Pose& X_WG, const Vector3& scale, const Color& color) {
@@ -137,7 +138,12 @@ class Builder {
     AddShape(Cylinder{kPost_m, ball_W.z()},
              {{ball_W.x(), ball_W.y(), ball_W.z() / 2}, Quaternion::Identity()}, post);
     AddShape(Sphere{kBall_m}, {ball_W, Quaternion::Identity()}, target.color);
-    if (!of_robot_) floor_marks_.AddOnFloor(ball_W, kDisc_m, WithAlpha(target.color, 1), 2);
+    if (of_robot_) return;  // a flag looks different from each side: cameras of robots see a ball on a post
+    constexpr double kCloth_m = 0.30, kBreadth_m = 0.19, kThin_m = 0.008;
+    const Pose X_WF{ball_W - Vector3(0, 0, kBall_m + kBreadth_m / 2), Quaternion::Identity()};
+    AddShape(Box{{kCloth_m, kThin_m, kBreadth_m}}, X_WF * Pose{{kCloth_m / 2, 0, 0}, Quaternion::Identity()},
+             target.color);
+    floor_marks_.AddOnFloor(ball_W, kDisc_m, WithAlpha(ShownColor(target.color), 1), 2);
   }
 
   void AddRobot(int index) {
@@ -187,7 +193,8 @@ class Builder {
   void AddLabel(const SceneRobot& robot, const Vector3& top_W) {
     const ProjectedPoint at = frustum_.Pixel(top_W + Vector3(0, 0, 0.06));
     if (at.depth_m < frustum_.near_m()) return;
-    labels_.emplace_back(at.depth_m, Label{robot.entry.name, at.x_px, at.y_px, robot.entry.color});
+    labels_.emplace_back(at.depth_m,
+                         Label{robot.entry.name, at.x_px, at.y_px, ShownColor(robot.entry.color)});
   }
 
   const Frame& frame_;

@@ -56,9 +56,9 @@ struct DrawList {
   std::vector<Label> labels;               // far ones first
 };
 
-/// Towards the sun; not normalised, z = 1.
+/// Towards the sun: over the left shoulder of the default camera; not normalised, z = 1.
 inline const Vector3& SunDirection() {
-  static const Vector3 direction(-0.50, -0.62, 1);
+  static const Vector3 direction(-0.66, -0.56, 1);
   return direction;
 }
 

@@ -191,8 +191,9 @@ float Lines(vec2 p, float width) {
 void main() {
   vec3 base = floor_color * floor_color;
   vec2 cell = floor(world);
-  base *= 1.0 - 0.05 * mod(cell.x + cell.y, 2.0) * (1.0 - clamp(length(fwidth(world)) * 2.0, 0.0, 1.0));
+  base *= 1.0 - 0.06 * mod(cell.x + cell.y, 2.0) * (1.0 - clamp(length(fwidth(world)) * 2.0, 0.0, 1.0));
   base = mix(base, base * vec3(0.50, 0.55, 0.64), Lines(world, 0.013));
+  base = mix(base, base * vec3(0.50, 0.55, 0.64), 0.8 * Lines(world / 5.0, 0.006));  // every fifth is stronger
   if (picture_size.x > 0.0) {
     vec2 at = world / picture_size + 0.5;
     vec3 texel = texture(skin, vec2(at.x, 1.0 - at.y)).rgb;

@@ -79,7 +79,7 @@ export const startBrowser = () => (browser ??= chromium.launch({
 }));
 
 async function makePage(webgl) {
-  const page = Object.assign(await (await startBrowser()).newPage({viewport: SIZE}), {webgl});
+  const page = Object.assign(await (await startBrowser()).newPage({viewport: SIZE, reducedMotion: 'reduce'}), {webgl});
   page.setDefaultTimeout(LIMIT_MS);
   page.on('close', () => pages.delete(page));
   // A few pictures a second are enough.

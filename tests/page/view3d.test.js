@@ -2,6 +2,7 @@
 // The view drawn by the page itself: objects, motion, clicks, and its substitute without WebGL.
 import assert from 'node:assert/strict';
 import {before, beforeEach, test} from 'node:test';
+import {Interpolator} from '../../server/web/page/poses.js';
 import {eventually, loadAnew, openPage, openScenario, order} from './harness.js';
 
 const SCENARIO = `[SIMULATION]
@@ -81,6 +82,94 @@ test('a click selects what is there', async () => {
   });
   await page.mouse.click(...at);
   await page.waitForFunction(() => window.coopdyn.view.selected?.name === 'BOX_1');
+});
+
+/** Where the points that enclose the scene are in the picture, from -1 to 1, and how far down the tools reach up. */
+const outlineInPicture = () => page.evaluate(() => {
+  const {scene, camera, canvas} = window.coopdyn.view;
+  const box = canvas.getBoundingClientRect(), tools = document.getElementById('view-tools').getBoundingClientRect();
+  return {points: scene.outline().map((p) => { const {x, y} = p.project(camera); return [x, y]; }), tools: 2 * (box.bottom - tools.top) / box.height - 1};
+});
+
+test('a fit shows all of every robot and thing, above the tools', async () => {
+  for (const size of [{width: 1024, height: 768}, {width: 390, height: 844}]) {
+    await page.setViewportSize(size);
+    for (const press of ['Home', 't', '1', '2']) {
+      await page.focus('#view');
+      await page.keyboard.press(press);
+      const {points, tools} = await outlineInPicture();
+      const edges = [0, 1].map((axis) => points.map((p) => p[axis])).map((all) => [Math.min(...all), Math.max(...all)]);
+      assert.ok(Math.max(...edges.flat().map(Math.abs)) < 0.96 && edges[1][0] > tools, `${press}: ${JSON.stringify(edges)}, tools ${tools}`);
+      assert.ok(Math.max(edges[0][1] - edges[0][0], edges[1][1] - edges[1][0]) > 1, `${press}: it fills the picture: ${JSON.stringify(edges)}`);
+    }
+  }
+  await page.setViewportSize({width: 1024, height: 768});
+});
+
+test('named views look from above, the front and the side', async () => {
+  const from = () => page.evaluate(() => {
+    const {camera, controls} = window.coopdyn.view;
+    return camera.position.clone().sub(controls.target).normalize().toArray();
+  });
+  await page.click('#view-tools button:has-text("top")');
+  assert.ok((await from())[2] > 0.99);
+  for (const [name, axis, sign] of [['front', 0, 1], ['side', 1, -1]]) {
+    await page.click('#looks > summary');
+    await page.click(`#looks-list button:has-text("${name}")`);
+    assert.ok(sign * (await from())[axis] > 0.9, name);
+  }
+});
+
+test('behind a robot, the camera turns with it', async () => {
+  const ahead = () => page.evaluate(() => {
+    const {scene, camera, controls} = window.coopdyn.view, [, q] = scene.pose(scene.find('robot1'));
+    const way = controls.target.clone().sub(camera.position).setZ(0).normalize();
+    return {ahead: way.dot(way.clone().set(1, 0, 0).applyQuaternion(q)), yaw: 2 * Math.atan2(q.z, q.w)};
+  });
+  await page.focus('#view');
+  await page.keyboard.press('3');
+  assert.ok((await ahead()).ahead > 0.99);
+  await order(daemon.url, '/robot1/motors', 'set_velocity 0 1');
+  await eventually(async () => Math.abs((await ahead()).yaw) > 1);
+  await eventually(async () => (await ahead()).ahead > 0.95);
+  await page.keyboard.press('Escape');
+});
+
+test('the camera flies to a view, unless motion is to be reduced', async () => {
+  const press = (key) => page.evaluate((pressed) => {
+    const {view} = window.coopdyn;
+    view.canvas.dispatchEvent(new KeyboardEvent('keydown', {key: pressed}));
+    return view.flies;
+  }, key);
+  assert.equal(await press('Home'), false);
+  await page.emulateMedia({reducedMotion: 'no-preference'});
+  assert.equal(await press('t'), true);
+  await page.waitForFunction(() => !window.coopdyn.view.flies);
+  assert.ok(await page.evaluate(() => window.coopdyn.view.camera.position.z > 5));
+  await page.emulateMedia({reducedMotion: 'reduce'});
+});
+
+test('words of colours are shown calmly, other colours as written', async () => {
+  await order(daemon.url, '/world', 'insert [PLAIN_1] type box | size 0.4 0.4 0.4 | position 3 3 | color 0.3 0.5 0.7');
+  await page.waitForFunction(() => window.coopdyn.view.scene.find('PLAIN_1'));
+  const shown = (name) => page.evaluate((which) => {
+    const {color} = window.coopdyn.view.scene.find(which).object.material;
+    return color.clone().convertLinearToSRGB().toArray();
+  }, name);
+  assert.ok(near(await shown('PLAIN_1'), [0.3, 0.5, 0.7]));
+  const [r, g, b] = await shown('BOX_1');
+  assert.ok(r > 0.6 && r < 0.9 && g > 0.1 && b > 0.1 && r > 2 * Math.max(g, b), `${[r, g, b]}`);
+});
+
+test('poses that are as before move nothing', () => {
+  const still = {write: (poses) => poses.set([1, 2, 3, 0, 0, 0, 1])}, moved = {write: (poses) => poses.set([1, 2.5, 3, 0, 0, 0, 1])};
+  const between = new Interpolator();
+  between.reset(1);
+  between.push(still, 1000);
+  assert.equal(between.push(still, 1033), false);
+  assert.equal(between.moves(1034), false);
+  assert.equal(between.push(moved, 1066), true);
+  assert.equal(between.moves(1067), true);
 });
 
 test('meshes come, and nothing is asked of other hosts', async () => {

@@ -3,6 +3,7 @@
 
 const UNIT_M = 1e-4;
 const UNIT_Q = 1 / (8192 * Math.SQRT2);
+const LEAST = 1e-6;     // of a number's change that shows
 const LATEST_MS = 400;  // a longer pause is not bridged
 
 /** Applies pose messages to the poses of all bodies; pure. */
@@ -82,6 +83,7 @@ export class Interpolator {
   #to = new Float32Array(0);
   #at = 0;        // ms: when the newest came
   #period = 33;   // ms between messages
+  #way = 0;       // the longest change of a number between the two
 
   reset(count) {
     this.#from = new Float32Array(7 * count);
@@ -91,6 +93,7 @@ export class Interpolator {
 
   get newest() { return this.#to; }
 
+  /** Takes the newest poses. False if nothing is to be moved. */
   push(reader, now) {
     const pause = now - this.#at;
     const first = this.#period === 0;
@@ -100,10 +103,13 @@ export class Interpolator {
     if (first || pause > LATEST_MS) this.#from.set(this.#to);
     this.#period = first || pause > LATEST_MS ? 33 : 0.8 * this.#period + 0.2 * Math.min(pause, 200);
     this.#at = now;
+    this.#way = first ? 1 : 0;
+    for (let i = 0; i < this.#to.length; ++i) this.#way = Math.max(this.#way, Math.abs(this.#to[i] - this.#from[i]));
+    return this.#way > LEAST;
   }
 
   /** Whether anything still moves. */
-  moves(now) { return now < this.#at + this.#period + 50; }
+  moves(now) { return this.#way > LEAST && now < this.#at + this.#period + 50; }
 
   write(poses, now) {
     const share = this.#period > 0 ? Math.min(1, Math.max(0, (now - this.#at) / this.#period)) : 1;

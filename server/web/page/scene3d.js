@@ -3,26 +3,59 @@
 // shapes, so that thousands cost little.
 import * as THREE from 'three';
 import {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
+import {ContactShadows} from './contact_shadows.js';
+import {FloorMesh} from './floor.js';
+import {shownColor} from './palette.js';
+import {geometryOf} from './shapes.js';
 
 const ROUND = 32;  // segments of round shapes
 const ROUND_OF_MANY = [[20, 24], [100, 16], [Infinity, 8]];  // [maximum robots of a kind, segments of their round shapes]
 
-const CROWD = 100;  // robots
+const CROWD = 60;  // robots
+const BEVEL_M = {thing: 0.02, robot: 0.006};
+const LEAST_SEEN_M = 3;  // shows some floor around a single small thing
+const FLAG = {pole: 0.012, ball: 0.03, foot: 0.09, ring: 0.22, height: 0.55, cloth: [0.30, 0.19]};
+const GREY = 0.08;       // of a robot's parts: the largest difference of red, green and blue of bare metal
 
-const color = (rgb) => new THREE.Color().setRGB(rgb[0], rgb[1], rgb[2], THREE.SRGBColorSpace);
+const color = (rgb) => new THREE.Color().setRGB(...shownColor(rgb), THREE.SRGBColorSpace);
 const vector = (xyz) => new THREE.Vector3(xyz[0], xyz[1], xyz[2]);
 const turn = (xyzw) => new THREE.Quaternion(xyzw[0], xyzw[1], xyzw[2], xyzw[3]);
-const UP = new THREE.Matrix4().makeRotationX(Math.PI / 2);  // three.js's cylinders are along y, ours along z
 
-function geometryOf(shape, round) {
-  const [a, b] = shape.size ?? [];
-  switch (shape.type) {
-    case 'box': return new THREE.BoxGeometry(...shape.size);
-    case 'cylinder': return new THREE.CylinderGeometry(a, a, b, round).applyMatrix4(UP);
-    case 'sphere': return new THREE.SphereGeometry(a, round, round / 2);
-    case 'capsule': return new THREE.CapsuleGeometry(a, b, Math.ceil(round / 4), round).applyMatrix4(UP);
+/** How the surface of a robot's part shines, judged by its colour: rubber is black, metal grey. */
+function surfaceOf(rgb) {
+  if (!rgb) return {roughness: 0.42};
+  const most = Math.max(...rgb), grey = most - Math.min(...rgb) < GREY;
+  if (!grey) return {roughness: 0.42};
+  return most < 0.2 ? {roughness: 0.75} : most < 0.9 ? {roughness: 0.38, metalness: 0.55} : {roughness: 0.5};
+}
+
+/** Half the sides of a shape's bounding box in its own frame; null for a mesh. */
+function halfOf({type, size = []}) {
+  const [a, b] = size;
+  switch (type) {
+    case 'box': return size.map((side) => side / 2);
+    case 'cylinder': return [a, a, b / 2];
+    case 'sphere': return [a, a, a];
+    case 'capsule': return [a, a, b / 2 + a];
     default: return null;
   }
+}
+
+/** The corners of a box about `middle`, moved by `p` and `q`. */
+function cornersOf(half, middle, p, q) {
+  return Array.from({length: 8}, (_, corner) => new THREE.Vector3(...half.map((side, axis) => (corner >> axis & 1 ? side : -side)))
+    .add(middle).applyQuaternion(q).add(p));
+}
+
+/** The bounding box of the shapes of each body of a model, in its frame, by body. */
+function boxesOf(model) {
+  const boxes = new Map();
+  for (const shape of model.shapes) {
+    const half = halfOf(shape) ?? Array(3).fill(0.5 * model.radius);
+    const box = boxes.get(shape.body) ?? boxes.set(shape.body, new THREE.Box3()).get(shape.body);
+    for (const corner of cornersOf(half, new THREE.Vector3(), vector(shape.position), turn(shape.quaternion))) box.expandByPoint(corner);
+  }
+  return boxes;
 }
 
 /** The world of one scene. `bodies`: a position and a quaternion for each body, applied by `place`. */
@@ -30,26 +63,36 @@ export class Scene3d {
   root = new THREE.Group();
   things = [];    // {kind, name, id, description, object?, body}
   pickable = [];  // meshes; userData.things: the things by instance
-  #instances = [];  // {mesh, first, count, X_BG, ofBody}
+  #instances = [];  // {mesh, first, bodies, X_BG}: the instances of a mesh from `first` on
+  #X_WB = [];       // by body
   #moving = [];   // {object, body}
   #loader = new GLTFLoader();
   #geometries = new Map();
   #disposed = false;
-  #plain;
+  #makeMaterial;
+  #floor;
+  #contacts;
+  #small = [];  // meshes of small parts of crowds
 
-  /** `plain`: draw only the large parts of large crowds. */
-  constructor(scene, {onLoaded, plain = false}) {
-    this.#plain = plain;
+  /** `makeMaterial(rgb, options)`: materials for the light of the view. */
+  constructor(scene, {onLoaded, makeMaterial}) {
+    this.#makeMaterial = (rgb, options) => makeMaterial(color(rgb), options);
     this.number = scene.scene;
     this.description = scene;
     this.bodies = new Float32Array(7 * scene.bodies);
-    this.#addFloor(scene.floor);
+    this.#floor = new FloorMesh(scene.floor, this.#makeMaterial);
+    this.floor = this.#floor.root;
+    this.root.add(this.floor);
+    if (scene.floor.texture) this.#texture(this.#floor.top.material, scene.floor.texture, scene.floor.size);
     for (const thing of scene.things) this.#addThing(thing);
     scene.models.forEach((model, index) => {
       this.#addRobots(model, scene.robots.filter((robot) => robot.model === index), onLoaded);
     });
     for (const target of scene.targets) this.#addTarget(target);
     for (const light of scene.lights) this.#addLight(light);
+    this.#contacts = new ContactShadows(this.#spots());
+    this.contacts = this.#contacts.mesh;
+    this.root.add(this.contacts);
     this.things.forEach((thing) => { if (thing.object) thing.object.userData.thing = thing; });
   }
 
@@ -61,6 +104,16 @@ export class Scene3d {
       object.dispose?.();
     });
     this.root.removeFromParent();
+  }
+
+  /** Colours what depends on the theme. */
+  paint(dark) { this.#floor.paint(dark); }
+
+  /** Whether the small parts of large crowds are drawn. */
+  showDetails(on) {
+    const shown = this.#small.some(({visible}) => visible !== on);
+    for (const mesh of this.#small) mesh.visible = on;
+    if (shown && on) this.place();
   }
 
   find(name) { return this.things.find((thing) => thing.name === name); }
@@ -99,40 +152,69 @@ export class Scene3d {
       object.quaternion.set(b[at + 3], b[at + 4], b[at + 5], b[at + 6]);
     }
     const X = new THREE.Matrix4(), p = new THREE.Vector3(), q = new THREE.Quaternion(), one = new THREE.Vector3(1, 1, 1);
-    for (const {mesh, bodies, X_BG} of this.#instances) {
-      for (let i = 0; i < bodies.length; ++i) {
-        const at = 7 * bodies[i];
-        p.set(b[at], b[at + 1], b[at + 2]);
-        q.set(b[at + 3], b[at + 4], b[at + 5], b[at + 6]);
-        X.compose(p, q, one).multiply(X_BG);
-        mesh.setMatrixAt(i, X);
-      }
+    for (let body = 0, at = 0; at < b.length; ++body, at += 7) {
+      p.set(b[at], b[at + 1], b[at + 2]);
+      q.set(b[at + 3], b[at + 4], b[at + 5], b[at + 6]);
+      (this.#X_WB[body] ??= new THREE.Matrix4()).compose(p, q, one);
+    }
+    for (const {mesh, first, bodies, X_BG} of this.#instances) {
+      if (!mesh.visible) continue;
+      const {array} = mesh.instanceMatrix;
+      for (let i = 0; i < bodies.length; ++i) X.multiplyMatrices(this.#X_WB[bodies[i]], X_BG).toArray(array, 16 * (first + i));
       mesh.instanceMatrix.needsUpdate = true;
       mesh.boundingSphere = null;
     }
+    this.#contacts.place(b);
   }
 
-  box() {
-    const box = new THREE.Box3();
+  /** Points that enclose everything but lamps, and some floor. */
+  outline() {
+    const points = [], some = this.description.robots.length <= CROWD;
     for (const thing of this.things) {
       if (thing.kind === 'light') continue;
-      const [p, q] = this.pose(thing), {size = [0.1], type} = thing.description, radius = thing.model?.radius ?? 0;
-      const half = (radius > 0 ? [2 * radius, 2 * radius, 2 * thing.model.height] : type === 'box' ? size
-        : type === 'cylinder' ? [2 * size[0], 2 * size[0], size[1]] : Array(3).fill(2 * size[0])).map((side) => side / 2);
-      for (let corner = 0; corner < 8; ++corner) {
-        const at = new THREE.Vector3(...half.map((side, axis) => (corner >> axis & 1 ? side : -side)));
-        box.expandByPoint(at.applyQuaternion(q).add(p));
+      const [p, q] = this.pose(thing);
+      if (thing.kind === 'thing') points.push(...cornersOf(halfOf(thing.description), new THREE.Vector3(), p, q));
+      if (thing.kind === 'target') points.push(...cornersOf([FLAG.ring, FLAG.ring, 0], new THREE.Vector3(), p.clone().setZ(0), q), this.#topOf(thing.description));
+      if (thing.kind !== 'robot') continue;
+      const {radius, height} = thing.model;
+      if (!some) points.push(...cornersOf([radius, radius, height / 2], new THREE.Vector3(0, 0, height / 2), p, q));
+      for (const [body, box] of some ? thing.model.boxes : []) {
+        const half = box.getSize(new THREE.Vector3()).multiplyScalar(0.5).toArray();
+        points.push(...cornersOf(half, box.getCenter(new THREE.Vector3()), ...this.poseOf(thing.body + body)));
       }
     }
-    const [length, width] = this.description.floor.size;
-    if (box.isEmpty()) box.set(new THREE.Vector3(-length / 4, -width / 4, 0), new THREE.Vector3(length / 4, width / 4, 0.5));
-    return box;
+    const [length, width] = this.description.floor.size, box = new THREE.Box3().setFromPoints(points);
+    if (points.length === 0) box.set(new THREE.Vector3(-length / 4, -width / 4, 0), new THREE.Vector3(length / 4, width / 4, 0.5));
+    const middle = box.getCenter(new THREE.Vector3()), size = box.getSize(new THREE.Vector3());
+    const half = [Math.max(LEAST_SEEN_M, size.x) / 2, Math.max(LEAST_SEEN_M, size.y) / 2, 0];
+    return [...points, ...cornersOf(half, middle.setZ(0), new THREE.Vector3(), new THREE.Quaternion())];
   }
 
-  #material(rgb, texture, size) {
-    const material = new THREE.MeshLambertMaterial({color: color(rgb)});
-    if (texture) this.#texture(material, texture, size);
-    return material;
+  box() { return new THREE.Box3().setFromPoints(this.outline()); }
+
+  #topOf({position: [x, y, z]}) { return new THREE.Vector3(x, y, Math.max(z, FLAG.height)); }
+
+  /** Where contact shadows are: under things, targets and the bodies of robots; of crowds, one for each robot. */
+  #spots() {
+    const spots = [];
+    for (const {kind, description, body, model} of this.things) {
+      const X = [vector(description.position ?? [0, 0, 0]), turn(description.quaternion ?? [0, 0, 0, 1])], none = [0, 0, 0];
+      if (kind === 'target') spots.push({X: [X[0].setZ(0), X[1]], body, half: [FLAG.foot, FLAG.foot], round: FLAG.foot, low: 0, middle: none});
+      if (kind === 'thing') {
+        const half = halfOf(description), ball = description.type === 'sphere', side = ball ? 0.5 : 1;
+        spots.push({X, body, half: [side * half[0], side * half[1]], round: description.type === 'box' ? 0 : side * half[0], low: -half[2], middle: none});
+      }
+      if (kind !== 'robot') continue;
+      if (this.description.robots.length > CROWD) {
+        spots.push({body, half: [model.radius, model.radius], round: model.radius, low: -description.origin[2], middle: description.origin.map((x) => -x)});
+        continue;
+      }
+      for (const [of, box] of model.boxes) {
+        const [x, y, z] = box.getSize(new THREE.Vector3()).multiplyScalar(0.5).toArray();
+        spots.push({body: body + of, half: [x, y], round: Math.min(x, y), low: -z, middle: box.getCenter(new THREE.Vector3()).toArray()});
+      }
+    }
+    return spots;
   }
 
   #texture(material, texture, [width, height]) {
@@ -148,26 +230,11 @@ export class Scene3d {
     });
   }
 
-  #addFloor({size: [length, width, height], color: rgb, texture}) {
-    const floor = new THREE.Mesh(new THREE.BoxGeometry(length, width, height), this.#material(rgb, texture, [length, width]));
-    floor.position.z = -height / 2 - 0.0005;
-    floor.receiveShadow = true;
-    floor.userData.floor = true;
-    this.floor = floor;
-    this.root.add(floor);
-    const step = Math.max(1, Math.ceil(Math.max(length, width) / 60));
-    const points = [];
-    for (let x = Math.ceil(-length / 2); x <= length / 2; x += step) points.push(x, -width / 2, 0, x, width / 2, 0);
-    for (let y = Math.ceil(-width / 2); y <= width / 2; y += step) points.push(-length / 2, y, 0, length / 2, y, 0);
-    const lines = new THREE.BufferGeometry().setAttribute('position', new THREE.Float32BufferAttribute(points, 3));
-    const grid = new THREE.LineSegments(lines, new THREE.LineBasicMaterial({color: 0x000000, transparent: true, opacity: 0.09}));
-    grid.position.z = 0.001;
-    if (!texture) this.root.add(grid);
-  }
-
   #addThing(description) {
-    const geometry = geometryOf(description, ROUND);
-    const material = this.#material(description.color, description.texture, [description.size[0], description.size[2] ?? 1]);
+    const {type, size, texture} = description, clad = texture && type === 'box';  // bevelled boxes have no place for pictures
+    const geometry = clad ? new THREE.BoxGeometry(...size) : geometryOf(description, ROUND, BEVEL_M.thing);
+    const material = this.#makeMaterial(description.color, {roughness: 0.6});
+    if (texture) this.#texture(material, texture, [size[0], size[2] ?? 1]);
     const object = new THREE.Mesh(geometry, material);
     object.castShadow = object.receiveShadow = true;
     object.position.copy(vector(description.position));
@@ -192,21 +259,29 @@ export class Scene3d {
       return thing;
     });
     const extent = (shape) => Math.max(...(shape.size ?? [model.radius]));
-    const least = this.#plain && robots.length > CROWD ? 0.5 * Math.max(...model.shapes.map(extent)) : 0;
-    for (const shape of model.shapes.filter((one) => extent(one) >= least)) {
+    const least = robots.length > CROWD ? 0.5 * Math.max(...model.shapes.map(extent)) : 0;
+    model.boxes = boxesOf(model);
+    // Equal shapes, as of wheels, are instances of one mesh.
+    const equal = Map.groupBy(model.shapes, ({type, size, mesh, color: own}) => JSON.stringify([type, size, mesh, own]));
+    for (const shapes of equal.values()) {
+      const [shape] = shapes;
       const put = (geometry, vertexColors) => {
-        const material = new THREE.MeshLambertMaterial({color: vertexColors || !shape.color ? 0xffffff : color(shape.color), vertexColors});
-        const mesh = new THREE.InstancedMesh(geometry, material, robots.length);
-        if (!shape.color && !vertexColors) robots.forEach((robot, i) => mesh.setColorAt(i, color(robot.color)));
+        const material = this.#makeMaterial(shape.color ?? [1, 1, 1], {...surfaceOf(shape.color), vertexColors});
+        if (vertexColors || !shape.color) material.color.set(0xffffff);
+        const mesh = new THREE.InstancedMesh(geometry, material, robots.length * shapes.length);
+        if (!shape.color && !vertexColors) for (let i = 0; i < mesh.count; ++i) mesh.setColorAt(i, color(robots[i % robots.length].color));
         mesh.castShadow = mesh.receiveShadow = true;
         mesh.frustumCulled = false;
-        mesh.userData.things = things;
-        const X_BG = new THREE.Matrix4().compose(vector(shape.position), turn(shape.quaternion), new THREE.Vector3(1, 1, 1));
-        this.#instances.push({mesh, bodies: robots.map((robot) => robot.body + shape.body), X_BG});
+        mesh.userData.things = shapes.flatMap(() => things);
+        shapes.forEach(({body, position, quaternion}, k) => {
+          const X_BG = new THREE.Matrix4().compose(vector(position), turn(quaternion), new THREE.Vector3(1, 1, 1));
+          this.#instances.push({mesh, first: k * robots.length, bodies: robots.map((robot) => robot.body + body), X_BG});
+        });
         this.pickable.push(mesh);
         this.root.add(mesh);
+        if (extent(shape) < least) this.#small.push(mesh);
       };
-      const geometry = geometryOf(shape, round);
+      const geometry = geometryOf(shape, round, BEVEL_M.robot);
       if (geometry) {
         put(geometry, false);
       } else {
@@ -234,13 +309,38 @@ export class Scene3d {
     return this.#geometries.get(name);
   }
 
+  /** A flag on a pole, with a ring on the floor; the ball is at the target, or above it where that is low. */
   #addTarget(description) {
-    const object = new THREE.Mesh(new THREE.SphereGeometry(0.1, ROUND, ROUND / 2),
-      new THREE.MeshLambertMaterial({color: color(description.color), emissive: color(description.color), emissiveIntensity: 0.35}));
-    object.position.copy(vector(description.position));
+    const object = new THREE.Group(), {x, y, z} = this.#topOf(description);
     const thing = {kind: 'target', name: description.name, id: description.id, description, object, body: -1};
-    object.userData.things = [thing];
-    this.#add(thing, object);
+    const base = z - description.position[2];  // of the top, over the target
+    const add = (geometry, material, height) => {
+      const mesh = new THREE.Mesh(geometry, material);
+      mesh.position.z = base + height;
+      mesh.castShadow = true;
+      mesh.userData.things = [thing];
+      object.add(mesh);
+      this.pickable.push(mesh);
+      return mesh;
+    };
+    const own = this.#makeMaterial(description.color, {roughness: 0.6, side: THREE.DoubleSide, emissive: color(description.color), emissiveIntensity: 0.3}), metal = this.#makeMaterial([0.75, 0.76, 0.78], {roughness: 0.35, metalness: 0.6});
+    const cylinder = (radius, length) => geometryOf({type: 'cylinder', size: [radius, length]}, ROUND, BEVEL_M.robot);
+    add(cylinder(FLAG.pole, z), metal, -z / 2);
+    add(cylinder(FLAG.foot, 0.02), own, 0.01 - z);
+    add(new THREE.SphereGeometry(FLAG.ball, ROUND, ROUND / 2), own, 0);
+    const cloth = new THREE.PlaneGeometry(...FLAG.cloth, 12, 1), at = cloth.attributes.position;
+    for (let i = 0; i < at.count; ++i) {  // it waves, and narrows to its end
+      const along = (at.getX(i) + FLAG.cloth[0] / 2) / FLAG.cloth[0];
+      at.setXYZ(i, FLAG.pole + along * FLAG.cloth[0], 0.035 * along * Math.sin(6 * along), at.getY(i) * (1 - 0.35 * along));
+    }
+    cloth.computeVertexNormals();
+    add(cloth, own, -FLAG.ball - FLAG.cloth[1] / 2).rotation.z = -0.5;  // seen well from the first view
+    const ring = add(new THREE.RingGeometry(0.8 * FLAG.ring, FLAG.ring, 48),
+      this.#makeMaterial(description.color, {transparent: true, opacity: 0.8, polygonOffset: true, polygonOffsetFactor: -3, polygonOffsetUnits: -3}), 0.003 - z);
+    ring.castShadow = false;
+    object.position.set(x, y, description.position[2]);
+    this.things.push(thing);
+    this.root.add(object);
   }
 
   #addLight(description) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A world from above on a 2D canvas: cheap enough for a wall of thirty. Built from /api/scene, moved by poses. x is right, y up.
+import {shownColor} from './palette.js';
 
 const ROUND = 20;          // corners of a round shape
 const LEAST_SEEN_M = 3;    // shows some floor around a single small thing
@@ -10,8 +11,9 @@ const MAX_TRAILS = 12;     // robots in a world beyond which ways are not drawn
 const MAX_SHAPES = 300;    // of robots; beyond, each robot is an arrow
 const UPRIGHT = 1e-3;      // of the sine of half the tilt
 
-const css = ([r, g, b]) => `rgb(${Math.round(255 * r)} ${Math.round(255 * g)} ${Math.round(255 * b)})`;
-const shade = ([r, g, b], factor) => css([r * factor, g * factor, b * factor]);
+const asCss = ([r, g, b]) => `rgb(${Math.round(255 * r)} ${Math.round(255 * g)} ${Math.round(255 * b)})`;
+const css = (rgb) => asCss(shownColor(rgb));
+const shade = (rgb, factor) => asCss(shownColor(rgb).map((part) => part * factor));
 
 /** Turns `p` by the quaternion q = [x, y, z, w]. */
 function turned([x, y, z], [qx, qy, qz, qw]) {

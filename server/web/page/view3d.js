@@ -4,15 +4,15 @@
 import * as THREE from 'three';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 import {byId, make, setText} from './dom.js';
-import {frameBox} from './framing.js';
+import {Looks} from './looks.js';
 import {Interpolator, PoseReader} from './poses.js';
 import {Scene3d} from './scene3d.js';
+import {Stage} from './stage.js';
 
 const RATE_HZ = 30;
 const FOV_DEG = THREE.MathUtils.radToDeg(0.8);  // as in the daemon's pictures
 const MAX_WIDTH = 1280;  // of the daemon's pictures
-const SLOW_MS = 60, LEAST_RATIO = 0.45;
-const SHADOW_ROBOTS = {software: 10, hardware: 300};  // beyond this, shadows cost more than they show
+const NEAR = 0.004;      // the nearest that is drawn, per distance of what is looked at
 
 /** This browser's WebGL: 'none', 'software' or 'hardware'. */
 export function webGl() {
@@ -33,12 +33,11 @@ export class View3d extends EventTarget {
   #connection;
   #frame = byId('view-frame');
   #canvas;
-  #renderer;
+  #stage;
+  #looks;
   #root = new THREE.Scene();
   #camera = new THREE.PerspectiveCamera(FOV_DEG, 1, 0.02, 2000);
   #controls;
-  #sun = new THREE.DirectionalLight(0xffffff, 2.1);
-  #sky = new THREE.HemisphereLight(0xffffff, 0x8a8f98, 1.5);
   #scene = null;
   #reader = new PoseReader();
   #between = new Interpolator();
@@ -48,41 +47,28 @@ export class View3d extends EventTarget {
   #dirty = true;
   #framed = '';       // the scenario that the camera was set up for
   #selected = null;
-  #follows = null;
-  #followed = null;   // last position of #follows
   #outline = new THREE.Group();
-  #shadows = true;
+  #told = false;      // poses came that look as what is shown
   #drawn = 0;
-  #drawnAt = 0;
-  #interval = 33;  // average ms between two pictures
-  #ratio = 1;      // drawn pixels per screen pixel, along a side
   #pause = 0;
 
   /** `quality`: 'software' omits effects that need a graphics card. */
   constructor(connection, quality) {
     super();
     this.#connection = connection;
-    this.#software = quality === 'software';
     // A canvas keeps its kind of context for life.
     this.#canvas = make('canvas', {id: 'view', tabIndex: 0, 'aria-label': byId('view').getAttribute('aria-label')});
     byId('view').replaceWith(this.#canvas);
-    this.#renderer = new THREE.WebGLRenderer({canvas: this.#canvas, antialias: !this.#software, preserveDrawingBuffer: true});
-    this.#renderer.shadowMap.enabled = true;
-    this.#renderer.shadowMap.type = THREE.PCFShadowMap;
-    this.#ratio = this.#software ? 1 : Math.min(2, devicePixelRatio);
-    this.#renderer.setPixelRatio(this.#ratio);
+    this.#stage = new Stage(this.#canvas, this.#frame, quality, this.#root);
     this.#camera.up.set(0, 0, 1);
     this.#controls = new OrbitControls(this.#camera, this.#canvas);
     this.#controls.zoomToCursor = true;
     this.#controls.maxPolarAngle = Math.PI * 0.495;
+    Object.assign(this.#controls, {enableDamping: !this.#stage.software, dampingFactor: 0.15});
     this.#controls.listenToKeyEvents(this.#canvas);
     this.#controls.addEventListener('change', () => { this.#dirty = true; });
     this.#controls.addEventListener('start', () => { this.#canvas.focus({preventScroll: true}); });
-    this.#sun.castShadow = true;
-    this.#sun.shadow.mapSize.setScalar(this.#software ? 1024 : 2048);
-    this.#sun.shadow.bias = -0.0004;
-    this.#sun.shadow.normalBias = 0.02;
-    this.#root.add(this.#sun, this.#sun.target, this.#sky, this.#outline);
+    this.#root.add(this.#outline);
     this.#sensors = make('canvas', {id: 'sensors', hidden: true, 'aria-hidden': 'true'});
     this.#canvas.after(this.#sensors);
     byId('rays').addEventListener('change', () => { this.#askSensors(); this.#dirty = true; });
@@ -104,7 +90,6 @@ export class View3d extends EventTarget {
   #sensors;
   #wanted = '';  // name of a thing to select once it appears
   #askedSensors = '';
-  #software;
 
   // --- for other parts of the page
   get scene() { return this.#scene; }
@@ -115,6 +100,9 @@ export class View3d extends EventTarget {
   get step() { return this.#reader.step; }
   get time() { return this.#reader.time; }
   get framesDrawn() { return this.#drawn; }
+  /** Whether the camera moves to a named view. */
+  get flies() { return this.#looks.flies; }
+  get makeMaterial() { return (rgb, options) => this.#stage.makeMaterial(rgb, options); }
   redraw() { this.#dirty = true; }
   /** A button among the view's tools. */
   addTool(text, title, act) {
@@ -156,21 +144,9 @@ export class View3d extends EventTarget {
     return {thing: hit.object.userData.things[hit.instanceId ?? 0], point: hit.point};
   }
 
-  /** Looks at everything: 'top' from above, else from the side. */
-  fit(from = 'side') {
-    if (!this.#scene) return;
-    this.#follows = null;
-    frameBox(this.#scene.box(), from, this.#camera, this.#controls);
-    this.#showFollow();
-    this.#dirty = true;
-  }
-
-  follow(thing) {
-    this.#follows = thing ?? null;
-    this.#followed = null;
-    this.#showFollow();
-    this.#dirty = true;
-  }
+  /** Shows everything: 'top' from above, 'front', 'side', else from the first view. */
+  fit(from) { this.#looks.fit(from); }
+  follow(thing) { this.#looks.follow(thing); }
 
   /** A PNG of the view. */
   snapshot() {
@@ -188,8 +164,8 @@ export class View3d extends EventTarget {
   #onPoses(buffer) {
     if (!this.#reader.take(buffer)) return;
     if (this.#stale || this.#scene?.number !== this.#reader.scene) return this.load();
-    this.#between.push(this.#reader, performance.now());
-    this.#dirty = true;
+    if (this.#between.push(this.#reader, performance.now())) this.#dirty = true;
+    else this.#told = true;
   }
 
   /** Requests the scene. Call it after an edit to see the change before the next poses. */
@@ -207,33 +183,35 @@ export class View3d extends EventTarget {
 
   #show(description) {
     this.#stale = false;
-    const wanted = this.#wanted, selected = this.#selected?.name, followed = this.#follows?.name;
+    const wanted = this.#wanted, selected = this.#selected?.name;
     this.#drop?.();
-    // The next scene reuses its shaders: dispose of it after drawing that one.
-    const last = this.#scene;
-    last?.root.removeFromParent();
-    this.#drop = () => { last?.dispose(); this.#drop = null; };
-    this.#scene = new Scene3d(description, {onLoaded: () => { this.#dirty = true; }, plain: this.#software});
+    this.#retire(this.#scene);
+    this.#scene = new Scene3d(description, {onLoaded: () => { this.#dirty = true; }, makeMaterial: this.makeMaterial});
     this.#root.add(this.#scene.root);
     this.#between.reset(description.bodies);
     if (this.#reader.scene === description.scene) this.#between.push(this.#reader, performance.now());
     this.#between.write(this.#scene.bodies, performance.now());
     this.#scene.place();
-    const many = description.robots.length > SHADOW_ROBOTS[this.#software ? 'software' : 'hardware'];
-    this.#sun.castShadow = this.#shadows && !many;
-    this.#aimSun();
-    if (this.#framed !== description.scenario) {
+    const anew = this.#framed !== description.scenario;
+    if (anew) this.#stage.startAnew();
+    this.#stage.show(this.#scene, this.#scene.box());
+    if (anew) {
       this.#framed = description.scenario;
-      if (this.#software) this.#setRatio(1);
-      const wanted = new URLSearchParams(location.search).get('view');
-      this.fit(wanted === 'top' ? 'top' : 'side');
+      const look = new URLSearchParams(location.search).get('view');
+      this.#looks.fit(['top', 'front', 'side'].includes(look) ? look : 'whole', true);
     }
     this.select(this.#scene.find(wanted) ?? this.#scene.find(selected) ?? null);
     if (this.#selected?.name !== wanted) this.#wanted = wanted;  // still not in the scene
-    this.#follows = followed ? this.#scene.find(followed) ?? null : null;
-    this.#showFollow();
+    this.#looks.keep(this.#scene);
     this.#dirty = true;
     this.dispatchEvent(new Event('scene'));
+  }
+
+  /** Takes a scene away. The next one reuses its shaders: it is freed after drawing that one. Not a part of #show, whose other functions
+   *  would keep the last scene alive as long as the new one. */
+  #retire(last) {
+    last?.root.removeFromParent();
+    this.#drop = () => { last?.dispose(); this.#drop = null; };
   }
 
   // --- sensors' rays: the daemon draws them, from the same camera, over the view
@@ -272,26 +250,17 @@ export class View3d extends EventTarget {
 
   // --- drawing
   #paint() {
-    this.#root.background = new THREE.Color(getComputedStyle(this.#frame).backgroundColor);
+    this.#stage.paint();
     this.#dirty = true;
-  }
-
-  #aimSun() {
-    const box = this.#scene.box(), middle = box.getCenter(new THREE.Vector3());
-    const radius = Math.max(2, box.getSize(new THREE.Vector3()).length() / 2);
-    this.#sun.position.copy(middle).add(new THREE.Vector3(0.45, -0.35, 1).multiplyScalar(2 * radius));
-    this.#sun.target.position.copy(middle);
-    const {camera} = this.#sun.shadow;
-    Object.assign(camera, {left: -radius, right: radius, top: radius, bottom: -radius, near: 0.1, far: 5 * radius});
-    camera.updateProjectionMatrix();
   }
 
   #fitCanvas() {
     const {clientWidth: width, clientHeight: height} = this.#frame;
     if (width === 0 || height === 0) return;
-    this.#renderer.setSize(width, height, false);
+    this.#stage.resize();
     this.#camera.aspect = width / height;
     this.#camera.updateProjectionMatrix();
+    this.#looks?.resized();
     this.#dirty = true;
   }
 
@@ -299,60 +268,44 @@ export class View3d extends EventTarget {
     requestAnimationFrame((next) => this.#draw(next));
     if (document.hidden || !this.#scene) return;
     const moves = this.#between.moves(now);
-    if ((!moves && !this.#dirty) || now < this.#pause) return;
+    if (!moves && !this.#dirty) {
+      if (this.#told) return this.#tell();
+      if (this.#stage.isFineDue(now)) this.#stage.drawFine(this.#camera);
+      return;
+    }
+    if (now < this.#pause) return;
     this.#between.write(this.#scene.bodies, now);
     this.#scene.place();
-    this.#moveCamera();
+    const turns = this.#looks.step(performance.now());
     this.dispatchEvent(new Event('drawing'));
     this.#placeOutline();
-    this.#dirty = moves;  // draw once more at rest
-    this.#render();
+    this.#dirty = moves || turns;  // draw once more at rest
+    this.#render(now, moves);
     this.#drop?.();
     this.#askSensors();
-    this.#keepPace(now);
     // After a slow drawing, leave time for the rest of the page.
     const took = Math.max(performance.now() - now, 0);
     this.#pause = took > 40 ? performance.now() + 0.5 * took : 0;
+    this.#tell();
+  }
+
+  /** What is shown is the newest step. */
+  #tell() {
+    this.#told = false;
     this.#canvas.dataset.step = this.#reader.step;
     this.#canvas.dataset.shown = ++this.#drawn;
     this.dispatchEvent(new Event('drawn'));
   }
 
-  /** Without a graphics card, draws a slow view with fewer pixels until the next scene. */
-  #keepPace(now) {
-    const pause = now - this.#drawnAt;
-    this.#drawnAt = now;
-    if (!this.#software || pause > 500) return;
-    this.#interval += 0.15 * (pause - this.#interval);
-    if (this.#interval < SLOW_MS || this.#ratio <= LEAST_RATIO) return;
-    this.#setRatio(0.8 * this.#ratio);
-  }
-
-  #setRatio(ratio) {
-    this.#ratio = ratio;
-    this.#interval = 33;
-    this.#renderer.setPixelRatio(ratio);
-    this.#fitCanvas();
-  }
-
-  #render() { this.#renderer.render(this.#root, this.#camera); }
-  renderNow() { this.#render(); }
-
-  #moveCamera() {
-    if (!this.#follows) return;
-    const [p] = this.#scene.pose(this.#follows);
-    if (this.#followed) {
-      const way = p.clone().sub(this.#followed);
-      this.#camera.position.add(way);
-      this.#controls.target.add(way);
-    } else {
-      const away = this.#camera.position.clone().sub(this.#controls.target).setLength(Math.max(1.5, 4 * (this.#follows.model?.radius ?? 0.5)));
-      this.#controls.target.copy(p);
-      this.#camera.position.copy(p).add(away);
+  #render(now = 0, moves = false) {
+    const near = Math.max(0.01, NEAR * this.#camera.position.distanceTo(this.#controls.target));
+    if (Math.abs(near / this.#camera.near - 1) > 0.2) {
+      this.#camera.near = near;
+      this.#camera.updateProjectionMatrix();
     }
-    this.#followed = p;
-    this.#controls.update();
+    this.#stage.draw(this.#camera, now, moves);
   }
+  renderNow() { this.#render(); }
 
   #outlineSelected() {
     this.#outline.clear();
@@ -396,34 +349,18 @@ export class View3d extends EventTarget {
     });
     this.#canvas.addEventListener('dblclick', (event) => this.follow(this.pick(event.clientX, event.clientY)?.thing));
     this.#canvas.addEventListener('keydown', (event) => {
-      const does = {Home: () => this.fit(), t: () => this.fit('top'), f: () => this.follow(this.#follows ? null : this.#selected),
-        Escape: () => { this.select(null); this.follow(null); }, '+': () => this.#zoom(0.9), '=': () => this.#zoom(0.9), '-': () => this.#zoom(1 / 0.9)}[event.key];
-      if (!does || event.ctrlKey || event.metaKey) return;
-      event.preventDefault();
-      does();
+      if (event.ctrlKey || event.metaKey) return;
+      const does = {Escape: () => { this.select(null); this.follow(null); }, '+': () => this.#looks.zoom(0.9), '=': () => this.#looks.zoom(0.9),
+        '-': () => this.#looks.zoom(1 / 0.9)}[event.key];
+      does?.();
+      if (does || this.#looks.onKey(event.key)) event.preventDefault();
     });
-    byId('whole').addEventListener('click', () => this.fit());
-    this.addTool('top', 'Look from above (T)', () => this.fit('top'));
-    this.#followButton = this.addTool('follow', 'The camera follows the selected robot (F, or a double click on it)',
-      () => this.follow(this.#follows ? null : this.#selected));
+    this.#looks = new Looks(this);
     const box = make('input', {type: 'checkbox', checked: true, id: 'show-shadows'});
     box.addEventListener('change', () => {
-      this.#shadows = this.#sun.castShadow = box.checked;
+      this.#stage.shadows = box.checked;
       this.#dirty = true;
     });
     byId('show-list').append(make('label', {title: 'Shadows'}, box, ' shadows'));
-    this.#showFollow();
-  }
-  #followButton;
-
-  #showFollow() {
-    if (!this.#followButton) return;
-    setText(this.#followButton, this.#follows ? `following ${this.#follows.name}` : 'follow');
-    this.#followButton.setAttribute('aria-pressed', String(Boolean(this.#follows)));
-  }
-
-  #zoom(factor) {
-    this.#camera.position.sub(this.#controls.target).multiplyScalar(factor).add(this.#controls.target);
-    this.#dirty = true;
   }
 }

@@ -2,6 +2,7 @@
 // Optional marks in the view, each with its own box under Show: names, trails, joint axes, bearings of targets, contacts.
 import * as THREE from 'three';
 import {byId, make} from './dom.js';
+import {shownColor} from './palette.js';
 
 const TRAIL_POINTS = 600;
 const MOST_NAMED = 200;    // things with names, robots with trails
@@ -98,8 +99,8 @@ class Trails {
 
   #make(thing) {
     const geometry = new THREE.BufferGeometry().setAttribute('position', new THREE.BufferAttribute(new Float32Array(3 * TRAIL_POINTS), 3));
-    const [r, g, b] = thing.description.color;
-    const trail = {line: new THREE.Line(geometry, new THREE.LineBasicMaterial({color: new THREE.Color(r, g, b)})), points: []};
+    const color = new THREE.Color().setRGB(...shownColor(thing.description.color), THREE.SRGBColorSpace);
+    const trail = {line: new THREE.Line(geometry, new THREE.LineBasicMaterial({color, toneMapped: false})), points: []};
     trail.line.frustumCulled = false;
     this.#of.set(thing, trail);
     this.#view.add(trail.line);

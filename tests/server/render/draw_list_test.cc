@@ -63,6 +63,27 @@ TEST(MeshesTest, EnclosedVolumesAreThoseOfTheShapes) {
   EXPECT_NEAR(volume(MeshId::kSphere32), std::numbers::pi / 6, 0.01);
 }
 
+TEST(DrawListTest, ViewsShowAWordOfColourCalmlyAndCamerasOfRobotsAsWritten) {
+  const auto frame = SampleWorld().Mark(0, 0).MakeFrame();
+  ImageRequest request = From({-3, 0, 1}, {0, 0, 0.3});
+  const auto ball = [&] {
+    const DrawList list = ListFor(*frame, request);
+    return list.meshes[static_cast<std::size_t>(MeshId::kSphere16)].at(0).color;
+  };
+  EXPECT_LT(ball()[0], 0.9F);
+  EXPECT_GT(ball()[1], 0.1F);
+  request.shot.emplace();
+  EXPECT_EQ(ball(), (std::array<float, 3>{1, 0, 0}));
+}
+
+TEST(DrawListTest, OnlyViewsHaveFlagsAtTargets) {
+  const auto frame = SampleWorld().Mark(0, 0).MakeFrame();
+  ImageRequest request = From({-3, 0, 1}, {0, 0, 0.3});
+  EXPECT_EQ(Count(ListFor(*frame, request), MeshId::kBox), 1U);
+  request.shot.emplace();
+  EXPECT_EQ(Count(ListFor(*frame, request), MeshId::kBox), 0U);
+}
+
 TEST(DrawListTest, NearShapesAreFinerThanFarOnes) {
   const auto frame = SampleWorld().Object(Sphere{0.3}, {{0, 0, 0.3}, Quaternion::Identity()}).MakeFrame();
   EXPECT_EQ(Count(ListFor(*frame, From({-2, 0, 1}, {0, 0, 0.3})), MeshId::kSphere32), 1U);
