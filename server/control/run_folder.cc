@@ -133,13 +133,14 @@ void RunFolder::Open(const std::string& name, std::function<void(const RunToCopy
 std::string RunFolder::Objection(const std::string& name) const {
   std::error_code ignored;
   const fs::path file = folder_ / name;
+  const std::string recorded = name + " is being recorded: stop the recording first";
+  if (IsRunName(name) && IsPresent(file)) return recorded;  // its file may come later
   if (!IsRunName(name) || !fs::is_regular_file(file, ignored)) {
     return "there is no recording " + Printable(name) + ": list names them";
   }
   std::string unreadable;  // a damaged one may go
   const std::unique_ptr<RunReader> reader = RunReader::Open(file.string(), unreadable);
-  const bool grows = IsPresent(file) || (reader != nullptr && reader->growing());
-  return grows ? name + " is being recorded: stop the recording first" : "";
+  return reader != nullptr && reader->growing() ? recorded : "";
 }
 
 void RunFolder::Delete(const std::string& name, std::function<void(std::string error)> done) {

@@ -6,6 +6,7 @@
 
 #include <future>
 
+#include "protocol/command_ids.h"
 #include "web_fixture.h"
 
 namespace coopdyn {
