@@ -66,7 +66,7 @@ inline constexpr Id kInsert = 140, kRemove = 141, kSetPose = 142, kSetThing = 14
                     kGetWorld = 150;
 // /recorder
 inline constexpr Id kGetRecording = 120, kStartRecording = 121, kStopRecording = 122, kNote = 123,
-                    kListRuns = 124;
+                    kListRuns = 124, kDeleteRun = 125, kRenameRun = 126;
 // /playback
 inline constexpr Id kGetPlayback = 130, kSeek = 131, kPlay = 132, kPausePlayback = 133, kSetPlaySpeed = 134,
                     kSkip = 135, kSetLoop = 136, kBranch = 137, kOpenRecording = 138, kCloseRecording = 139;

@@ -283,6 +283,19 @@ CommandTable RecorderTable() {
                            .text_name = "NOTE",
                            .example = "note the robots meet"},
                           std::move(list),
+                          {.id = command::kDeleteRun,
+                           .name = "delete",
+                           .help = "Deletes a recording for good.",
+                           .text = TextUse::kRest,
+                           .text_name = "NAME",
+                           .example = "delete lesson1"},
+                          {.id = command::kRenameRun,
+                           .name = "rename",
+                           .help = "Gives a recording another name.",
+                           .text = TextUse::kRest,
+                           .text_name = "NAME/NEW_NAME",
+                           .reply_text = "the new name",
+                           .example = "rename lesson1/reached the target"},
                       });
 }
 

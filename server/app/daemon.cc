@@ -204,10 +204,17 @@ std::string Daemon::OpenRobots() {
 std::string Daemon::OpenGlobalModules() {
   const IoThread::Poster post = control_.poster();
   const GlobalServices services{
-      board_,         frames_,
-      edits_,         roster_,
-      control_guard_, clock_,
-      kVersion,       [this](auto scene, auto done) { ApplyScene(std::move(scene), std::move(done)); }};
+      board_,
+      frames_,
+      edits_,
+      roster_,
+      control_guard_,
+      clock_,
+      kVersion,
+      [this](auto scene, auto done) { ApplyScene(std::move(scene), std::move(done)); },
+      [this](const Frame& frame, std::string deed, const std::string& by) {
+        run_.AddDeed({frame.step, frame.time_s(), "info", std::move(deed)}, by);
+      }};
   simulation_ = std::make_unique<SimulationModule>(
       SimulationServices{services, run_, names_, models_, *this,
                          [this](std::function<void()> load) { loader_.Post(std::move(load)); },

@@ -5,11 +5,22 @@
 
 namespace coopdyn {
 
+namespace {
+
+/// "Ana" for "Ana, page 127.0.0.1:53120": whoever gives the page a name wants to be called so.
+std::string NameOf(const Client& client) {
+  const std::string& shown = client.shown();
+  return shown.substr(0, shown.rfind(", page "));
+}
+
+}  // namespace
+
 GlobalModule::GlobalModule(GlobalServices services, CommandTable table, StepInbox::Post post)
     : PeerModule({services.board, services.roster, services.guard, services.clock, services.version},
                  "/" + table.module(), table_, inbox_),
       edits_(services.edits),
       apply_scene_(std::move(services.apply_scene)),
+      tell_(std::move(services.tell)),
       table_(std::move(table)),
       inbox_(services.board, services.frames, std::move(post)) {}
 
@@ -82,6 +93,8 @@ void GlobalModule::OnEditDone(ClientId client, const EditResult& result, const A
     Finish(*peer, ErrorReply(peer->command, result.error, result.text));
     return;
   }
+  std::string deed = tell_ ? DeedOf(peer->command, result) : std::string();
+  if (!deed.empty()) tell_(*frame, std::move(deed), NameOf(peer->client.client));
   Message answer = ReplyTo(peer->command, result.text.empty() ? peer->text : result.text);
   answer.params = result.params;
   ModuleCore::Stamp(answer, *frame);

@@ -31,6 +31,8 @@ struct GlobalServices {
   std::string version;
   /// Brings up the robots' modules of a scene, then calls `done` on the control thread. Null: there are none.
   std::function<void(std::shared_ptr<const Scene>, std::function<void()> done)> apply_scene = nullptr;
+  /// Tells everybody what a client, `by`, has done to the run. Null: nobody is told.
+  std::function<void(const Frame&, std::string deed, const std::string& by)> tell = nullptr;
 };
 
 class GlobalModule : public PeerModule<ModulePeer> {
@@ -52,6 +54,10 @@ class GlobalModule : public PeerModule<ModulePeer> {
   /// answer; nullopt if the reply comes later.
   virtual std::optional<Message> Change(Peer& peer, const Message& request) = 0;
 
+  /// What the command with this result did to the run, for others to read, such as "reset"; empty: nothing
+  /// that concerns them.
+  virtual std::string DeedOf(command::Id /*command*/, const EditResult& /*result*/) const { return {}; }
+
   /// Passes the edit to the stepping thread. The reply follows: empty, or the peer's text.
   std::optional<Message> Push(Peer& peer, EditAction action, AfterEdit after = nullptr);
   /// A callback for the result of a slow operation. Call it once, from any thread: it calls `after`, then
@@ -70,6 +76,7 @@ class GlobalModule : public PeerModule<ModulePeer> {
 
   EditQueue& edits_;
   const decltype(GlobalServices::apply_scene) apply_scene_;
+  const decltype(GlobalServices::tell) tell_;
   const CommandTable table_;
   StepInbox inbox_;
 };

@@ -7,6 +7,7 @@
 
 #include "protocol/common_commands.h"
 #include "protocol/module_tables.h"
+#include "server/naming/run_names.h"
 #include "server/state/run_input.h"
 
 namespace coopdyn {
@@ -49,11 +50,33 @@ std::optional<Message> RecorderModule::Change(Peer& peer, const Message& request
     case command::kNote:
       desk_.Note(request.text, Later(peer));
       break;
+    case command::kDeleteRun:
+      runs_.Delete(request.text, Ending(peer, {}));
+      break;
+    case command::kRenameRun: {
+      const std::size_t slash = request.text.find('/');
+      if (slash == std::string::npos) {
+        return ErrorReply(request.command, Error::kOutOfRange,
+                          "write the name, a slash and the new name: rename lesson1/reached the target");
+      }
+      const std::string to = request.text.substr(slash + 1);
+      runs_.Rename(request.text.substr(0, slash), to, Ending(peer, WithRunExtension(to)));
+      break;
+    }
     default:
       return ErrorReply(request.command, Error::kUnknownCommand,
                         "describe (1) lists the commands of /recorder");
   }
   return std::nullopt;
+}
+
+std::function<void(std::string)> RecorderModule::Ending(const Peer& peer, std::string text) {
+  return [later = Later(peer), text = std::move(text)](std::string error) {
+    EditResult result;
+    if (!error.empty()) result.error = Error::kNotPossible;
+    result.text = error.empty() ? text : std::move(error);
+    later(result);
+  };
 }
 
 PlaybackModule::PlaybackModule(GlobalServices services, const RunControl& run, BranchDesk& branches,

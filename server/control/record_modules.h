@@ -28,6 +28,9 @@ class RecorderModule final : public GlobalModule {
   std::optional<Message> ReadLater(Peer& peer, const Message& request) override;
   std::optional<Message> Change(Peer& peer, const Message& request) override;
 
+  /// Replies with `text`, or with the error that it is called with.
+  std::function<void(std::string)> Ending(const Peer& peer, std::string text);
+
   RecordingDesk& desk_;
   RunFolder& runs_;
   const std::function<std::string()> page_;

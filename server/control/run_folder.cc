@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "protocol/json_text.h"
+#include "server/base/printable.h"
 #include "server/naming/run_names.h"
 #include "server/record/run_open.h"
 #include "server/record/run_reader.h"
@@ -126,6 +127,45 @@ void RunFolder::Open(const std::string& name, std::function<void(const RunToCopy
     const RunToCopy found = Find(run, exported);
     if (!exported || found.error != Error::kOk) return done(found);
     exporter_.Post([this, file = found.file, done] { done(Export(file)); });
+  });
+}
+
+std::string RunFolder::Objection(const std::string& name) const {
+  std::error_code ignored;
+  const fs::path file = folder_ / name;
+  const std::string recorded = name + " is being recorded: stop the recording first";
+  if (IsRunName(name) && IsPresent(file)) return recorded;  // its file may come later
+  if (!IsRunName(name) || !fs::is_regular_file(file, ignored)) {
+    return "there is no recording " + Printable(name) + ": list names them";
+  }
+  std::string unreadable;  // a damaged one may go
+  const std::unique_ptr<RunReader> reader = RunReader::Open(file.string(), unreadable);
+  return reader != nullptr && reader->growing() ? recorded : "";
+}
+
+void RunFolder::Delete(const std::string& name, std::function<void(std::string error)> done) {
+  looks_.Post([this, name = WithRunExtension(name), done = std::move(done)] {
+    if (std::string objection = Objection(name); !objection.empty()) return done(std::move(objection));
+    std::error_code failed, ignored;
+    const std::string log = UnmergedLog((folder_ / name).string());
+    fs::remove(folder_ / name, failed);
+    if (!log.empty() && !failed) fs::remove(log, ignored);
+    done(failed ? name + " cannot be deleted: " + failed.message() : "");
+  });
+}
+
+void RunFolder::Rename(const std::string& name, const std::string& to,
+                       std::function<void(std::string error)> done) {
+  looks_.Post([this, name = WithRunExtension(name), to = WithRunExtension(to), done = std::move(done)] {
+    if (std::string objection = Objection(name); !objection.empty()) return done(std::move(objection));
+    if (std::string objection = RunNameObjection(to); !objection.empty()) return done(std::move(objection));
+    std::error_code failed;
+    if (!UnmergedLog((folder_ / name).string()).empty()) {
+      return done(name + " was not closed: play it once, then rename it");
+    }
+    if (fs::exists(folder_ / to, failed)) return done(to + " is there already: choose another name");
+    fs::rename(folder_ / name, folder_ / to, failed);
+    done(failed ? name + " cannot be renamed: " + failed.message() : "");
   });
 }
 

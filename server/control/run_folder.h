@@ -58,6 +58,10 @@ class RunFolder {
   /// Passes NAME.run, unless it is being written, or NAME.mat, exported from it, to `done`: once, on any
   /// thread.
   void Open(const std::string& name, std::function<void(const RunToCopy&)> done);
+  /// Deletes NAME.run, and what lies beside it of it; `done` gets an error text, empty on success.
+  void Delete(const std::string& name, std::function<void(std::string error)> done);
+  /// Renames NAME.run to NEW.run. As Delete().
+  void Rename(const std::string& name, const std::string& to, std::function<void(std::string error)> done);
   /// Aborts a running export and drops waiting ones. After it returns no `done` runs.
   void Stop();
 
@@ -73,6 +77,8 @@ class RunFolder {
   RunFile Look(const std::filesystem::directory_entry& entry);
   /// `exported`: to be read, including its log; else to be copied.
   RunToCopy Find(const std::string& name, bool exported) const;
+  /// Why the recording NAME.run cannot be deleted or renamed now; empty if it can.
+  std::string Objection(const std::string& name) const;
   /// True if this program is recording to `file`.
   bool IsPresent(const std::filesystem::path& file) const;
   RunToCopy Export(const std::filesystem::path& run);

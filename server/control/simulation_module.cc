@@ -330,6 +330,26 @@ void SimulationModule::RepeatClock() {
   if (now != nullptr && std::exchange(repeated_step_, now->step) == now->step) PushAgain(command::kGetClock);
 }
 
+std::string SimulationModule::DeedOf(command::Id command, const EditResult& result) const {
+  switch (command) {
+    case command::kLoadScenario:
+    case command::kReload:
+      return "load " + (result.frame == nullptr ? "" : result.frame->scene->scenario->name);
+    case command::kRun:
+    case command::kPause:
+    case command::kReset:
+    case command::kRestoreState:
+    case command::kSetMode:
+    case command::kSetStep:
+    case command::kSetSpeed:
+    case command::kSetParticipants:
+    case command::kStopAll:
+      return table().Find(command)->name;
+    default:
+      return {};
+  }
+}
+
 void SimulationModule::OnAnswered(const Message& request, bool done) {
   if (request.command == command::kQuit && done) services_.actions.Quit();
 }

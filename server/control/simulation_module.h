@@ -93,6 +93,7 @@ class SimulationModule final : public GlobalModule {
   command::Id first_reading() const override { return command::kGetStatus; }
   std::optional<Message> Change(Peer& peer, const Message& request) override;
   void OnAnswered(const Message& request, bool done) override;
+  std::string DeedOf(command::Id command, const EditResult& result) const override;
 
   std::optional<Message> Load(Peer& peer, const LoadRequest& load);
   std::optional<Message> Save(Peer& peer, const Message& request);

@@ -30,6 +30,10 @@ class WorldModule final : public GlobalModule {
   Message Read(const Message& request, const Frame& frame) override;
   command::Id first_reading() const override { return command::kGetWorld; }
   std::optional<Message> Change(Peer& peer, const Message& request) override;
+  /// As the stepper's event says it.
+  std::string DeedOf(command::Id /*command*/, const EditResult& result) const override {
+    return result.change.label;
+  }
 
   /// Passes the first of requests_ to the thread that reads files.
   void Begin();

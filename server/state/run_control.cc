@@ -44,4 +44,22 @@ const char* WhyEarly(RunEnd end) {
   return kTexts[static_cast<std::size_t>(end)];
 }
 
+void RunControl::AddDeed(Event deed, const std::string& by) {
+  constexpr std::ptrdiff_t kNewest = 4;
+  const std::string plain = deed.text;
+  deed.text += " by " + by;
+  const MutexLock lock(mutex_);
+  const auto newest = events_.end() - std::min<std::ptrdiff_t>(kNewest, std::ssize(events_));
+  const auto own = std::find_if(newest, events_.end(), [&](const Event& one) { return one.text == plain; });
+  if (own != events_.end()) {
+    own->text = deed.text;
+    return;
+  }
+  const auto same =
+      std::find_if(newest, events_.end(), [&](const Event& one) { return one.text == deed.text; });
+  if (same != events_.end()) events_.erase(same);
+  events_.push_back(std::move(deed));
+  if (events_.size() > kMaxEvents) events_.pop_front();
+}
+
 }  // namespace coopdyn

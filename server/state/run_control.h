@@ -171,6 +171,10 @@ class RunControl {
     events_.push_back(std::move(event));
     if (events_.size() > kMaxEvents) events_.pop_front();
   }
+  /// Says that `by` did what `deed` says. Completes the stepper's own event of the same text, if it is among
+  /// the newest; replaces an earlier one of the same text and person, so that a program that resets a
+  /// thousand times leaves one.
+  void AddDeed(Event deed, const std::string& by) EXCLUDES(mutex_);
   std::vector<Event> events() const EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);
     return {events_.begin(), events_.end()};

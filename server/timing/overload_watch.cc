@@ -157,6 +157,7 @@ std::vector<CpuShare> SharesOf(const std::vector<CpuUser>& before, const std::ve
 
 double LostPart(const RunStatus& before, const RunStatus& after, Nanoseconds wall) {
   if (after.mode != Mode::kRealtime || after.speed <= 0 || wall <= 0) return 0;
+  if (after.late_periods < before.late_periods) return 0;  // another run or playback counts from 0
   const auto periods = static_cast<double>(after.late_periods - before.late_periods);
   return periods * PeriodOf(after) / static_cast<double>(wall);
 }

@@ -29,7 +29,8 @@ class PageBridge {
   /// Called for every reply and push, never from within Handle().
   using SendFunction = std::function<void(const PageReply& reply)>;
 
-  /// If `peer` is not trusted, only reading commands get through. All references outlive the bridge.
+  /// If `peer` is not trusted, only reading commands get through to the modules of the whole simulation;
+  /// robots' modules decide themselves, as for programs. All references outlive the bridge.
   PageBridge(boost::asio::io_context& context, const NameTable& names, const FrameBoard& frames,
              PeerInfo peer, SendFunction send);
   /// Closes all connections. Does not call `send` afterwards.
@@ -40,6 +41,8 @@ class PageBridge {
   /// Sets whether calls may change things from now on. A change closes all connections.
   void SetTrusted(bool trusted);
   bool trusted() const { return peer_.trusted; }
+  /// Names the person at the page; connections opened from now on show it.
+  void SetPerson(std::string name) { person_ = std::move(name); }
   const std::string& peer() const { return peer_.text; }
 
   /// Sends a call to its module. Exactly one reply follows.
@@ -66,6 +69,7 @@ class PageBridge {
   const NameTable& names_;
   const FrameBoard& frames_;  // its scene holds the types of the robots' modules
   PeerInfo peer_;
+  std::string person_;
   SendFunction send_;
   std::map<Key, Link> links_;
   std::size_t waiting_ = 0;

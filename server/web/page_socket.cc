@@ -132,6 +132,7 @@ void PageSocket::OnMessage(std::string_view text) {
   } else if (const auto* close = std::get_if<PageClose>(&*read.message)) {
     bridge_.CloseLink(close->module, close->channel);
   } else if (const auto* me = std::get_if<PageMe>(&*read.message)) {
+    bridge_.SetPerson(me->name);
     context_.people.Set(person_, *me);
   }
 }

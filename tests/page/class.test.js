@@ -42,6 +42,10 @@ test('a wrong PIN is refused with words, and the field waits for another', async
   refused(ana);
 });
 
+test('a PIN with letters can be typed on a phone, whose keyboard is not one of digits alone', async () => {
+  assert.equal(await ana.getAttribute('#pin', 'inputmode'), null);
+});
+
 test('name and PIN lead to the seat, whose bar says who sits there', async () => {
   await ana.fill('#pin', '7305');
   await ana.click('button');

@@ -46,6 +46,7 @@ test('the ports, which come later, leave the joints as they are', async () => {
   await page.waitForSelector('.card[open] .joints tr');
   await page.evaluate(() => { document.querySelector('.card[open] .joints tr').dataset.seen = 'yes'; });
   ports();
+  await page.click('.card[open] .connect > summary');
   await page.waitForSelector('.card[open] .lines dt:has-text("MATLAB")');
   assert.equal(await page.locator('.card[open] .joints tr').first().getAttribute('data-seen'), 'yes');
 });

@@ -4,7 +4,7 @@ import {Connection} from './connection.js';
 import {Console} from './console.js';
 import {Controls, showVersion} from './controls.js';
 import {Costs} from './costs.js';
-import {byId, say, setText} from './dom.js';
+import {byId, disableAll, say, setText} from './dom.js';
 import {Dropped} from './dropped.js';
 import {Editor} from './editor.js';
 import {Film} from './film.js';
@@ -28,10 +28,11 @@ import {View} from './view.js';
 import {World} from './world.js';
 
 startLayout();
-for (const [id, title] of [['world', 'World'], ['arena', 'Arena'], ['plots', 'Plots'], ['runs', 'Runs'], ['text', 'Text'], ['cost', 'Cost']]) tab(id, title);
+for (const [id, title] of [['world', 'World'], ['arena', 'Gallery'], ['plots', 'Plots'], ['runs', 'Recordings'], ['text', 'Text'], ['cost', 'Speed']]) tab(id, title);
 const connection = new Connection(rememberedToken(), SEAT ? isAwake : undefined);
 const bar = SEAT ? import('./class.js').then(({ClassBar}) => new ClassBar(connection)) : null;
-const strip = new Strip();
+const OWN_MS = 1500;
+const strip = new Strip((deed) => { if (!people.isOwn(deed) && performance.now() - connection.actedAt > OWN_MS) say(deed); });
 const rates = new StripHistory();
 const controls = new Controls(connection);
 const editor = new Editor(connection, controls);
@@ -39,11 +40,12 @@ const gallery = new Gallery(controls, (kind, name) => editor.open(kind, name));
 const dropped = new Dropped(connection, controls, gallery);
 const links = new Links(connection, controls);
 const people = new People(connection);
+if (SEAT) askHost().then(({name}) => people.call(SEAT.teaches ? 'Teacher' : name), () => {});
 const record = new Record(connection);
 const timeline = new Timeline(connection);
 const runs = new Runs(connection, timeline);
 const plots = new Plots(connection, timeline);
-new Costs();
+const costs = new Costs();
 const joystick = new Joystick(connection);
 const robots = new Robots(connection);
 const lines = new Console(connection);
@@ -72,7 +74,10 @@ openView().then(async (view) => {
   dropped.setWorld(world);
   view.addEventListener('select', ({detail}) => { if (detail?.kind === 'robot') joystick.choose(detail.name); });
   view.addEventListener('select', ({detail}) => { if (detail?.kind === 'robot' && isShown('robots')) robots.reveal(detail.name); });
-  const [{Handles}, {Ghost}, {ViewMarks}] = await Promise.all([import('./handles.js'), import('./ghost.js'), import('./view_marks.js')]);
+  const [{Handles}, {Ghost}, {ViewMarks}, {DragShadow}] = await Promise.all(
+    [import('./handles.js'), import('./ghost.js'), import('./view_marks.js'), import('./drag_shadow.js')]);
+  window.coopdyn.shadow = new DragShadow(view);
+  world.setShadow(window.coopdyn.shadow);
   runs.setGhost(new Ghost(view));
   window.coopdyn.marks = new ViewMarks(view, connection);
   window.coopdyn.handles = new Handles(view, world, (text, title, act) => view.addTool(text, title, act));
@@ -118,6 +123,7 @@ connection.addEventListener('status', ({detail: status}) => {
   robots.update(status);
   joystick.update(status);
   rates.update(status);
+  costs.update(status);
   const key = moduleKey(status);
   if (key === known) return;
   known = key;
@@ -129,7 +135,9 @@ let greeted = false;  // and this page's rights are settled
 connection.addEventListener('hello', ({detail}) => {
   // A kept token is in transit when the daemon greets: do not ask for one before its answer.
   const underWay = connection.token !== '' && !detail.wrong_token;
-  byId('locked').hidden = detail.trusted || underWay;
+  byId('view-only').hidden = detail.read_only !== true;
+  disableAll(detail.read_only ? byId('view-only').title : '');
+  byId('locked').hidden = detail.trusted || underWay || detail.read_only === true;
   const no = detail.token_wait ?? 'This is not the token: look again at what the daemon printed.';
   setText(byId('token-answer'), detail.wrong_token ? no : '');
   if (detail.wrong_token) {

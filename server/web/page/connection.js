@@ -36,6 +36,9 @@ export class Connection extends EventTarget {
     }, 1000);
   }
 
+  /** When this page last asked for a change of the run. */
+  actedAt = -Infinity;
+
   get isOpen() { return this.#socket?.readyState === WebSocket.OPEN; }
   get token() { return this.#token; }
 
@@ -58,6 +61,9 @@ export class Connection extends EventTarget {
     return new Promise((resolve) => {
       if (!this.isOpen) return resolve({error: -1, text: 'the daemon does not answer', params: [], data: []});
       const id = this.#next++;
+      if (/^\/(simulation|world|playback)$/.test(request.module) && !/^(get_|list|save|describe)/.test(request.command ?? '')) {
+        this.actedAt = performance.now();
+      }
       this.#waiting.set(id, resolve);
       this.send({id, ...request});
     });

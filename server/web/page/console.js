@@ -170,7 +170,7 @@ export class Console {
   #offerCopies(entry, sent) {
     entry.copies = inLanguages(sent);
     const buttons = Object.entries(entry.copies).map(([language, text]) => {
-      const head = headOf(language, location.hostname, this.#namePort);
+      const head = headOf(language, location.hostname, this.#namePort, [text], this.#names.ROBOT);
       const button = make('button', {type: 'button', class: 'small', title: `${text}\n\nafter:\n${head}`}, language);
       button.dataset.copy = language;
       button.addEventListener('click', () => this.#toClipboard(text, language));
@@ -184,7 +184,7 @@ export class Console {
     this.#copy.value = '';
     const lines = [...this.#log.children].map(({copies}) => copies?.[language]).filter(Boolean);
     if (lines.length === 0) return say('send a command first: then the log can be copied as a program', true);
-    await this.#toClipboard(programOf(language, location.hostname, this.#namePort, lines), language);
+    await this.#toClipboard(programOf(language, location.hostname, this.#namePort, lines, this.#names.ROBOT), language);
   }
 
   async #toClipboard(text, language) {

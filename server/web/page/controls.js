@@ -7,6 +7,7 @@ import {ask} from './seat.js';
 
 const MODULE = '/simulation';
 const MAX_INT32 = 2 ** 31 - 1;
+const BEFORE_LOAD = 'before_load';  // the saved state to which an undo of a load returns
 const MIN_STEP_MS = 0.5;
 const MAX_STEP_MS = 100;
 const MIN_PLAY_SPEED = -4;
@@ -18,6 +19,7 @@ export class Controls {
   #scenario = '';  // the scenario that the list was last set to
   #noScenarios = false;
   #uploaded = null;  // lines of the last file sent
+  #fromEditor = false;
 
   constructor(connection) {
     this.#connection = connection;
@@ -33,6 +35,7 @@ export class Controls {
     on('set-mode', 'change', () => this.#order('set_mode', {line: `set_mode ${byId('set-mode').value}`}));
     on('set-step', 'change', () => this.#setStep());
     on('set-speed', 'change', () => this.#setSpeed());
+    on('go-realtime', 'click', () => this.#order('set_mode', {line: 'set_mode realtime'}));
     on('no-limit', 'click', () => this.#order('speed', {command: 'set_speed', data: [0]}));
     for (const id of ['seed', 'set-step', 'set-speed']) {
       on(id, 'input', () => byId(id).removeAttribute('aria-invalid'));
@@ -48,9 +51,10 @@ export class Controls {
     const playback = status?.playback;
     setOff('step', paused || playback ? '' : 'Only while paused',
       playback ? 'Goes on by this number of recorded steps; below 0 goes back' : 'Runs this number of steps');
-    byId('run').classList.toggle('primary', paused);
-    byId('pause').classList.toggle('primary', !paused);
+    byId('run').setAttribute('aria-pressed', String(Boolean(status) && /running|waiting|playing/.test(status.state)));
+    byId('pause').setAttribute('aria-pressed', String(paused));
     if (!status) return;
+    for (const id of ['run', 'pause', 'reset', 'set-speed']) setOff(id, '');
     this.#offerWhatAPlaybackTakes(playback);
     const set = (id, value) => {
       const input = byId(id);
@@ -69,7 +73,7 @@ export class Controls {
     setOff('seed', off('it has the seed that it was made with'));
     setOff('set-mode', off('it has the mode that it was made in'));
     setOff('set-step', off('it has the steps that it was made with'));
-    setOff('no-limit', off('it has a speed from −4 to 64'));
+    setOff('no-limit', off('it has a speed from −4 to 64'), 'No limit: as fast as this computer can');
     setOff('reload', off('its scenario cannot be changed'), 'Load the same scenario file again from disk');
     for (const id of ['scenarios', 'upload']) setOff(id, off('its scenario cannot be changed'));
     setOff('load', this.#noScenarios ? 'There are no scenarios on the search path' : off('its scenario cannot be changed'));
@@ -183,14 +187,16 @@ export class Controls {
     field.blur();  // shows what holds
   }
 
-  /** `name`: of the scenario. `lines`: of the file sent, if any. */
+  /** `name`: of the scenario. `lines`: of the file sent, if any. What ran before is kept for an undo. */
   async load(request, name = request.text ?? '', lines = null) {
     this.#uploaded = lines;
     this.#showDiagnostics('');
     say('loading …');
+    const before = this.#status?.scenario ?? 'the world before';
+    const kept = await this.#connection.call({module: MODULE, command: 'save', text: BEFORE_LOAD});
     const reply = await this.#connection.call({module: MODULE, ...request});
     if (reply.error === 0) {
-      say(`loaded ${name}`.trim());
+      say(`loaded ${name}`.trim(), false, kept.error === 0 ? {text: `Undo: back to ${before}`, act: () => this.#undoLoad(before)} : null);
       this.#showDiagnostics(reply.text);
     } else if (/:\d+: (error|warning): /.test(reply.text)) {
       say('the file has errors; nothing was changed', true);
@@ -198,6 +204,11 @@ export class Controls {
     } else {
       say(reply.text, true);
     }
+  }
+
+  async #undoLoad(before) {
+    const reply = await this.#connection.call({module: MODULE, command: 'restore', text: BEFORE_LOAD});
+    say(reply.error === 0 ? `${before} is back, as it was before the load` : reply.text, reply.error !== 0);
   }
 
   async #upload() {
@@ -209,10 +220,12 @@ export class Controls {
   }
 
   /** Loads the scenario in `text`; shows its errors with their lines. */
-  async loadText(text, name) {
+  async loadText(text, name, fromEditor = false) {
+    this.#fromEditor = fromEditor;
     const lines = text.split(/\r?\n/);
     // The last line of a scenario text may give the file's name.
     await this.load({command: 'load_scenario', text: `${text}\n# file: ${name.replace(/\s/g, ' ')}\n`}, name, lines);
+    this.#fromEditor = false;
   }
 
   /** Shows `diagnostics` from /api/check or /api/upload for a file with this text. */
@@ -236,6 +249,7 @@ export class Controls {
     byId('diagnostics').hidden = entries.length === 0;
     byId('diagnostics').replaceChildren(...entries);
     byId('diagnostics').scrollTop = 0;
+    if (entries.length > 0 && this.#fromEditor) return;  // which marks them itself
     if (entries.length > 0) {
       showTab('robots');
       byId('diagnostics').scrollIntoView({block: 'nearest'});

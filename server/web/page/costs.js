@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The tab Cost: the time of a step by its parts, and what slows the run.
+// The tab Speed: the time of a step by its parts, and what slows the run.
 import {make, setText, showNumber} from './dom.js';
 import {isShown, tab} from './layout.js';
+import {waitingText} from './strip.js';
 
 const PERIOD_MS = 500;
 const LEAST_MS = 0.0005;  // shorter parts are not listed
@@ -62,13 +63,30 @@ export function verdict(costs, period) {
   return `${steps}. Most of it, ${showNumber(first.ms, 2)} ms, is ${first.name}: ${first.about}.`;
 }
 
+const SLOW = 0.8;  // of the wanted speed
+const capital = (text) => text[0].toUpperCase() + text.slice(1);
+
+/** What the strip shows, if that is why nothing, or less than wanted, happens; else empty. */
+export function stateVerdict(status, spareIsLarge) {
+  const {state = '', mode = '', speed = 0, rtf = 0} = status ?? {};
+  if (state === 'paused') return 'The run is paused: Run lets it go on.';
+  if (state === 'ended') return `The run has ended: ${status.ended}. Reset starts it again.`;
+  const waits = status ? waitingText(status) : '';
+  if (waits) return `${capital(waits)}.`;
+  if (mode === 'realtime' && spareIsLarge && speed > 0 && rtf < SLOW * speed) {
+    return `The run keeps × ${showNumber(rtf, 2)} of × ${showNumber(speed, 2)}, though its steps are short: other programs of this computer use the processor.`;
+  }
+  return '';
+}
+
 const number = (value, digits) => make('td', {class: 'number'}, showNumber(value, digits));
 
 export class Costs {
-  #panel = tab('cost', 'Cost');
+  #panel = tab('cost', 'Speed');
   #period = 'last';
   #sort = 'ms';
   #costs = null;
+  #status = null;
   #timer = 0;
   #verdict = make('p', {id: 'cost-verdict', role: 'status'});
   #rows = make('tbody');
@@ -102,6 +120,8 @@ export class Costs {
     this.#panel.addEventListener('hidden', () => clearTimeout(this.#timer));
   }
 
+  update(status) { this.#status = status; }
+
   async #poll() {
     clearTimeout(this.#timer);
     if (!document.hidden) {
@@ -121,7 +141,9 @@ export class Costs {
     const costs = this.#costs;
     if (!costs) return;
     const rows = rowsOf(costs, this.#period), length = lengthOf(costs, this.#period);
-    setText(this.#verdict, verdict(costs, this.#period));
+    const spare = rows.find(({kind}) => kind === 'spare')?.ms ?? 0;
+    const stated = this.#period === 'last' && !costs.playback ? stateVerdict(this.#status, spare > 0.2 * length) : '';
+    setText(this.#verdict, stated || verdict(costs, this.#period));
     if (this.#sort === 'name') rows.sort((a, b) => a.name.localeCompare(b.name, 'en', {numeric: true}));
     this.#rows.replaceChildren(...rows.map(({name, about, kind, ms}) => {
       const bar = make('span', {class: 'cost-bar'});

@@ -71,13 +71,14 @@ export class Editor {
 
   async load() {
     if (!this.#code) return;
-    await this.#controls.loadText(this.text, this.#name);
+    await this.#controls.loadText(this.text, this.#name, true);
     this.#runningOf = '';
     await this.#learnRunning();
   }
 
   #starting = null;
   #start() {
+    if (!this.#starting) setText(this.#state, 'reading the text …');
     this.#starting ??= this.#begin();
     return this.#starting;
   }

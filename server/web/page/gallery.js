@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The tab Arena: scenarios, worlds and robots with their pictures. A click loads a scenario or a world; robots are dragged onto the floor.
+// The tab Gallery: scenarios, worlds and robots with their pictures. A click loads a scenario or a world; robots are dragged onto the floor.
 import {make, say, setText} from './dom.js';
 import {tab} from './layout.js';
-import {DRAGGED} from './world.js';
+import {startDrag} from './world.js';
 
 const KINDS = [['scenarios', 'scenario', 'Scenarios'], ['worlds', 'world', 'Worlds'], ['robots', 'robot', 'Robots']];
 
@@ -49,9 +49,9 @@ export class Gallery {
   #asked = false;
   #listed = {};
   #pictures = new PictureLoader();
-  #panel = tab('arena', 'Arena');
+  #panel = tab('arena', 'Gallery');
   #find = make('input', {type: 'search', id: 'gallery-find', 'aria-label': 'Find a scenario, a world or a robot', title: 'Find by name or title'});
-  #groups = make('div', {id: 'gallery'});
+  #groups = make('div', {id: 'gallery'}, make('p', {class: 'loading'}, 'reading the gallery …'));
   #status = null;
 
   /** `edit(kind, name)` opens a text in the editor. */
@@ -115,8 +115,7 @@ export class Gallery {
     if (kind === 'robot') {
       button.draggable = true;
       button.addEventListener('dragstart', (event) => {
-        event.dataTransfer.setData(DRAGGED, JSON.stringify({kind: 'robot', choice: name}));
-        event.dataTransfer.effectAllowed = 'copy';
+        startDrag(event, 'robot', name);
       });
       return button;
     }

@@ -63,9 +63,19 @@ export class JointPanel {
         `effort ${showNumber(effort, 2)}`;
       if (row.value.title !== title) row.value.title = title;
       if (document.activeElement === row.slider || typeof position !== 'number') continue;
+      this.#mark(row, position, motion?.error === 0 ? motion.data[i] : null);
       if (row.free) Object.assign(row.slider, {min: position - FREE_RANGE, max: position + FREE_RANGE});
       row.slider.value = position;
     }
+  }
+
+  /** The bar from the lower limit, or from the middle, to the position, and a mark at the target. */
+  #mark({slider, free}, position, target) {
+    const {min, max} = slider;
+    const share = (value) => `${100 * Math.min(1, Math.max(0, (value - min) / (max - min)))}%`;
+    if (!free && typeof position === 'number') slider.style.setProperty('--at', share(position));
+    slider.style.setProperty('--zero', share(Math.min(max, Math.max(min, 0))));
+    if (typeof target === 'number') slider.style.setProperty('--target', share(target));
   }
 
   /** Asks for the names and limits of the joints. */
@@ -87,7 +97,7 @@ export class JointPanel {
     });
     this.setOff(this.#off);
     this.#table.replaceChildren(...this.#rows.map(({name, slider, value, lower, upper}) =>
-      make('tr', {}, make('td', {}, name), make('td', {class: 'limit'}, lower), make('td', {}, slider),
+      make('tr', {}, make('td', {class: 'joint'}, name), make('td', {class: 'limit'}, lower), make('td', {class: 'range'}, slider),
         make('td', {class: 'limit'}, upper), value)));
   }
 

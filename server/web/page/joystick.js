@@ -148,7 +148,7 @@ export class Joystick {
     this.#box.append(make('summary', {}, 'Drive'), make('div', {class: 'joystick'}, this.#pad,
       make('div', {class: 'joystick-side'}, make('div', {class: 'row'}, this.#robots), make('label', {}, this.#share, this.#speed),
         this.#owner, this.#said, this.#gamepad)));
-    const panel = tab('robots', 'Run');
+    const panel = tab('robots', 'Lesson');
     panel.insertBefore(this.#box, byId('robots-title')?.closest('.panel') ?? null);
     this.#listen(panel);
   }

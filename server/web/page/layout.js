@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The sidebar's tabs, its width, and light or dark.
-import {byId, make} from './dom.js';
+import {byId, icon, make} from './dom.js';
 
 const LEAST_PX = 272;
 const STEP_PX = 24;
@@ -13,7 +13,7 @@ export function tab(id, title) {
   const there = byId(`panel-${id}`);
   if (there) return there;
   const panel = make('section', {id: `panel-${id}`, class: 'tab-panel', role: 'tabpanel', 'aria-labelledby': `tab-${id}`, hidden: true});
-  const button = make('button', {type: 'button', id: `tab-${id}`, role: 'tab', 'aria-controls': panel.id, 'aria-selected': 'false', tabIndex: -1}, title);
+  const button = make('button', {type: 'button', id: `tab-${id}`, role: 'tab', 'aria-controls': panel.id, 'aria-selected': 'false', tabIndex: -1}, icon(id), title);
   button.addEventListener('click', () => showTab(id));
   byId('tabs').append(button);
   byId('panels').append(panel);

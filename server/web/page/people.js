@@ -4,6 +4,7 @@ import {byId, make} from './dom.js';
 
 const KEPT = 'coopdyn-name';
 const SHOWN = 6;
+const MOST = 20;  // letters of a name
 const nameOf = ({name, id}) => name || `guest ${id}`;
 const initials = (name) => name.split(/\s+/).map((word) => word[0] ?? '').join('').slice(0, 2).toUpperCase();
 const hueOf = (id) => Math.round(id * 137.5) % 360;
@@ -29,6 +30,16 @@ export class People {
       this.#show();
     });
   }
+
+  /** Names the person at this page, unless they have named themselves. */
+  call(name) {
+    if (this.#name || !name) return;
+    this.#name = name.slice(0, MOST);
+    this.#tell();
+  }
+
+  /** Whether this person did what an event tells. */
+  isOwn(text) { return this.#name !== '' && text.endsWith(` by ${this.#name}`); }
 
   /** Reports this page's selection. */
   select(name) {
@@ -56,7 +67,7 @@ export class People {
   }
 
   #rename() {
-    const field = make('input', {id: 'own-name', value: this.#name, maxLength: 20, size: 10, 'aria-label': 'Your name'});
+    const field = make('input', {id: 'own-name', value: this.#name, maxLength: MOST, size: 10, 'aria-label': 'Your name'});
     let ended = false;  // removing the field blurs it
     const end = (keep) => {
       if (ended) return;

@@ -115,7 +115,7 @@ export class Plots {
       if (!answer?.ok) return setText(this.#note, answer ? (await answer.text()).trim() : 'the daemon does not answer');
       const text = await answer.text();
       if (this.#sourceKey !== key) return;
-      this.#source = ofRun ? readRunTable(text, scores) : readTable(text, robotValue(robot.name));
+      this.#source = ofRun ? readRunTable(text, scores) : readTable(text, robotValue(robot.name, robot.modules.map(({name}) => name.slice(name.lastIndexOf('/') + 1))));
       this.#showValues();
       this.#build();
     }

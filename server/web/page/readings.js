@@ -2,6 +2,7 @@
 // Live readings of one robot: the first readings of all its modules from one frame, in one round trip on their own
 // connection, five times a second while shown.
 import {make, setText, showNumber} from './dom.js';
+import {attitude, distanceFan, forceArrow, gauge, needle, targetCompass} from './instruments.js';
 import {JointPanel} from './joints.js';
 import {CameraTile, ScanPlot} from './sensors.js';
 
@@ -9,6 +10,9 @@ const PERIOD_MS = 200;
 const MOST_VALUES = 4096;  // of one module
 const order = ['pose', 'motors', 'odometry', 'distance', 'target', 'compass', 'support', 'imu', 'wrench', 'contact'];
 const degrees = (rad) => (typeof rad === 'number' ? (rad * 180) / Math.PI : rad);
+
+/** The types whose numbers are always in sight; those of the others are on demand. */
+const PLAIN = ['pose', 'motors'];
 
 /** Pads to the width of "9.99" to keep columns still; figure spaces are as wide as digits. */
 const inColumn = (text) => text.padStart(4, '\u2007');
@@ -85,11 +89,14 @@ export class Readings {
   #rows = new Map();
   #stopped = false;
   #list = make('dl', {class: 'readings'});
+  #numbers = make('dl', {class: 'readings'});
+  #pictures = make('div', {class: 'instruments', hidden: true});
+  #instruments = new Map();  // by module; null: it has none
   #panels = new Map();  // of groups of joints, by module
   #scans = new Map();   // of lidars, likewise
   #cameras = [];
   #large = new Set();   // modules with too many values for constant reading
-  element = make('div', {}, this.#list);
+  element = make('div', {}, this.#list, this.#pictures);
 
   /** `modules`: name and type of each. */
   constructor(connection, robot, modules) {
@@ -112,6 +119,9 @@ export class Readings {
         this.#cameras.push(tile);
         this.element.append(tile.element);
       }
+    }
+    if (this.#modules.some(({type}) => !PLAIN.includes(type))) {
+      this.element.append(make('details', {class: 'numbers'}, make('summary', {}, 'All numbers'), this.#numbers));
     }
     this.#poll();
   }
@@ -179,7 +189,8 @@ export class Readings {
         return [[module.name, `${lengths[i]} values: too many to show here`]];
       }
       if (panel) shown.push([panel, data]);
-      return describeReading(module, data, this.#colours);
+      this.#draw(module, data);
+      return describeReading(module, data, this.#colours).map((row) => [...row, module.type]);
     });
     this.#show(rows);
     for (const [panel, data] of shown) {
@@ -187,13 +198,34 @@ export class Readings {
     }
   }
 
+  /** Shows a module's reading as a picture, if there is one for its type. */
+  async #draw({name, type}, data) {
+    const kinds = {target: () => targetCompass(this.#colours), imu: () => attitude(name), wrench: () => forceArrow(name),
+      compass: () => needle(name), battery: () => gauge(name), sonar: () => distanceFan(name, null), distance: async () => {
+        const module = `/${this.#robot}/${name}`;
+        const reply = await this.#connection.call({module, channel: 'geometry', command: 'get_geometry'});
+        this.#connection.send({type: 'close', module, channel: 'geometry'});
+        return distanceFan(name, reply.error === 0 ? reply.data : null);
+      }};
+    if (!Object.hasOwn(kinds, type)) return;
+    if (!this.#instruments.has(name)) {
+      this.#instruments.set(name, null);  // until its geometry is known
+      const made = await kinds[type]();
+      made.element.style.order = this.#modules.findIndex((module) => module.name === name);
+      this.#instruments.set(name, made);
+      this.#pictures.append(made.element);
+      this.#pictures.hidden = false;
+    }
+    if (!this.#stopped && !document.hidden) this.#instruments.get(name)?.show(data);
+  }
+
   #show(rows) {
-    for (const [name, text] of rows) {
+    for (const [name, text, type = 'pose'] of rows) {
       let value = this.#rows.get(name);
       if (!value) {
         value = make('dd');
         this.#rows.set(name, value);
-        this.#list.append(make('dt', {}, name), value);
+        (PLAIN.includes(type) ? this.#list : this.#numbers).append(make('dt', {}, name), value);
       }
       setText(value, text);
     }

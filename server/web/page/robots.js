@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The list of robots: their clients, modules and addresses, and live readings of open cards.
 import {connectionLines} from './lines.js';
-import {byId, make, say, setOff, setText} from './dom.js';
+import {byId, icon, make, say, setOff, setText} from './dom.js';
 import {Readings} from './readings.js';
 
 const MAX_OPEN = 6;  // robots whose readings are shown at once
@@ -64,7 +64,7 @@ class Card {
 
   /** Makes the body and the readings if they are missing or outdated. */
   fill() {
-    const lines = JSON.stringify([this.#modules, this.#namePort]);
+    const lines = JSON.stringify([this.#type, this.#modules, this.#namePort]);
     if (this.#lines === lines) return this.#startReadings();
     this.#lines = lines;
     const address = (module) => (module.port > 0 ? `${location.hostname}:${module.port}` : 'by OPEN');
@@ -73,8 +73,10 @@ class Card {
     this.#body.replaceChildren(
       make('p', {class: 'quiet'}, this.#type),
       this.#place,
-      make('table', {class: 'modules'}, make('tbody', {}, ...rows)),
-      connectionLines(this.#name, this.#modules, this.#namePort));
+      make('details', {class: 'connect'}, make('summary', {}, icon('plug'), 'Connect a program'),
+        connectionLines(this.#name, this.#modules, this.#namePort),
+        make('details', {class: 'addresses'}, make('summary', {}, 'Addresses of its modules'),
+          make('table', {class: 'modules'}, make('tbody', {}, ...rows)))));
     this.#startReadings();
   }
 
@@ -132,6 +134,7 @@ export class Robots {
       if (!this.#cards.has(robot.name)) this.#add(robot.name);
       this.#cards.get(robot.name).update(robot, this.#namePort, status.playback ? 'A recording is played: nothing drives it' : '');
     }
+    byId('participants').hidden = status.mode !== 'lockstep';
     const off = status.playback ? 'A recording has nobody to wait for' : '';
     setOff('only-connected', off, 'Only robots that a client drives now take part');
     setOff('all-participants', off, 'As the scenario says');

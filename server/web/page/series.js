@@ -66,9 +66,27 @@ export function columnOf(robot, text) {
   return {name: plain, unit: ''};
 }
 
+/** {module, name} of a recorded value, as a live run calls it; `modules`: the last words of the robot's modules. */
+export function liveName(name, modules) {
+  const wheel = /^(left|right)$/.test(name);
+  const [, ray] = /^d(\d+)$/.exec(name) ?? [];
+  const [, target, what] = /^(.+)_(distance|bearing)$/.exec(name) ?? [];
+  const module = modules.find((one) => name.startsWith(`${one}_`));
+  if (/^(x|y|heading)$/.test(name)) return {module: 'pose', name};
+  if (ray) return {module: 'distance', name: `range ${ray}`};
+  if (/_(setpoint|mode)$/.test(name)) return {module: 'set-points', name: name.replace('_setpoint', '')};
+  if (target) return {module: 'target', name: `${what} ${target}`};
+  if (module) return {module, name: name.slice(module.length + 1)};
+  return wheel ? {module: 'motors', name} : {module: 'joints', name};
+}
+
 /** The robot's value in a column of a recording's table; null if the column is not the robot's. */
-export const robotValue = (robot) => (column) =>
-  (column.startsWith(`${robot}.`) ? {key: column, module: '', ...columnOf(robot, column)} : null);
+export const robotValue = (robot, modules = []) => (column) => {
+  if (!column.startsWith(`${robot}.`)) return null;
+  const {name, unit} = columnOf(robot, column), live = liveName(name, modules);
+  if (live.module === 'motors') live.name += unit === 'rad' ? '_angle' : '_speed';
+  return {key: column, ...live, unit};
+};
 
 /** Reads the columns of a recording's table for which `valueOf` returns a value. */
 export function readTable(text, valueOf) {

@@ -3,6 +3,10 @@
 import {byId, make, say, setText, showNumber} from './dom.js';
 
 const SHOWN_ROBOTS = 4;
+const HINT = 'Drag turns the view, the wheel zooms. A click selects, a double click follows.';
+const AGAIN_MS = 10000;
+const MOST_TOLD = 50;
+const DEED = / by \S/;
 const SHORT_WAIT_S = 0.5;  // a lockstep world awaits its robots before every step; shorter waits are not shown
 
 /** Seconds that the longest-awaited robot has been awaited; 0 if none. */
@@ -40,13 +44,19 @@ export function playbackText(playback) {
 }
 
 export class Strip {
-  #lastEvents = '';
+  #lastEvents = null;
+  #told = new Map();  // when each deed was seen last, ms
+  #onDeed;
+
+  /** `onDeed`: called with what somebody has just done, "reset by ana". */
+  constructor(onDeed) { this.#onDeed = onDeed; }
   #played = null;  // the file
 
   /** A null `status` leaves the last one, pale, under "no answer". */
   update(status) {
     const state = status ? stateText(status) : 'no answer';
     setText(byId('state'), state === 'ended' && status.ended ? `ended: ${status.ended}` : state);
+    byId('state').title = byId('state').textContent;
     byId('state').dataset.state = state;
     byId('strip').classList.toggle('stale', !status);
     if (!status) return this.#showWaiting('', '');
@@ -72,8 +82,9 @@ export class Strip {
 
   #showWaiting(text, cure) {
     setText(byId('waiting'), text);
+    byId('waiting').title = text;
     setText(byId('cure'), cure);
-    byId('go-on').hidden = cure === '';
+    byId('go-on').hidden = byId('go-realtime').hidden = cure === '';
   }
 
   /** When a playback ends, by anybody, replaces messages about it such as "playing a recording". */
@@ -82,12 +93,25 @@ export class Strip {
     this.#played = file;
   }
 
+  /** Tells of a deed, but not again and again of the same. */
+  #tellDeed(text, isOld) {
+    const now = performance.now(), last = this.#told.get(text) ?? -Infinity;
+    this.#told.set(text, now);
+    if (!isOld && now - last > AGAIN_MS) this.#onDeed(text);
+    if (this.#told.size > MOST_TOLD) this.#told.delete(this.#told.keys().next().value);
+  }
+
+  #tell({time_s: time, text}) { return `${showNumber(time, 2)} s: ${text}`; }
+
   #showEvents(events) {
-    const key = JSON.stringify(events.slice(-20));
+    const key = JSON.stringify(events);
     if (key === this.#lastEvents) return;
+    const isFirst = this.#lastEvents === null, latest = events.at(-1);
     this.#lastEvents = key;
-    const items = events.slice(-20).reverse().map((event) =>
-      make('li', {class: event.level}, `${showNumber(event.time_s, 2)} s: ${event.text}`));
+    if (latest && DEED.test(latest.text)) this.#tellDeed(latest.text, isFirst);
+    setText(byId('latest'), latest ? this.#tell(latest) : HINT);
+    const items = events.toReversed().map((event) =>
+      make('li', {class: event.level}, this.#tell(event)));
     byId('events').replaceChildren(...(items.length > 0 ? items : [make('li', {class: 'quiet'}, 'none yet')]));
   }
 }

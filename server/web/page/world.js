@@ -1,13 +1,25 @@
 // SPDX-License-Identifier: MIT
 // The panel World: a palette to drag onto the floor, the list of things, a form for the selected one, undo and redo. Every
 // change is an edit of /world, so that other pages and recordings see it.
-import {byId, make, saveFile, say, setText, showNumber} from './dom.js';
+import {byId, icon, make, saveFile, say, setText, showNumber} from './dom.js';
 import {isShown, showTab, tab} from './layout.js';
 
 const MODULE = '/world';
 const SNAP_M = 0.05;
 const ROOM_M = 0.35;  // kept free around a new thing
 export const DRAGGED = 'application/x-coopdyn-sections';
+/** Sizes of what the palette has, m: for the picture while it is dragged. */
+const SIZES = {box: [0.5, 0.5, 0.5], cylinder: [0.4, 0.4, 0.5], sphere: [0.4, 0.4, 0.4], wall: [2, 0.1, 0.5], robot: [0.4, 0.4, 0.25],
+  target: [0.2, 0.2, 0.6], light: [0.1, 0.1, 2.5]};
+
+let dragged = null;
+
+/** Begins to drag a new `kind` to the view. */
+export function startDrag(event, kind, choice) {
+  dragged = {kind, choice};
+  event.dataTransfer.setData(DRAGGED, JSON.stringify(dragged));
+  event.dataTransfer.effectAllowed = 'copy';
+}
 const SHAPES = {
   box: 'type box\nsize 0.5 0.5 0.5\nmass 2\ncolor orange',
   cylinder: 'type cylinder\nsize 0.4 0.4 0.5\nmass 2\ncolor teal',
@@ -37,13 +49,14 @@ export class World {
   #view;
   #world = null;      // the last reply to `list`
   #name = '';         // of the selected thing
+  #shadow = null;
   #asked = 0;
   #key = '';          // of the shown list
   #element = make('div', {id: 'world'});
   #list = make('ul', {id: 'things', 'aria-label': 'What stands in the world'});
   #form = make('form', {id: 'thing', hidden: true});
-  #undo = make('button', {type: 'button', title: 'Undo the last edit (Ctrl+Z)'}, 'Undo');
-  #redo = make('button', {type: 'button', title: 'Redo the undone edit (Ctrl+Y)'}, 'Redo');
+  #undo = make('button', {type: 'button', title: 'Undo the last edit (Ctrl+Z)'}, icon('undo'), 'Undo');
+  #redo = make('button', {type: 'button', title: 'Redo the undone edit (Ctrl+Y)'}, icon('redo'), 'Redo');
   #count = make('span', {class: 'quiet'});
   #robotType = make('select', {'aria-label': 'Type of robot'});
   #targetColor = make('select', {'aria-label': 'Colour of the target'}, ...COLORS.map((name) => make('option', {}, name)));
@@ -52,7 +65,7 @@ export class World {
   constructor(connection, view) {
     this.#connection = connection;
     this.#view = view;
-    const save = make('button', {type: 'button', title: 'Save the current world as a scenario file'}, 'Save as file');
+    const save = make('button', {type: 'button', title: 'Save the current world as a scenario file'}, icon('save'), 'Save as file');
     save.addEventListener('click', () => this.#save());
     this.#undo.addEventListener('click', () => this.#edit('undo'));
     this.#redo.addEventListener('click', () => this.#edit('redo'));
@@ -80,12 +93,11 @@ export class World {
 
   #palette() {
     const entry = (kind, text, title, choice) => {
-      const button = make('button', {type: 'button', draggable: true, title: `${title}: click, or drag it onto the floor`}, text);
+      const button = make('button', {type: 'button', draggable: true, title: `${title}: click, or drag it onto the floor`}, icon(kind), text);
       button.dataset.kind = kind;
       button.addEventListener('click', () => this.insertNear(kind, choice?.value));
       button.addEventListener('dragstart', (event) => {
-        event.dataTransfer.setData(DRAGGED, JSON.stringify({kind, choice: choice?.value}));
-        event.dataTransfer.effectAllowed = 'copy';
+        startDrag(event, kind, choice?.value);
       });
       return choice ? make('span', {class: 'with-choice'}, button, choice) : button;
     };
@@ -149,8 +161,16 @@ export class World {
   async insertAt(kind, choice, clientX, clientY) {
     const at = this.#view.floorAt?.(clientX, clientY);
     // Not :hover, which does not change during a drag.
-    if (!at || document.elementFromPoint(clientX, clientY) !== this.#view.canvas) return this.insertNear(kind, choice);
+    if (!at || !this.#isOnFloor(at) || document.elementFromPoint(clientX, clientY) !== this.#view.canvas) return this.insertNear(kind, choice);
     return this.#insert(kind, at.x, at.y, choice);
+  }
+
+  /** Shows where a dragged thing would stand. */
+  setShadow(shadow) { this.#shadow = shadow; }
+
+  #isOnFloor({x, y}) {
+    const [length, width] = this.#view.scene?.description.floor.size ?? [Infinity, Infinity];
+    return Math.abs(x) <= length / 2 && Math.abs(y) <= width / 2;
   }
 
   /** Moves a thing, as the handles in the view do. */
@@ -211,7 +231,7 @@ export class World {
 
   #showList() {
     const wanted = this.#search.value.trim().toLowerCase();
-    const shown = this.#all().filter(({name}) => name.toLowerCase().includes(wanted)).slice(0, 500);
+    const shown = this.#all().filter(({name}) => name.toLowerCase().includes(wanted));
     const key = JSON.stringify([shown.map(({name, color}) => [name, color]), this.#name]);
     if (key === this.#key) return;
     this.#key = key;
@@ -291,13 +311,16 @@ export class World {
       if (!event.dataTransfer.types.includes(DRAGGED)) return;
       event.preventDefault();
       event.dataTransfer.dropEffect = 'copy';
+      const at = this.#view.floorAt?.(event.clientX, event.clientY);
+      if (dragged && at) this.#shadow?.show(SIZES[dragged.kind], snapped(at.x), snapped(at.y), this.#isOnFloor(at));
     });
+    for (const end of ['dragleave', 'drop']) frame.addEventListener(end, () => this.#shadow?.hide());
     frame.addEventListener('drop', (event) => {
       const data = event.dataTransfer.getData(DRAGGED);
       if (!data) return;
       event.preventDefault();
       const at = this.#view.floorAt?.(event.clientX, event.clientY);
-      if (!at) return say('There is no floor: drop it where the floor is', true);
+      if (!at || !this.#isOnFloor(at)) return say('There is no floor: drop it where the floor is', true);
       const {kind, choice} = JSON.parse(data);
       this.#insert(kind, at.x, at.y, choice);
     });

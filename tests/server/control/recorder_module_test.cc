@@ -132,6 +132,46 @@ TEST_F(RecorderModuleTest, TheCommandLinesFileHasANameThatCanBeServed) {
   EXPECT_TRUE(applied_.empty());
 }
 
+TEST_F(RecorderModuleTest, ARecordingIsRenamedAndDeleted) {
+  Ask("start lesson1");
+  Step();
+  EXPECT_THAT(Ask("delete lesson1").text, HasSubstr("stop the recording first"));
+  EXPECT_EQ(Ask("rename lesson1/lesson2").error, kNotPossible);
+  Ask("stop");
+  EXPECT_EQ(Ask("rename lesson1/reached the target").text, "reached the target.run");
+  EXPECT_EQ(Open("reached the target.run").error, Error::kOk);
+  EXPECT_EQ(Ask("delete reached the target.run").error, 0);
+  EXPECT_TRUE(List().empty());
+}
+
+TEST_F(RecorderModuleTest, RenamingOverwritesNothing) {
+  for (const char* name : {"one", "two"}) {
+    Ask(std::string("start ") + name);
+    Step();
+    Ask("stop");
+  }
+  EXPECT_THAT(Ask("rename one/two").text, HasSubstr("two.run is there already"));
+  EXPECT_EQ(List().size(), 2u);
+}
+
+TEST_F(RecorderModuleTest, NothingOutsideTheFolderIsDeletedOrNamed) {
+  std::ofstream(folder_ / "notes.txt") << "mine";
+  std::ofstream(folder_.parent_path() / "outer.run") << "mine";
+  for (const char* line :
+       {"delete ../outer", "delete notes.txt", "delete none", "rename ../outer/x", "rename none/x"}) {
+    EXPECT_EQ(Ask(line).error, kNotPossible) << line;
+  }
+  EXPECT_EQ(Ask("rename one").error, static_cast<std::int32_t>(Error::kOutOfRange));
+  EXPECT_TRUE(std::filesystem::remove(folder_.parent_path() / "outer.run"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "notes.txt"));
+}
+
+TEST_F(RecorderModuleTest, WhatCannotBeReadCanBeDeleted) {
+  std::ofstream(folder_ / "torn.run") << "no recording";
+  EXPECT_EQ(Ask("delete torn").error, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "torn.run"));
+}
+
 TEST_F(RecorderModuleTest, ANoteStandsAtItsStep) {
   Ask("start lesson1");
   for (int i = 0; i < 3; ++i) Step();

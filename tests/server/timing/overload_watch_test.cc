@@ -104,6 +104,12 @@ TEST_F(OverloadWatchTest, ItIsSaidAgainOnlyAfterAMinute) {
   EXPECT_GE(now_ - said, 60'000 * kMs);
 }
 
+TEST_F(OverloadWatchTest, APlaybackThatCountsFromZeroHasLostNothing) {
+  EXPECT_EQ(Seconds(3, 14), "");
+  status_.late_periods = 0;
+  EXPECT_EQ(Seconds(2, 0), "");
+}
+
 TEST_F(OverloadWatchTest, OtherModesLoseNothing) {
   status_.mode = Mode::kLockstep;
   EXPECT_EQ(Seconds(10, 50), "");

@@ -6,6 +6,7 @@
 
 #include <future>
 
+#include "protocol/command_ids.h"
 #include "web_fixture.h"
 
 namespace coopdyn {
@@ -69,20 +70,37 @@ TEST_F(StrangerTest, HasFewConnectionsToModules) {
   EXPECT_EQ(Send(call).error, 0);
 }
 
-TEST_F(StrangerTest, MayChangeNothing) {
-  for (const auto& [module, command] : std::vector<std::pair<std::string, std::string>>{
-           {"/robot1/motors", "set_velocity"}, {"/robot1/motors", "claim"}, {"/simulation", "quit"}}) {
-    const Message reply = Call(module, command, {0.1, 0});
+TEST_F(StrangerTest, MayChangeNothingOfTheSimulation) {
+  for (const char* command : {"quit", "pause", "reset"}) {
+    const Message reply = Call("/simulation", command);
     EXPECT_EQ(reply.error, static_cast<std::int32_t>(Error::kNotAllowed)) << command;
     EXPECT_THAT(reply.text, HasSubstr("token"));
   }
-  EXPECT_EQ(world_.motors.open_owners, 0);
+}
+
+TEST_F(StrangerTest, DrivesARobotAsAProgramMay) {
+  EXPECT_EQ(Call("/robot1/motors", "set_velocity", {0.1, 0}).error, 0);
+  EXPECT_EQ(world_.motors.open_owners, 1);
+}
+
+TEST_F(StrangerTest, ARobotsModuleSeesThatItIsOne) {
+  Call("/robot1/motors", "get_wheels");
+  EXPECT_FALSE(world_.motors.trusted);
+  SetTrusted();
+  Call("/robot1/motors", "get_wheels");
+  EXPECT_TRUE(world_.motors.trusted);
+}
+
+TEST_F(StrangerTest, AConnectionNamesThePersonAndThenTheAddress) {
+  thread_.Call([this] { bridge_->SetPerson("Ana Lima"); });
+  Call("/robot1/motors", "get_wheels");
+  EXPECT_EQ(world_.motors.peer, "Ana Lima, page 10.0.0.7:5000");
 }
 
 TEST_F(StrangerTest, CannotHideACommandInALineOrANumber) {
   PageCall line;
-  line.module = "/robot1/motors";
-  line.line = "0 \"\" 11 0 2 0.2 0.5";
+  line.module = "/simulation";
+  line.line = "0 \"\" " + std::to_string(command::kPause) + " 0 0";
   EXPECT_EQ(Send(line).error, static_cast<std::int32_t>(Error::kNotAllowed));
   PageCall unknown;
   unknown.module = "/simulation";

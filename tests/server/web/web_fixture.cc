@@ -29,6 +29,8 @@ FakeMotors::FakeMotors() : table_(MotorsTable()) {}
 
 void FakeMotors::OnRequest(Connection& connection, Message request, ReplyFunction reply) {
   Message answer = Reply(request);
+  peer = connection.peer();
+  trusted = connection.trusted();
   switch (request.command) {
     case command::kPing:
       answer.params = request.params;

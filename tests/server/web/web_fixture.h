@@ -34,6 +34,8 @@ class FakeMotors : public Endpoint {
   std::atomic<int> open_owners{0};
   std::atomic<int> closed{0};
   std::atomic<int> waiting{0};
+  std::string peer;      // of the newest request
+  bool trusted = false;  // likewise
 
  private:
   const std::string path_ = "/robot1/motors";
