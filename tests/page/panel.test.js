@@ -170,6 +170,7 @@ describe('a recording', () => {
     const page = await openPage(daemon.url);
     const names = async () => (await (await fetch(new URL('runs', daemon.url))).json()).map(({name}) => name);
     await page.click('#record');
+    await hasText(page, '#record', /^Stop recording$/);
     await eventually(async () => (await (await fetch(new URL('runs', daemon.url))).json())[0]?.steps > 5);
     await page.click('#record');
     await hasText(page, '#message-offer', /^Name it$/);
