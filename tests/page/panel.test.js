@@ -2,6 +2,7 @@
 // The panel: who did what, loads that can be taken back, readings as pictures, small windows.
 import assert from 'node:assert/strict';
 import {execFile} from 'node:child_process';
+import {readFileSync} from 'node:fs';
 import {networkInterfaces} from 'node:os';
 import {afterEach, describe, test} from 'node:test';
 import {promisify} from 'node:util';
@@ -83,10 +84,13 @@ test('with --read-only the page says so, and offers nothing that would be refuse
 });
 
 test('after a load the card says what its robot is now', async () => {
-  const {page} = await openClassroom();
+  // Without ports of its own, and with the same modules: only the type differs.
+  const text = (type) => `${scenario('', type)}sockets no\n`;
+  const twin = readFileSync(`${SOURCE}robots/coopbot/model.sdf`, 'utf8').replace('name="coopbot"', 'name="twin"');
+  const {page} = await openScenario(text('coopbot'), {files: {'robots/twin/model.sdf': twin}});
   await hasText(page, '.card[data-robot="robot1"] .card-body > p', /^coopbot$/);
-  await upload(page, 'mini.scenario', scenario('', 'minibot'));
-  await hasText(page, '.card[data-robot="robot1"] .card-body > p', /^minibot$/);
+  await upload(page, 'twin.scenario', text('twin'));
+  await hasText(page, '.card[data-robot="robot1"] .card-body > p', /^twin$/);
 });
 
 test('Ctrl+Enter with a mistake stays in the editor, which marks it', async () => {
@@ -166,6 +170,7 @@ describe('a recording', () => {
     const page = await openPage(daemon.url);
     const names = async () => (await (await fetch(new URL('runs', daemon.url))).json()).map(({name}) => name);
     await page.click('#record');
+    await hasText(page, '#record', /^Stop recording$/);
     await eventually(async () => (await (await fetch(new URL('runs', daemon.url))).json())[0]?.steps > 5);
     await page.click('#record');
     await hasText(page, '#message-offer', /^Name it$/);
