@@ -44,11 +44,11 @@ def environment(server, submission, clients):
     }
 
 
-def limits(values):
+def limits(values, files=kFiles):
     """Of each process, as words before its command. RLIMIT_DATA, as RLIMIT_AS also counts what is only reserved."""
     cpu_s = int(values["time"]) + 1
     disk = values["disk"]
-    return ["prlimit", f"--cpu={cpu_s}:{cpu_s + 1}", f"--data={values['memory']}", f"--fsize={disk}", f"--nofile={kFiles}", "--core=0"]
+    return ["prlimit", f"--cpu={cpu_s}:{cpu_s + 1}", f"--data={values['memory']}", f"--fsize={disk}", f"--nofile={files}", "--core=1"]  # 1: not even for a handler of the machine, core(5)
 
 
 class Sandbox:
@@ -67,7 +67,7 @@ class Sandbox:
         """Starts the program in `folder`, which drives the robots of the process `daemon`, by `started(words, **options)`."""
         read, write = os.pipe()
         try:
-            os.write(write, seccomp.program())
+            os.write(write, seccomp.program(seccomp.kNetwork))
             os.close(write)
             words = self._words(daemon, values, folder, clients, server, command, read)
             return started(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True, cwd="/", pass_fds=[read])
@@ -81,7 +81,7 @@ class Sandbox:
         if self.who == "none":
             return ["env", "-i", "-C", own, *(f"{name}={value}" for name, value in given.items()), *limits(values), *command]
         words = [*self._enter(daemon), *box(values, folder, clients, given)]
-        words += ["--seccomp", str(filter_)] if seccomp.program() else []
+        words += ["--seccomp", str(filter_)] if seccomp.program(seccomp.kNetwork) else []
         return [*words, "--", *limits(values), f"--nproc={values['processes'] + 2}", *command]
 
     def _enter(self, daemon):
@@ -141,7 +141,7 @@ def box(values, folder, clients, given):
     for path in values["reads"]:
         words += ["--ro-bind", path, path]
     words += [*kernel_folders(), "--size", str(values["disk"]), "--tmpfs", kHome]
-    words += ["--ro-bind", clients, kClients, "--ro-bind", folder, kFolder, "--chdir", kFolder, "--remount-ro", "/dev", "--remount-ro", "/"]
+    words += ["--ro-bind", clients, kClients, "--ro-bind", folder, kFolder, "--chdir", kFolder, "--remount-ro", "/proc", "--remount-ro", "/dev", "--remount-ro", "/"]
     return words
 
 

@@ -3,12 +3,14 @@
 simulation, sends that out of the box through DESCRIPTOR, waits until the simulation answers, and goes on as WORDS."""
 import contextlib
 import os
+import resource
 import socket
 import sys
 
 kWaiting = 64  # connections
 kStart_s = 20  # for a simulation that has to start: at the beginning of a class all of them do at once
-kLessOfTheProcessors = "10"  # the nice value of the session among all others, autogroup in sched(7)
+kLessOfTheProcessors = 10
+kFiles = 256  # open at the same time
 
 
 def main():
@@ -21,8 +23,8 @@ def main():
         probe.connect(sys.argv[2])
         probe.sendall(b"NAME_SERVER list\n")
         probe.recv(1)
-    with contextlib.suppress(OSError), open("/proc/self/autogroup", "w", encoding="ascii") as stream:
-        stream.write(kLessOfTheProcessors)
+    os.nice(kLessOfTheProcessors)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (kFiles, kFiles))
     os.execvp(sys.argv[3], sys.argv[3:])
 
 

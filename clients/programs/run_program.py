@@ -8,6 +8,7 @@ input is a socket of packets to the host. It sends
 
 and ends the program when the host ends the connection, as it does when it dies. Nothing that the program writes is kept."""
 import codecs
+import ctypes
 import contextlib
 import json
 import os
@@ -37,6 +38,10 @@ kLook_ms = 50  # at what it printed: a program that prints more than it may has 
 kPipe_bytes = 64 << 10
 kPacket_bytes = 16 << 10
 kTail = 4000  # characters, in which the error is looked for
+kOpened = 4 * sandbox.kFiles  # of begin.py: more than the descriptors that all programs together may have under way (unix(7))
+kLeast_share = 0.05  # of the machine's memory, which must be left
+kSetChildSubreaper = 36  # prctl(2)
+kLessOfTheProcessors = "10"  # the nice value of the box among all others, autogroup in sched(7)
 kError = re.compile(r'^\s*File "%s", line (\d+)' % re.escape(kProgram), re.MULTILINE)
 kCannotAsk = ". A program here cannot ask with input()."
 
@@ -70,19 +75,31 @@ class Box:
 
     def _words(self, name, program, keep, content, inside):
         given = dict(sandbox.environment("unix:" + kSocket, kFolder, sandbox.kClients), USER=name, MPLBACKEND="Agg")
-        words = [*sandbox.machine(given), "--unshare-net", *sandbox.kernel_folders(), "--size", str(kRun_bytes), "--tmpfs", os.path.dirname(kSocket)]
+        words = [*sandbox.machine(given), *hidden(program), "--unshare-net", *sandbox.kernel_folders(), "--ro-bind", "/dev/null", "/dev/zero", "--size", str(kRun_bytes), "--tmpfs", os.path.dirname(kSocket)]
         for folder in (sandbox.kHome, kFolder):
             words += ["--size", str(kDisk_bytes), "--tmpfs", folder]
         for user, text in sandbox.kUsers.items():
             words += ["--file", content(text.encode()), "/etc/" + user]
         for path, there in ((program, kProgram), (os.path.join(kHere, "begin.py"), kBegin), (os.path.join(kHere, "..", "python", "coopdyn.py"), kClient)):
             words += ["--file", keep(os.open(path, os.O_RDONLY)), there]
-        words += ["--chdir", kFolder, "--remount-ro", "/dev", "--remount-ro", "/"]
-        words += ["--seccomp", content(seccomp.program())] if seccomp.program() else []
-        return [*words, "--", *sandbox.limits(self.values), f"--nproc={kProcesses + 2}", "python3", "-I", "-S", kBegin, inside, kSocket, "python3", kProgram]
+        words += ["--chdir", kFolder, "--remount-ro", "/proc", "--remount-ro", "/dev", "--remount-ro", "/"]
+        filter_ = seccomp.program(seccomp.kLocal)
+        words += ["--seccomp", content(filter_)] if filter_ else []
+        return [*words, "--", *sandbox.limits(self.values, kOpened), f"--nproc={kProcesses + 2}", "python3", "-I", "-S", kBegin, inside, kSocket, "python3", kProgram]
+
+    def give_way(self):
+        """Its processes get less of the processors than others."""
+        for one in sandbox.children_of(self.process.pid):
+            with contextlib.suppress(OSError), open(f"/proc/{one}/autogroup", "w", encoding="ascii") as stream:
+                stream.write(kLessOfTheProcessors)
 
     def end(self):
-        self.process.kill()  # all that is in the box ends with it
+        """Ends all processes of the box, also one that has freed itself of bubblewrap: it is our child then."""
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGSTOP)  # it must not make another one meanwhile
+        for one in sandbox.children_of(os.getpid())[1:]:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(one, signal.SIGKILL)
         self.process.wait()
 
 
@@ -130,6 +147,8 @@ class ProgramRun:
                 self._code = self._box.process.wait()
             else:
                 self._reason = watch.look() or ("clock" if time.monotonic() > limit else None)
+                if time.monotonic() >= look and is_machine_full():
+                    self._reason = "machine"
             if time.monotonic() >= look or self._code is not None:
                 self._read()
                 look = time.monotonic() + kLook_ms / 1000
@@ -143,6 +162,7 @@ class ProgramRun:
         poll.unregister(self._box.out)
         if data and descriptors:
             self._entered = True
+            self._box.give_way()
             socket.send_fds(self._host, [b"L"], descriptors)
         for one in descriptors:
             os.close(one)
@@ -164,6 +184,8 @@ class ProgramRun:
             return "The program was stopped.", False
         if self._reason == "flood":
             return f"The program printed more than {in_words(kFlood_bytes)}, so it was stopped: print less often.", True
+        if self._reason == "machine":
+            return "The server has hardly any memory left, so the program was stopped.", True
         reason = "time" if self._code == 128 + signal.SIGXCPU else self._reason
         if reason:
             return f"The program took more than {most[reason]}, so it was stopped.", True
@@ -172,6 +194,19 @@ class ProgramRun:
         if self._code == 0:
             return "The program has ended.", False
         return failed(self._code, self._talk.last_line()), True
+
+
+def hidden(program):
+    """Options that hide the folder of the class where it lies in one that the box shows: a box of a host that is not root could read it."""
+    folder = os.path.realpath(os.path.join(os.path.dirname(program), "..", ".."))
+    shown = any(os.path.commonpath([folder, os.path.realpath(path)]) == os.path.realpath(path) for path in ("/usr", *sandbox.kSystem))
+    return ["--tmpfs", folder] if shown else []
+
+
+def is_machine_full():
+    with open("/proc/meminfo", encoding="ascii") as stream:
+        kib = {line.split(":")[0]: int(line.split()[1]) for line in stream}
+    return kib.get("MemAvailable", kib["MemTotal"]) < kLeast_share * kib["MemTotal"]
 
 
 def no_box(why):
@@ -183,6 +218,8 @@ def failed(code, last):
         return f"The program ended with an error: {last}" + (kCannotAsk if last.startswith("EOFError") else "")
     if code in (128 + signal.SIGKILL, 128 + signal.SIGXFSZ):
         return "The program was ended by the system: it killed itself, or took more memory or disk than it may."
+    if code < 0:
+        return "The program was ended by the system, with its sandbox."
     if code > 128:
         with contextlib.suppress(ValueError):
             return f"The program was ended by signal {code - 128} ({signal.Signals(code - 128).name})."
@@ -190,20 +227,25 @@ def failed(code, last):
 
 
 def main():
+    ctypes.CDLL(None).prctl(kSetChildSubreaper, 1, 0, 0, 0)
+    with contextlib.suppress(OSError), open("/proc/self/oom_score_adj", "w", encoding="ascii") as stream:
+        stream.write("1000")  # if the machine has no memory left, a program is the first to go
     name, program, memory_bytes = sys.argv[1], sys.argv[2], int(sys.argv[3]) << 20
     host = socket.socket(fileno=os.dup(0))
     missing = [package for tool, package in (("bwrap", "bubblewrap"), ("prlimit", "util-linux")) if not shutil.which(tool)]
     if missing:
         outcome = {"sentence": no_box(f"the server needs apt-get install {' '.join(missing)}"), "error": True, "line": 0}
     else:
-        run = ProgramRun(host, Box(name, program, memory_bytes))
+        box = Box(name, program, memory_bytes)
+        run = ProgramRun(host, box)
         try:
             run.go()
         except ConnectionError:  # the host has died
-            return
+            return box.end()
         outcome = run.outcome()
     with contextlib.suppress(ConnectionError):
         host.send(b"E" + json.dumps(outcome, ensure_ascii=False).encode())
+    return None
 
 
 if __name__ == "__main__":

@@ -119,9 +119,10 @@ std::string Program::Run() {
 }
 
 void Program::Stop(const std::string& why) {
-  if (run_ == nullptr || !stop_words_.empty()) return;
-  stop_words_ = why;
-  run_->Stop();
+  again_ = false;
+  if (run_ == nullptr) return;
+  const bool is_stopped = !std::exchange(stop_words_, why).empty();
+  if (!is_stopped) run_->Stop();
 }
 
 void Program::Print(std::string_view text) {

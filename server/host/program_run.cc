@@ -29,6 +29,7 @@ using boost::system::error_code;
 using Stream = asio::local::stream_protocol;
 
 constexpr std::size_t kMaxPacket = std::size_t{64} << 10;
+constexpr std::int64_t kMostLines = 1'000'000;  // of a program
 constexpr int kPacketsAtOnce = 16;
 constexpr std::chrono::milliseconds kPause{20};  // between kConnectionsAtOnce
 constexpr std::chrono::seconds kStopTime{5};     // for the process to end when it was asked to
@@ -66,8 +67,9 @@ ProgramEnd ReadEnd(const std::string& text) {
   const json::object end = ObjectIn(text);
   const json::value* const error = end.if_contains("error");
   const json::value* const line = end.if_contains("line");
+  const std::int64_t number = line != nullptr && line->is_int64() ? line->as_int64() : 0;
   return {TextIn(end, "sentence"), error != nullptr && error->is_bool() && error->as_bool(),
-          line != nullptr && line->is_int64() ? static_cast<int>(line->as_int64()) : 0};
+          number > 0 && number < kMostLines ? static_cast<int>(number) : 0};
 }
 
 }  // namespace

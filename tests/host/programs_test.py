@@ -15,6 +15,17 @@ REALTIME = harness.scenario(mode="realtime")
 DRIVE = "import coopdyn\nsim = coopdyn.connect()\nr = sim.robot('robot1')\n"
 # Others on this machine may run the same test.
 SLEEPS = [f"{86421 + k}.{os.getpid()}" for k in range(4)]
+TRIES = """import ctypes, mmap, os, socket
+libc = ctypes.CDLL(None, use_errno=True)
+def check(result):
+    if result < 0:
+        raise OSError(ctypes.get_errno(), "")
+def attempt(deed):
+    try:
+        print(deed())
+    except OSError as error:
+        print(type(error).__name__)
+"""
 FOREVER = "import time\nprint('begun', flush=True)\nwhile True:\n    time.sleep(0.05)\n"
 
 
@@ -106,6 +117,53 @@ class Runs(ProgramCase):
         self.begin(self.host, "print('again')\n")
         until(lambda: self.get(self.host)["run"] == first + 1 and not self.get(self.host)["runs"])
         self.assertEqual(self.printed(self.host), "again\n")
+
+    def test_a_stop_after_stop_and_run_counts_too(self):
+        self.begin(self.host, FOREVER)
+        self.await_output(self.host, "begun")
+        self.ask(self.host, "stop", {})
+        self.begin(self.host, FOREVER)
+        self.ask(self.host, "stop", {})
+        self.assertEqual(self.end(self.host)["sentence"], "The program was stopped.")
+
+    def test_it_cannot_free_itself_of_its_sandbox(self):
+        """The first process of the box has the same user, and would be its way out."""
+        _, output = self.run_to_end(self.host, TRIES + """
+attempt(lambda: check(libc.ptrace(16, 1, None, None)))
+attempt(lambda: open("/proc/1/mem", "r+b"))
+attempt(lambda: open("/proc/self/autogroup", "w"))
+""")
+        self.assertEqual(output, "PermissionError\nOSError\nOSError\n")
+
+    def test_memory_that_no_limit_counts_is_refused(self):
+        _, output = self.run_to_end(self.host, TRIES + """
+attempt(lambda: mmap.mmap(-1, 4096))
+attempt(lambda: check(libc.semget(0, 32000, 0)))
+attempt(lambda: check(libc.inotify_init1(0)))
+attempt(lambda: os.stat("/dev/zero").st_rdev != os.stat("/dev/null").st_rdev)
+for family in (socket.AF_INET, socket.AF_VSOCK, socket.AF_NETLINK):
+    attempt(lambda: socket.socket(family, socket.SOCK_STREAM))
+attempt(lambda: mmap.mmap(-1, 4096, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS).close())
+""")
+        self.assertEqual(output.split(), ["PermissionError"] * 3 + ["False"] + ["PermissionError"] * 3 + ["None"])
+
+    def test_descriptors_under_way_keep_no_other_program_from_starting(self):
+        self.begin(self.host, """
+import os, socket, time
+for _ in range(2):
+    a, b = socket.socketpair(socket.AF_UNIX, socket.SOCK_DGRAM)
+    try:
+        while True:
+            socket.send_fds(a, [b"x"], [0] * 250)
+    except OSError:
+        pass
+    if os.fork() == 0:
+        break
+""" + FOREVER)
+        self.await_output(self.host, "begun")
+        self.assertEqual(self.run_to_end(self.host, "print('here')\n", seat="ben")[1], "here\n")
+        self.ask(self.host, "stop", {})
+        self.end(self.host)
 
     def test_the_teacher_may_read_and_stop_it(self):
         self.begin(self.host, FOREVER)

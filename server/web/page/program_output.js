@@ -57,7 +57,7 @@ export class ProgramOutput {
   #add(text) {
     const lines = (this.#line + text).split('\n');
     if (this.#line) this.#box.lastChild.remove();
-    this.#line = lines.pop();
+    this.#line = lines.pop().slice(-KEPT);
     let plain = '';
     const flush = () => {
       if (plain) this.#box.append(make('span', {}, plain));

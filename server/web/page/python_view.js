@@ -6,7 +6,7 @@ import {python} from '@codemirror/lang-python';
 import {bracketMatching, HighlightStyle, indentOnInput, indentUnit, syntaxHighlighting} from '@codemirror/language';
 import {lintGutter, setDiagnostics} from '@codemirror/lint';
 import {Annotation, EditorState} from '@codemirror/state';
-import {drawSelection, EditorView, highlightActiveLine, keymap, lineNumbers} from '@codemirror/view';
+import {drawSelection, EditorView, highlightActiveLine, highlightSpecialChars, keymap, lineNumbers} from '@codemirror/view';
 import {tags} from '@lezer/highlight';
 import {LOOK} from './code_look.js';
 
@@ -26,7 +26,7 @@ export class PythonView {
   constructor(host, text, readOnly, onChange) {
     const root = host.attachShadow({mode: 'open'});
     const state = EditorState.create({doc: text, extensions: [
-      LOOK, COLOURS, lineNumbers(), history(), drawSelection(), highlightActiveLine(), lintGutter(), python(), indentUnit.of('    '), EditorState.tabSize.of(4),
+      LOOK, COLOURS, lineNumbers(), history(), drawSelection(), highlightActiveLine(), highlightSpecialChars(), lintGutter(), python(), indentUnit.of('    '), EditorState.tabSize.of(4),
       indentOnInput(), bracketMatching(), closeBrackets(), autocompletion({icons: false}),
       keymap.of([...closeBracketsKeymap, ...completionKeymap, ...historyKeymap, ...defaultKeymap, indentWithTab]),
       EditorState.readOnly.of(readOnly),
@@ -43,6 +43,7 @@ export class PythonView {
 
   /** Replaces the text, which is not the student's change; undo restores the previous one. */
   replace(text) {
+    text = text.replace(/\r\n?/g, '\n');  // as the document counts
     const {head} = this.#view.state.selection.main;
     this.#view.dispatch({changes: {from: 0, to: this.#view.state.doc.length, insert: text}, selection: {anchor: Math.min(head, text.length)},
       annotations: [ours.of(true), isolateHistory.of('full')]});
