@@ -231,6 +231,8 @@ int RunHost(HostOptions options) {
     for (const std::string& address : options.hosts)
       what.plan.more_arguments.insert(what.plan.more_arguments.end(), {"--host", address});
   }
+  if (!options.advertise.empty())  // pages are addressed by that name
+    what.plan.more_arguments.insert(what.plan.more_arguments.end(), {"--advertise", options.advertise});
   if (options.no_render) what.plan.more_arguments.emplace_back("--no-render");
   what.idle = static_cast<Nanoseconds>(options.idle_min * 60 * 1e9);
 

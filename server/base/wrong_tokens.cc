@@ -28,47 +28,60 @@ std::string NetworkOf(const std::string& peer) {
 
 TokenVerdict WrongTokens::Judge(bool right, const std::string& peer, Nanoseconds now,
                                 const std::string& what) {
-  const std::string address = NetworkOf(peer);
+  const std::string address = NetworkOf(peer), key = KeyOf(address, what);
   int wrong = 0;
   {
     const MutexLock lock(mutex_);
-    const auto found = tries_.find(address);
-    if (found != tries_.end() && now < found->second.next) return TokenVerdict::kTooSoon;
+    if (WaitOf(address, what, now) > 0) return TokenVerdict::kTooSoon;
     if (right) {
-      if (found == tries_.end()) return TokenVerdict::kRight;
-      if (const auto mine = found->second.wrong_for.extract(what)) found->second.wrong -= mine.mapped();
-      if (found->second.wrong <= 0) tries_.erase(found);
+      const auto mine = tries_.extract(key);
+      const auto all = tries_.find(address + kAll);
+      if (mine && all != tries_.end() && (all->second.wrong -= mine.mapped().wrong) <= 0) tries_.erase(all);
       return TokenVerdict::kRight;
     }
-    if (found == tries_.end()) MakeRoom(now);
-    Tries& tries = tries_[address];
-    if (now - tries.last > kForgotten) tries = {};
-    wrong = ++tries.wrong;
-    if (tries.wrong_for.size() < kMaxKinds || tries.wrong_for.contains(what)) ++tries.wrong_for[what];
-    tries.last = tries.next = now;
-    constexpr int kLongestPower = 6;
-    if (wrong >= kFree) {
-      const Nanoseconds wait = kNanosecondsPerSecond << std::min(wrong - kFree, kLongestPower);
-      tries.next = now + std::min(wait, kLongestWait);
-    }
+    wrong = Count(key, kFree, now);
+    Count(address + kAll, kFreeForAll, now);
   }
-  logger_->warn("a wrong token from {} ({} so far)", peer, wrong);
+  logger_->warn("a wrong {} from {} ({} so far)", what.empty() ? "token" : "PIN for " + what, peer, wrong);
   return TokenVerdict::kWrong;
 }
 
-std::string WrongTokens::WaitText(const std::string& peer, Nanoseconds now) const {
+int WrongTokens::Count(const std::string& key, int free, Nanoseconds now) {
+  if (!tries_.contains(key)) MakeRoom(now);
+  Tries& tries = tries_[key];
+  if (now - tries.last > kForgotten) tries = {};
+  ++tries.wrong;
+  tries.last = tries.next = now;
+  constexpr int kLongestPower = 6;
+  if (tries.wrong >= free) {
+    const Nanoseconds wait = kNanosecondsPerSecond << std::min(tries.wrong - free, kLongestPower);
+    tries.next = now + std::min(wait, kLongestWait);
+  }
+  return tries.wrong;
+}
+
+Nanoseconds WrongTokens::WaitOf(const std::string& address, const std::string& what, Nanoseconds now) const {
+  Nanoseconds next = now;
+  for (const std::string& key : {KeyOf(address, what), address + kAll}) {
+    const auto found = tries_.find(key);
+    if (found != tries_.end()) next = std::max(next, found->second.next);
+  }
+  return next - now;
+}
+
+std::string WrongTokens::WaitText(const std::string& peer, Nanoseconds now, const std::string& what) const {
   const MutexLock lock(mutex_);
-  const auto found = tries_.find(NetworkOf(peer));
-  if (found == tries_.end() || now >= found->second.next) return {};
-  const Nanoseconds wait_s = (found->second.next - now + kNanosecondsPerSecond - 1) / kNanosecondsPerSecond;
-  return "too many wrong tokens came from your address: wait " + std::to_string(wait_s) +
-         " s, then try again";
+  const Nanoseconds wait = WaitOf(NetworkOf(peer), what, now);
+  if (wait <= 0) return {};
+  const Nanoseconds wait_s = (wait + kNanosecondsPerSecond - 1) / kNanosecondsPerSecond;
+  return std::string("too many wrong ") + (what.empty() ? "tokens" : "PINs") +
+         " came from your address: wait " + std::to_string(wait_s) + " s, then try again";
 }
 
 void WrongTokens::MakeRoom(Nanoseconds now) {
-  if (tries_.size() < kMaxAddresses) return;
+  if (tries_.size() < kMaxCounts) return;
   std::erase_if(tries_, [now](const auto& item) { return now - item.second.last > kForgotten; });
-  if (tries_.size() < kMaxAddresses) return;
+  if (tries_.size() < kMaxCounts) return;
   tries_.erase(std::min_element(tries_.begin(), tries_.end(),
                                 [](const auto& a, const auto& b) { return a.second.last < b.second.last; }));
 }

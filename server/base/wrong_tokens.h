@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Counts wrong tokens by client address. After several wrong tokens an address must wait before its next one
-// is checked, which prevents guessing. Any thread.
+// Counts wrong tokens by client address and by what they would open. After several wrong ones the address
+// must wait before its next one is checked, which prevents guessing. Any thread.
 #pragma once
 
 #include <cstddef>
-#include <map>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -24,32 +23,43 @@ enum class TokenVerdict { kRight, kWrong, kTooSoon };
 
 class WrongTokens {
  public:
-  static constexpr int kFree = 3;  // wrong tokens without a wait; then 1 s, 2 s, 4 s, ...
+  /// Wrong tokens without a wait, for one thing and for all together; then 1 s, 2 s, 4 s, ... Many students
+  /// may share an address.
+  static constexpr int kFree = 3, kFreeForAll = 30;
   static constexpr Nanoseconds kLongestWait = 60 * kNanosecondsPerSecond;
-  static constexpr std::size_t kMaxAddresses = 1024, kMaxKinds = 64;
+  static constexpr std::size_t kMaxCounts = 4096;
 
   explicit WrongTokens(Logger logger) : logger_(std::move(logger)) {}
 
   /// The verdict on a token from `peer` (ADDRESS:PORT) at `now`. `right`: whether the token matches. kTooSoon
   /// does not reveal whether it does. `what` the token opens: a right one only forgives wrong ones for the
-  /// same, so that nobody guesses another's between two of their own.
+  /// same thing, so that nobody can guess another's between two of their own.
   TokenVerdict Judge(bool right, const std::string& peer, Nanoseconds now, const std::string& what = {})
       EXCLUDES(mutex_);
   /// The message for `peer` if a token at `now` would be too soon; else empty.
-  std::string WaitText(const std::string& peer, Nanoseconds now) const EXCLUDES(mutex_);
+  std::string WaitText(const std::string& peer, Nanoseconds now, const std::string& what = {}) const
+      EXCLUDES(mutex_);
 
  private:
   struct Tries {
     int wrong = 0;
-    std::map<std::string, int> wrong_for = {};  // what they were for, of the first kMaxKinds kinds
     Nanoseconds last = 0, next = 0;  // time of the last wrong token; earliest time of the next check
   };
-  /// Drops all addresses without recent tries; if there are none, the address whose last try is oldest.
+  static constexpr const char* kAll = " ";  // ends the key of all tokens from an address
+  static std::string KeyOf(const std::string& address, const std::string& what) {
+    return address + (what.empty() ? "" : ' ' + what);
+  }
+  /// How long to wait for a token, for one thing or because of all.
+  Nanoseconds WaitOf(const std::string& address, const std::string& what, Nanoseconds now) const
+      REQUIRES(mutex_);
+  /// Counts a wrong token; returns the number so far.
+  int Count(const std::string& key, int free, Nanoseconds now) REQUIRES(mutex_);
+  /// Drops all counts without recent tries; if there are none, the one whose last try is oldest.
   void MakeRoom(Nanoseconds now) REQUIRES(mutex_);
 
   const Logger logger_;
   mutable Mutex mutex_;
-  std::unordered_map<std::string, Tries> tries_ GUARDED_BY(mutex_);  // by address
+  std::unordered_map<std::string, Tries> tries_ GUARDED_BY(mutex_);  // by KeyOf(), or address + kAll
 };
 
 /// Decides who may change the world: connections from this machine, and connections that send the token.

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
+#include <fstream>
 #include <functional>
 #include <optional>
 #include <sstream>
@@ -54,6 +55,7 @@ constexpr std::chrono::milliseconds kEventsEvery{500};
 constexpr unsigned kPassed = 0, kLater = 1;  // instead of a status of HTTP
 constexpr int kHeartbeat = 30;               // pauses without an event
 constexpr std::chrono::seconds kDrainTime{2}, kCollectTime{600};
+constexpr const char* kStudents = "students.csv";  // who has which seat, for the archive
 constexpr const char* kWallCookie = "coopdyn_wall";
 
 std::string SeatCookie(const std::string& seat) {
@@ -240,6 +242,7 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     const bool stranger =
         (route.kind == ClassRouteKind::kWallAsks || route.kind == ClassRouteKind::kWallProgram) &&
         !IsTeacher(guest.parser->get());
+    if (stranger && route.rest == "sheet") return GoTo("/wall/");
     return stranger ? ErrorAnswer(403, "this needs the teacher's token") : HttpAnswer();
   }
 
@@ -374,15 +377,16 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     asio::readable_pipe from(context, ends[0]);
     UniqueFd into(ends[1]);
     const UniqueFd nothing(::open("/dev/null", O_RDWR | O_CLOEXEC));
+    std::ofstream(room.options().folder / kStudents) << room.roll().ToCsv(false);
     pid_t process = 0;
     const int error = Spawn("tar",
                             {"-C", room.options().folder.string(), "--exclude=door", "--exclude=*.new",
-                             "--warning=none", "-cf", "-", "seats"},
+                             "--warning=none", "-cf", "-", kStudents, "seats"},
                             {nothing.get(), into.get(), nothing.get()}, process);
     into.Reset();
     if (error != 0) co_return;
     const std::string head = StreamHeader(
-        "Content-Type: application/x-tar\r\nContent-Disposition: attachment; filename=\"class.tar\"\r\n");
+        "Content-Type: application/x-tar\r\nContent-Disposition: attachment; filename=\"class.tar\"");
     guest->stream.expires_after(kCollectTime);
     bool good = !std::get<0>(co_await asio::async_write(guest->stream, asio::buffer(head), kAwait));
     std::vector<char> block(std::size_t{64} << 10);
@@ -406,7 +410,7 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
 
   /// Events for an EventSource: EventOf(), whenever it has changed.
   asio::awaitable<void> Stream(GuestPtr guest, const ClassRoute& route) {
-    const std::string head = StreamHeader("Content-Type: text/event-stream\r\nCache-Control: no-store\r\n");
+    const std::string head = StreamHeader("Content-Type: text/event-stream");
     std::string out = head, told;
     std::uint64_t version = 0;
     asio::steady_timer pause(context);

@@ -390,8 +390,10 @@ void ClassRoom::Command(Place& place, const std::string& module, const std::stri
              if (!error.empty()) logger_->warn("seat {}: {}: {}", seat, command, error);
              const auto found = places_.find(seat);
              if (found == places_.end()) return;
-             found->second.desk.refused = error.empty() ? "" : command + ": " + error;
-             found->second.desk.refused_at = clock_.Now();
+             Desk& desk = found->second.desk;
+             if (error.empty() && !desk.refused.starts_with(command + ": ")) return;
+             desk.refused = error.empty() ? "" : command + ": " + error;
+             desk.refused_at = clock_.Now();
              Changed();
            });
 }

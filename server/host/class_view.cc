@@ -112,7 +112,7 @@ json::object ClassRoom::WallJson() const {
     tile["frozen"] = place.desk.frozen;
     tile["language"] = place.desk.language;
     tile["idle_s"] = (now - place.desk.active) / kNanosecondsPerSecond;
-    tile["error"] = place.desk.last_error;
+    tile["error"] = place.desk.refused.empty() ? place.desk.last_error : place.desk.refused;
     tile["program"] = place.program->StateJson();
     tile["need"] = need.rank;
     tile["why"] = need.why;

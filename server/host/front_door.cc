@@ -39,10 +39,10 @@ std::optional<SeatLine> ReadSeatLine(std::string_view line) {
 
 std::string SeatGuard::Judge(std::string_view seat, std::string_view pin, const std::string& peer) {
   const Nanoseconds now = clock_.Now();
-  if (std::string wait = wrong_.WaitText(peer, now); !wait.empty()) return wait;
+  const std::string what = "seat " + Printable(seat, 40);
+  if (std::string wait = wrong_.WaitText(peer, now, what); !wait.empty()) return wait;
   const RollEntry* const entry = room_.roll().Find(seat);
   const bool right = entry != nullptr && TokenGuard(entry->pin, true).Matches(pin);
-  const std::string what = "seat " + std::string(seat.substr(0, FrontDoor::kMaxLine));
   if (wrong_.Judge(right, peer, now, what) == TokenVerdict::kRight) return {};
   // One text for both, so that nobody finds out who is in the class.
   return "no seat '" + Printable(seat, 40) +

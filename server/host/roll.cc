@@ -205,11 +205,13 @@ std::string Roll::SetPin(std::string_view seat, std::string pin, const RandomDig
   return {};
 }
 
-std::string Roll::ToCsv() const {
-  std::string text = "seat,name,pin,group,link\n";
+std::string Roll::ToCsv(bool with_secrets) const {
+  std::string text = with_secrets ? "seat,name,pin,group,link\n" : "seat,name,group\n";
   for (const RollEntry& entry : entries_) {
-    for (const std::string* field : {&entry.seat, &entry.name, &entry.pin, &entry.group, &entry.link})
-      text += Quoted(*field) + (field == &entry.link ? "\n" : ",");
+    text += Quoted(entry.seat) + ',' + Quoted(entry.name);
+    if (with_secrets) text += ',' + Quoted(entry.pin);
+    text += ',' + Quoted(entry.group);
+    text += with_secrets ? ',' + Quoted(entry.link) + '\n' : "\n";
   }
   return text;
 }

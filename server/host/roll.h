@@ -49,7 +49,7 @@ class Roll {
   /// Gives a seat another PIN and another link; an empty `pin` makes one. Returns an error text.
   std::string SetPin(std::string_view seat, std::string pin, const RandomDigits& random);
   /// The text of the file.
-  std::string ToCsv() const;
+  std::string ToCsv(bool with_secrets = true) const;
 
  private:
   std::vector<RollEntry> entries_;

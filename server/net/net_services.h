@@ -22,7 +22,7 @@ inline constexpr const char* kReadOnlyText =
     "the daemon was started with --read-only: everything can be read and watched, nothing changed";
 /// The error text for students who try to change something while the teacher drives.
 inline constexpr const char* kTakenText =
-    "the teacher drives this seat now: watch, and try again when it is yours";
+    "the teacher has taken over or frozen this seat: watch, and try again when it is yours";
 
 /// One per daemon; outlives every server. `clock` must outlive it.
 class NetServices {

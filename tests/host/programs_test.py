@@ -361,7 +361,7 @@ class Teaching(ProgramCase):
             self.begin(host, DRIVE + "print('drives', flush=True)\nwhile True:\n    r.set_velocity(0.1, 0)\n    sim.step()\n")
             self.await_output(host, "drives")
             host.order(do="take", seats=["ana"])
-            self.assertIn("the teacher drives this seat now", self.end(host)["sentence"])
+            self.assertIn("the teacher has taken over or frozen this seat", self.end(host)["sentence"])
 
     def test_it_ends_when_its_seat_is_put_aside_begun_anew_or_removed(self):
         with Host() as host:

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Seats of a class: access, and that failures of one daemon or the host cost nobody a run."""
+import io
 import os
 import signal
 import socket
 import subprocess
+import tarfile
 import unittest
 
 from classes import BINARY, Host, until
@@ -224,7 +226,7 @@ class Teaching(unittest.TestCase):
             host.order(do="take", seats=["ana"])
             self.assertTrue(host.me("ana")["taken"])
             refused = until(lambda: next((r for r in [motors.ask("set_velocity 0.1 0")] if r.error), None))
-            self.assertEqual((refused.error, "the teacher drives this seat now" in refused.text), (12, True))
+            self.assertEqual((refused.error, "the teacher has taken over or frozen this seat" in refused.text), (12, True))
             pose.must("get_pose")
             call = {"module": "/simulation", "command": "pause"}
             self.assertEqual(host.fetch("POST", "/s/ana/api/call", call, host.as_student("ana"))[0], 403)
@@ -268,6 +270,27 @@ class Teaching(unittest.TestCase):
             self.assertEqual(status, 400)
             self.assertIn("freeze", text)
 
+    def test_a_pushed_scenario_with_mistakes_is_reported(self):
+        with Host(REALTIME) as host:
+            host.status("ana")
+            host.order(do="push", seats=["ana"], text="[WORLD]\nfile nosuch.world\n")
+            tile = host.tile("ana", lambda tile: tile["error"])
+            self.assertIn("there is no world 'nosuch.world'", tile["error"])
+            self.assertIn("there is no world 'nosuch.world'", tile["why"])
+
+    def test_pages_are_served_by_the_advertised_name(self):
+        with Host(REALTIME, "--advertise", "labserver") as host:
+            named = {"Host": f"labserver:{host.http_port}"}
+            self.assertEqual(host.fetch("GET", "/s/ana/", headers={**named, **host.as_student("ana")})[0], 200)
+            self.assertEqual(host.fetch("GET", "/wall/s/ana/api/status", headers={**named, **host.as_teacher()})[0], 200)
+
+    def test_the_sheet_has_its_style_and_leads_strangers_to_the_wall(self):
+        with Host() as host:
+            self.assertIn('href="/sheet.css"', host.fetch("GET", "/wall/class/sheet", headers=host.as_teacher())[1])
+            self.assertIn("text/css", host.fetch("GET", "/sheet.css")[2]["Content-Type"])
+            status, _, headers = host.fetch("GET", "/wall/class/sheet")
+            self.assertEqual((status, headers["Location"]), (303, "/wall/"))
+
     def test_a_hand_in_keeps_the_recording_and_is_collected(self):
         with Host() as host:
             motors = host.module("ana", "/robot1/motors")
@@ -279,7 +302,9 @@ class Teaching(unittest.TestCase):
             self.assertEqual(subprocess.run([BINARY, "verify", str(kept)], capture_output=True, timeout=harness.LIMIT_S).returncode, 0)
             status, archive, _ = host.fetch("GET", "/wall/class/collect.tar", headers=host.as_teacher(), raw=True)
             self.assertEqual(status, 200)
-            self.assertIn(kept.parent.name.encode(), archive)
+            with tarfile.open(fileobj=io.BytesIO(archive)) as tar:
+                self.assertIn(f"seats/ana/handed-in/{kept.parent.name}/recording.run", tar.getnames())
+                self.assertEqual(tar.extractfile("students.csv").read(), b"seat,name,group\nana,ana,\nben,ben,\n")
 
     def test_a_wrong_token_does_not_open_the_wall(self):
         with Host() as host:

@@ -187,7 +187,7 @@ test('while the teacher drives, the buttons of the student refuse with words', a
   await tell('ana', 'take');
   await hasText(ana, '#class-state', /^The teacher drives now/);
   await ana.click('#pause');
-  await hasText(ana, '#message', /the teacher drives this seat now/);
+  await hasText(ana, '#message', /the teacher has taken over or frozen this seat/);
   assert.equal(await ana.getAttribute('#state', 'data-state'), 'running');
 });
 

@@ -29,11 +29,21 @@ TEST(WrongTokensTest, WhoTriesOnWaitsLongerAndLonger) {
 TEST(WrongTokensTest, ARightTokenForOneThingDoesNotForgiveWrongOnesForAnother) {
   WrongTokens tokens(NullLogger());
   for (int i = 0; i < WrongTokens::kFree; ++i) {
-    EXPECT_EQ(tokens.Judge(false, "10.0.0.7:1", 0, "ana"), TokenVerdict::kWrong);
-    if (i + 1 == WrongTokens::kFree) break;
-    EXPECT_EQ(tokens.Judge(true, "10.0.0.7:1", 0, "ben"), TokenVerdict::kRight);
+    EXPECT_EQ(tokens.Judge(false, "10.0.0.7:1", 0, "seat ana"), TokenVerdict::kWrong);
+    EXPECT_EQ(tokens.Judge(true, "10.0.0.7:1", 0, "seat ben"), TokenVerdict::kRight);
   }
-  EXPECT_EQ(tokens.Judge(true, "10.0.0.7:1", 0, "ben"), TokenVerdict::kTooSoon);
+  EXPECT_EQ(tokens.Judge(true, "10.0.0.7:1", 0, "seat ana"), TokenVerdict::kTooSoon);
+  EXPECT_EQ(tokens.WaitText("10.0.0.7:1", 0, "seat ana"),
+            "too many wrong PINs came from your address: wait 1 s, then try again");
+  EXPECT_EQ(tokens.WaitText("10.0.0.7:1", 0, "seat ben"), "");
+}
+
+TEST(WrongTokensTest, WhoTriesManyThingsWaitsForAll) {
+  WrongTokens tokens(NullLogger());
+  for (int i = 0; i < WrongTokens::kFreeForAll; ++i)
+    EXPECT_EQ(tokens.Judge(false, "10.0.0.7:1", 0, "seat " + std::to_string(i)), TokenVerdict::kWrong);
+  EXPECT_EQ(tokens.Judge(true, "10.0.0.7:1", 0, "seat ana"), TokenVerdict::kTooSoon);
+  EXPECT_EQ(tokens.Judge(true, "10.0.0.7:1", kSecond, "seat ana"), TokenVerdict::kRight);
 }
 
 TEST(WrongTokensTest, ManyAtOneAddressWhoSlipAndThenGetItRightNeverWait) {
@@ -84,7 +94,7 @@ TEST(WrongTokensTest, OneNetworkOfIPv6IsOneAddress) {
 
 TEST(WrongTokensTest, ManyAddressesTakeBoundedMemory) {
   WrongTokens tokens(NullLogger());
-  for (std::size_t i = 0; i < 3 * WrongTokens::kMaxAddresses; ++i) {
+  for (std::size_t i = 0; i < 3 * WrongTokens::kMaxCounts; ++i) {
     EXPECT_EQ(tokens.Judge(false, std::to_string(i) + ":1", static_cast<Nanoseconds>(i)),
               TokenVerdict::kWrong);
   }
