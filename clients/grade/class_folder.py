@@ -29,7 +29,7 @@ def seats(folder):
             head = stream.readline()
             stream.seek(0)
             rows = list(csv.reader(stream, delimiter=max(",;\t", key=head.count)))
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise Wrong(f"--class {folder}: {path} cannot be read: {error}. Name the folder that `coopdyn host` has made, for example class") from None
     columns = [name.strip().lower() for name in rows[0]] if rows else []
     if not {"seat", "name"} <= set(columns):
@@ -46,9 +46,9 @@ def newest(folder, seat):
 
 
 def candidates(folder, assignment):
-    """The newest program that each seat handed in. Prints who handed in nothing."""
-    wanted, found, without = file_for(assignment), [], []
-    for seat, name in seats(folder):
+    """The newest program that each seat handed in. Prints who handed in nothing, and seats that the class no longer has."""
+    wanted, every, found, without = file_for(assignment), seats(folder), [], []
+    for seat, name in every:
         if not re.fullmatch(r"[a-z0-9][a-z0-9_-]*", seat):
             raise Wrong(f"--class {folder}: class.csv has the seat {seat!r}: a seat's name has a-z, 0-9, - and _")
         handed_in = newest(folder, seat)
@@ -58,6 +58,11 @@ def candidates(folder, assignment):
             without.append(f"{name} ({seat})")
     if without:
         print(f"{folder}: nothing handed in by {', '.join(without)}", flush=True)
+    path = os.path.join(folder, "seats")
+    gone = sorted(set(os.listdir(path) if os.path.isdir(path) else []) - {seat for seat, _ in every})
+    gone = [seat for seat in gone if newest(folder, seat)]
+    if gone:
+        print(f"{folder}: passed over {', '.join(gone)}: class.csv has no such seat: add the line if it counts", flush=True)
     return found
 
 

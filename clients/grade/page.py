@@ -96,4 +96,4 @@ def write_class(grading, grades, others):
 
 
 def left_out(others):
-    return f"Not in the tables, as they were graded with another text of the assignment or are damaged: {', '.join(others)}. Grade these again"
+    return f"Not in the tables, as they were graded with another text of the assignment or are damaged: {', '.join(others)}. Grade these again."

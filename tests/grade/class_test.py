@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: MIT
 """coopdyn grade --class: from what the seats of a class handed in to the results on their pages."""
+import json
 import os
+import sys
 import unittest
 
 import grade_case  # noqa: F401  (finds the modules)
-from grade_case import ASSIGNMENT, DRIVE, GradeCase
+from grade_case import ASSIGNMENT, DRIVE, ROOT, SCENARIO, GradeCase
+
+sys.path.append(os.path.join(ROOT, "tests", "host"))
+from classes import Host  # noqa: E402
 
 HALF = DRIVE.replace("0.3", "0.06")
 
@@ -58,6 +63,12 @@ class ClassTest(GradeCase):
         self.grade_class()
         self.assertEqual([row["id"] for row in self.table()], ["ana", "ben"])
 
+    def test_a_seat_that_the_class_no_longer_has_is_passed_over_and_named(self):
+        self.hand_in("ana", "20261129-221236", DRIVE)
+        self.hand_in("eva", "20261129-221236", DRIVE)
+        self.assertIn("passed over eva: class.csv has no such seat", self.grade_class().stdout)
+        self.assertEqual([row["id"] for row in self.table()], ["ana"])
+
     def test_an_assignment_without_files_takes_the_file_of_its_command(self):
         self.write("lane.assignment", ASSIGNMENT.replace("files main.py\n", "").replace("/main.py", "/drive.py"))
         self.hand_in("ana", "20261129-221236", DRIVE)
@@ -85,6 +96,18 @@ class ClassTest(GradeCase):
         os.symlink(self.path("secret.py"), self.path("class/seats/ana/handed-in/20261129-221236/program.py"))
         self.grade_class()
         self.assertRegex(self.result_text("ana", "20261129-221236"), "0 of 10 points.\nIt cannot be read")
+
+    def test_a_student_hands_in_on_the_page_and_reads_the_result_there(self):
+        with Host(lesson=SCENARIO, students=("ana",)) as host:
+            student = host.as_student("ana")
+            version = json.loads(host.fetch("GET", "/s/ana/class/program", headers=student)[1])["version"]
+            for address, body in (("program", {"text": DRIVE, "base": version}), ("hand-in", {})):
+                status, said, _ = host.fetch("POST", f"/s/ana/class/{address}", body, student)
+                self.assertEqual(status, 200, said)
+            self.assertNotIn("result", host.me("ana")["handed_in"][0])
+            self.grade_all("--class", str(host.folder / "class"))
+            [handed_in] = host.me("ana")["handed_in"]
+            self.assertEqual(handed_in["result"], "lane: 10 of 10 points.\n")
 
 
 if __name__ == "__main__":
