@@ -11,9 +11,11 @@ sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "
 
 import appeal  # noqa: E402
 import assignment as assignments  # noqa: E402
+import class_folder  # noqa: E402
 import film  # noqa: E402
 import formats  # noqa: E402
 import grading  # noqa: E402
+import kept  # noqa: E402
 import page  # noqa: E402
 import submissions  # noqa: E402
 from common import Parser, catch_signals  # noqa: E402
@@ -33,6 +35,7 @@ def read_options(words):
     add("assignment", nargs="?", help="its file")
     add("submission", nargs="*", help="a folder, a .zip, a .tar or .tar.gz")
     add("--submissions", action="append", default=[], metavar="FOLDER", help="grade each entry of this folder, as exported by Moodle and Gradescope; may be repeated")
+    add("--class", dest="class_", metavar="FOLDER", help="grade what each seat of a class (coopdyn host) handed in last, and write the result beside it, for the student's page")
     add("--out", default="results", help="folder of the results (default: results)")
     add("--key", metavar="FILE", help="of the hidden seeds (default: beside the assignment, with the ending .key)")
     add("--jobs", type=int, default=os.cpu_count(), help="runs at the same time (default: as many as cores)")
@@ -58,8 +61,8 @@ def read_options(words):
     if not chosen or chosen == ["try_out"]:
         if not given.assignment:
             options.error("name an assignment: coopdyn grade maze.assignment SUBMISSION… ; --example FOLDER writes one")
-        if not chosen and not given.submission and not given.submissions:
-            options.error("name submissions: folders, .zip or .tar files, or --submissions FOLDER")
+        if not chosen and not given.submission and not given.submissions and not given.class_:
+            options.error("name submissions: folders, .zip or .tar files, --submissions FOLDER, or --class FOLDER")
     elif given.assignment:
         options.error(f"--{chosen[0].replace('_', '-')} takes no assignment before it")
     if given.worksheet and given.format != "moodle":
@@ -104,14 +107,16 @@ def staged(given, root, every, needed):
 def grade(given, program, folders):
     assignment = assignments.read(given.assignment, folders, grading.scores_of(program))
     key = key_for(assignment, given)
-    every = submissions.find(given.submission, given.submissions)
+    before = kept.results(given.out)
+    entries = submissions.candidates(given.submission, given.submissions) + (class_folder.candidates(given.class_, assignment) if given.class_ else [])
+    every = submissions.named(entries, kept.ids(before))
     if given.format == "autolab" and len(every) > 1:
         raise Wrong("--format autolab takes one submission: Autolab grades each alone")
     with staged(given, folders[-1], every, assignment.values["files"]) as stage:
         session = grading.Grading(assignment, every, key, program, given.out, stage)
         runs = session.run(given.jobs, given.again)
-        grades = [grading.Grade(assignment, one, runs.get(one.name, [])) for one in every]
-        texts = write(session, grades, given)
+        grades = [grading.Grade(assignment, one, runs.get(one.name, []), stage.sandbox.who != "none") for one in every]
+        texts, others = write(session, grades, given)
     for one in grades:
         print(f"{one.name}: {page.points_text(one.points)} of {page.points_text(assignment.most)} points" + (f". {one.sentence}" if one.sentence else ""))
     troubles = [trouble for one in grades for trouble in one.troubles]
@@ -119,14 +124,19 @@ def grade(given, program, folders):
         print(f"{one['label']}: {one['trouble']}", file=sys.stderr)
     if troubles:
         print(f"{len(troubles)} runs could not be graded. The same command tries them again.", file=sys.stderr)
+    if others:
+        print(page.left_out(others), file=sys.stderr)
     print(f"{given.out}: index.html, grades.csv{texts}, and a folder for each submission")
+    if given.class_:
+        print(f"{given.class_}: result.txt beside {grading.counted(class_folder.write_results(grades), 'hand-in')}, which the students' pages show")
     if given.format == "autolab":
         print(formats.autolab(grades[0]))
     return 1 if troubles else 0
 
 
 def write(session, grades, given):
-    """Writes all files of the results. Returns the names of the optional ones."""
+    """Writes all files of the results. The tables have what was graded into OUT before, too. Returns the names of the optional files, and of the
+    submissions that the tables do not have."""
     def one(grade_):
         text = formats.as_text(formats.gradescope(session, grade_, given.show_hidden))
         grading.store(session, grade_, text)
@@ -138,15 +148,16 @@ def write(session, grades, given):
     with concurrent.futures.ThreadPoolExecutor(given.jobs) as pool:
         texts = list(pool.map(one, grades))
     grading.remember(session)
-    page.write_class(session, grades)
-    formats.grades_csv(session, grades)
-    also = ""
-    if len(grades) == 1:
-        put(os.path.join(session.out, "results.json"), texts[0])
-        also += ", results.json"
+    results = kept.results(session.out)
+    every, others = kept.grades(results, session.assignment)
+    page.write_class(session, every, others)
+    formats.grades_csv(session, every)
+    one_alone = len(grades) == 1 and (len(every) == 1 or given.format == "gradescope")
+    put(os.path.join(session.out, "results.json"), texts[0] if one_alone else formats.as_text({"submissions": [results[one.name] for one in every]}))
+    also = ", results.json"
     if given.format == "moodle":
-        also += ", " + os.path.basename(formats.moodle_csv(session, grades, given.worksheet))
-    return also
+        also += ", " + os.path.basename(formats.moodle_csv(session, every, given.worksheet))
+    return also, others
 
 
 def try_out(given, program, folders):
@@ -157,7 +168,7 @@ def try_out(given, program, folders):
         if every[0].refused:
             raise Wrong(every[0].refused)
         session = grading.Grading(assignment, every, None, program, out, stage)
-        own = grading.Grade(assignment, every[0], session.run(given.jobs, quiet=True)[every[0].name])
+        own = grading.Grade(assignment, every[0], session.run(given.jobs, quiet=True)[every[0].name], stage.sandbox.who != "none")
     head, rows = page.run_rows(own)
     shown = [head, *([str(cell) for cell in row] for row in rows)]
     kept = [k for k, name in enumerate(head) if name != "hash"]
@@ -196,6 +207,17 @@ def forget(path):
 
 
 def main():
+    """Returns the exit code. That of a process whose output nobody reads (`| head`) is the one of SIGPIPE."""
+    try:
+        code = carry_out()
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # else Python reports it again at its end
+        return 141
+
+
+def carry_out():
     program, root, *words = sys.argv[1:]
     folders = [os.path.dirname(program), root]
     given = read_options(words)

@@ -178,10 +178,10 @@ def earn(result, points):
 
 
 class Grade:
-    """The grade of a submission: the mean of its runs. `runs`: their results, including points."""
+    """The grade of a submission: the mean of its runs. `runs`: their results, including points; `sandbox`: whether they ran in one."""
 
-    def __init__(self, assignment, submission, runs):
-        self.assignment, self.submission, self.runs = assignment, submission, runs
+    def __init__(self, assignment, submission, runs, sandbox):
+        self.assignment, self.submission, self.runs, self.sandbox = assignment, submission, runs, sandbox
         for one in runs:
             earn(one, assignment.points)
         self.points = statistics.fmean(one["points"] for one in runs) if runs else 0.0

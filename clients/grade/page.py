@@ -52,7 +52,7 @@ def write_one(grading, grade, film):
     """Writes OUT/NAME/index.html."""
     assignment, escape = grade.assignment, html.escape
     title = f"{assignment.title}: {grade.name}"
-    page = [kHead.format(escape(title)), f"<h1>{escape(title)}</h1>", "" if grading.stage.sandbox.who != "none" else kLoud,
+    page = [kHead.format(escape(title)), f"<h1>{escape(title)}</h1>", "" if grade.sandbox else kLoud,
             f"<p><b>{points_text(grade.points)} of {points_text(assignment.most)} points</b>: the mean of {len(grade.runs)} runs on "
             f"{sum(not one['hidden'] for one in grade.runs)} visible and {sum(one['hidden'] for one in grade.runs)} hidden seeds.</p>"]
     if grade.sentence:
@@ -78,16 +78,22 @@ def write_one(grading, grade, film):
     put(os.path.join(grading.out, grade.name, "index.html"), "".join(page))
 
 
-def write_class(grading, grades):
-    """Writes OUT/index.html."""
+def write_class(grading, grades, others):
+    """Writes OUT/index.html. `others`: names of results that are not in the table."""
     assignment = grading.assignment
     rows = "".join(
-        f"<tr><td><a href='{urllib.parse.quote(grade.name)}/index.html'>{html.escape(grade.name)}</a>" +
+        f"<tr><td><a href='{urllib.parse.quote(grade.name)}/index.html'>{html.escape(grade.name)}</a><td>{html.escape(grade.submission.id)}" +
         "".join(f"<td>{points_text(earned)}" for earned in grade.earned) + f"<td><b>{points_text(grade.points)}</b>"
         f"<td>{html.escape(grade.sentence)}" for grade in grades)
     head = "".join(f"<th>{html.escape(one.score)} ({points_text(one.most)})" for one in assignment.points)
     put(os.path.join(grading.out, "index.html"), "".join([
         kHead.format(html.escape(assignment.title)), f"<h1>{html.escape(assignment.title)}</h1>",
-        "" if grading.stage.sandbox.who != "none" else kLoud,
-        f"<p>{len(grades)} submissions, {len(grading.seeds)} seeds each. Points are means over the seeds, of {points_text(assignment.most)}.</p>",
-        f"<table><tr><th>submission{head}<th>points<th>", rows, "</table>"]))
+        "" if all(grade.sandbox for grade in grades) else kLoud,
+        f"<p>{len(grades)} submission{'' if len(grades) == 1 else 's'}, {len(grading.seeds)} seeds each. Points are means over the seeds, of "
+        f"{points_text(assignment.most)}.</p>",
+        f"<p class='loud'>{html.escape(left_out(others))}</p>" if others else "",
+        f"<table><tr><th>submission<th>id{head}<th>points<th>", rows, "</table>"]))
+
+
+def left_out(others):
+    return f"Not in the tables, as they were graded with another text of the assignment or are damaged: {', '.join(others)}. Grade these again."

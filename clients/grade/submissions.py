@@ -7,9 +7,11 @@ import os
 import re
 import shutil
 import stat
+import sys
 import tarfile
 import zipfile
 import zlib
+from dataclasses import dataclass
 
 from plan import Wrong
 
@@ -24,11 +26,22 @@ class Refused(Exception):
     """A submission is refused; the text is a sentence for the student."""
 
 
-class Submission:
-    """`name`: of the student, and of the folder in OUT; `id`: of the school's system, or empty; `source`: the path of the submission."""
+@dataclass
+class Candidate:
+    """What may become a Submission: its path, and whose it is."""
+    source: str
+    name: str
+    id: str
+    file: str = ""  # for a single file: its name in the submission
+    result: str = ""  # where the student's page looks for the result
 
-    def __init__(self, name, identity, source):
-        self.name, self.id, self.source = name, identity, source
+
+class Submission:
+    """`name`: of the student, and of the folder in OUT; `id`: of the school's system, or empty; `source`: the path of the submission. `file` and
+    `result`: see Candidate."""
+
+    def __init__(self, name, identity, source, file="", result=""):
+        self.name, self.id, self.source, self.file, self.result = name, identity, source, file, result
         self.files = {}  # name: (executable, digest), once copied
         self.refused = None  # a sentence if the submission is refused
         self.folder = None
@@ -83,34 +96,61 @@ def gradescope_names(folder):
     return found
 
 
-def find(sources, folders):
-    """The submissions at the paths `sources`, and the entries of `folders`."""
+def candidates(sources, folders):
+    """What is at the paths `sources`, and the entries of `folders`. Prints which entries are none."""
     entries = []
     for source in sources:
         if not os.path.lexists(source):
             raise Wrong(f"there is no submission {source}: name a folder, a .zip or a .tar, or --submissions FOLDER")
-        entries.append((source, name_and_id(os.path.basename(os.path.abspath(source)))))
+        beside, entry = os.path.split(os.path.abspath(source))
+        entries.append(Candidate(source, *(gradescope_names(beside).get(without_ending(entry)) or name_and_id(entry))))
     for folder in folders:
         try:
             listed = sorted(os.listdir(folder))
         except OSError as error:
             raise Wrong(f"--submissions {folder} cannot be read: {error.strerror}") from None
-        known = gradescope_names(folder)
+        known, passed = gradescope_names(folder), []
         for entry in listed:
             path = os.path.join(folder, entry)
-            if entry.startswith(".") or entry in kNotTheirs or not (os.path.isdir(path) or is_archive(entry)):
+            if entry.startswith(".") or entry in (*kNotTheirs, "submission_metadata.yml"):
                 continue
-            entries.append((path, known.get(without_ending(entry)) or name_and_id(entry)))
-    found, taken = [], set()
-    for path, (name, identity) in entries:
-        own, number = safe(name), 2
-        while own.lower() in taken:
-            own, number = f"{safe(name)} {number}", number + 1
+            if os.path.isdir(path) or is_archive(entry):
+                entries.append(Candidate(path, *(known.get(without_ending(entry)) or name_and_id(entry))))
+            else:
+                passed.append(printable(entry))
+        if passed:
+            print(f"{folder}: passed over {', '.join(passed)}: a submission is a folder, a .zip, a .tar or a .tar.gz. Put a single file into a folder, "
+                  "if it is one", file=sys.stderr, flush=True)
+    return entries
+
+
+def named(entries, known):
+    """Submissions with names of their own. `known`: {name: id} of those in OUT, so that a student's later submission takes the place of the earlier
+    one, and nobody else's."""
+    found, taken, ids = [], set(), {name.lower(): identity for name, identity in known.items()}
+
+    def is_free(name, identity):
+        before = ids.get(name.lower())
+        return name.lower() not in taken and (not before or not identity or before == identity)
+
+    for entry in entries:
+        own, number = safe(entry.name), 2
+        before = [name for name, identity in known.items() if identity and identity == entry.id and name.lower() not in taken]
+        if before and own not in before:
+            own = before[0]
+        while not is_free(own, entry.id):
+            own, number = f"{safe(entry.name)} {number}", number + 1
         taken.add(own.lower())
-        found.append(Submission(own, identity, path))
+        found.append(Submission(own, entry.id, entry.source, entry.file, entry.result))
     if not found:
-        raise Wrong("there is nothing to grade: name a folder, a .zip or a .tar, or --submissions FOLDER with some in it")
+        raise Wrong("there is nothing to grade: name a folder, a .zip or a .tar, --submissions FOLDER with some in it, or --class FOLDER in which somebody has "
+                    "handed in")
     return found
+
+
+def find(sources, folders):
+    """The submissions at the paths `sources`, and the entries of `folders`."""
+    return named(candidates(sources, folders), {})
 
 
 class Store:
@@ -228,6 +268,14 @@ def copy_tar(source, store):
             store.add(item.name, bool(item.mode & 0o100), chunks_of(archive.extractfile(item)))
 
 
+def copy_file(source, store, name):
+    try:
+        with open(os.open(source, os.O_RDONLY | os.O_NOFOLLOW), "rb") as stream:
+            store.add(name, False, chunks_of(stream))
+    except FileNotFoundError:
+        raise Refused("There is no program in what was handed in: write one in the tab Program of the page, and hand in again.") from None
+
+
 def copy(source, store):
     if os.path.islink(source):
         raise Refused("It is a link: name what it leads to.")
@@ -260,7 +308,10 @@ def take(submission, folder, needed):
             if entry and is_archive(entry) and entry not in needed:
                 source = os.path.join(source, entry)
         store = Store(folder)
-        copy(source, store)
+        if submission.file:
+            copy_file(source, store, submission.file)
+        else:
+            copy(source, store)
         files = store.files
         while (inner := only_entry(folder)) and os.path.isdir(os.path.join(folder, inner)) and not any(name in files for name in needed):
             folder = os.path.join(folder, inner)
