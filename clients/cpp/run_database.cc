@@ -60,8 +60,8 @@ RunDatabase::RunDatabase(const std::string& file) : file_(file) {
   if (!std::filesystem::is_regular_file(file, ignored))
     throw Error(10, "there is no file '" + file + "'; a recording is called NAME.run");
   if (file.ends_with(".mat"))
-    throw Error(7, file + " is a MAT file; read the recording itself, " + file.substr(0, file.size() - 4) +
-                       ".run: sim.fetch_run(\"NAME\") downloads it");
+    throw Error(7, file + " is a MAT file for MATLAB; read the recording itself, " +
+                       file.substr(0, file.size() - 4) + ".run: sim.fetch_run(\"NAME\") downloads it");
   int status = Open(false);
   if (status == SQLITE_CANTOPEN && !HasLog(file)) status = Open(true);  // read-only folder
   const std::string foreign = file + " is no recording of coopdyn (NAME.run)";

@@ -5139,7 +5139,7 @@ def _open_run(file: str) -> "sqlite3.Connection":
     if not os.path.isfile(file):
         raise Error(10, f"there is no file {file!r}; a recording is called NAME.run")
     if file.lower().endswith(".mat"):
-        raise Error(7, f"{file} is a MAT file; read the recording itself, {file[:-4]}.run: "
+        raise Error(7, f"{file} is a MAT file for MATLAB; read the recording itself, {file[:-4]}.run: "
                        'sim.fetch_run("NAME") downloads it')
     foreign = f"{file} is no recording of coopdyn (NAME.run)"
     cure = f"run `coopdyn info {file}`, which repairs the file after a crash if it can be written"
