@@ -34,15 +34,8 @@ std::string Escaped(const std::string& text) {
 }
 
 constexpr const char* kHead = R"(<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>Class sheet</title><style>
-body { font: 12pt system-ui, sans-serif; margin: 10mm; display: grid; grid-template-columns: 1fr 1fr; gap: 0; }
-article { border: 1px dashed #888; padding: 5mm; display: flex; gap: 5mm; break-inside: avoid; }
-svg { width: 32mm; height: 32mm; flex: none; }
-h2 { font-size: 14pt; margin: 0 0 2mm; }
-p { margin: 0 0 1mm; overflow-wrap: anywhere; }
-.pin { font: bold 16pt ui-monospace, monospace; }
-small { color: #444; }
-</style></head><body>
+<html lang="en"><head><meta charset="utf-8"><title>Class sheet</title>
+<link rel="icon" href="../icon.svg" type="image/svg+xml"><link rel="stylesheet" href="../sheet.css"></head><body>
 )";
 
 }  // namespace

@@ -30,7 +30,7 @@ endif()
 find_program(NPM npm REQUIRED)
 set(packages ${CMAKE_CURRENT_BINARY_DIR}/packages)
 set(bundle ${CMAKE_CURRENT_BINARY_DIR}/bundle)
-set(entries app.js style.css login.js login.css wall.js wall.css)
+set(entries app.js style.css login.js login.css wall.js wall.css sheet.css)
 list(TRANSFORM entries PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/page/)
 add_custom_command(
   OUTPUT ${packages}/installed
