@@ -33,9 +33,10 @@ std::string Escaped(const std::string& text) {
   return html;
 }
 
-constexpr const char* kHead =
-    "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Class sheet</title>"
-    "<link rel=\"stylesheet\" href=\"/sheet.css\"></head><body>\n";
+constexpr const char* kHead = R"(<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>Class sheet</title>
+<link rel="icon" href="../icon.svg" type="image/svg+xml"><link rel="stylesheet" href="../sheet.css"></head><body>
+)";
 
 }  // namespace
 

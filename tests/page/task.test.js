@@ -24,6 +24,7 @@ const order = (line) => orderAt(daemon.url, '/simulation', line);
 before(async () => {
   folder = newFolder();
   writeFileSync(join(folder, 'task.scenario'), TASK);
+  writeFileSync(join(folder, 'uncounted.scenario'), `[TASK]\ntitle Look around\ntext Look.\n${ROBOT}`);
   writeFileSync(join(folder, 'plain.scenario'), ROBOT);
   daemon = await startDaemon(join(folder, 'task.scenario'), '--scenarios', folder, '--no-render');
   page = await openPage(daemon.url, {flat: true});
@@ -37,6 +38,20 @@ test('the text is shown as Markdown, and markup in it as text', async () => {
   assert.deepEqual(await shown('#task-text li'), ['slowly', '<img src=x onerror=alert(1)>']);
   assert.deepEqual(await page.$$eval('#task-text a', (all) => all.map(({href}) => href)), ['https://example.org/guide']);
   assert.deepEqual(await shown('#task-counts em'), ['arrived']);
+});
+
+test('the task comes first, before scenario and time', async () => {
+  assert.equal(await page.$eval('#panel-robots', (panel) => panel.firstElementChild.id), 'task-box');
+});
+
+test('what counts has a heading, which is not shown where nothing is said to count', async () => {
+  assert.equal(await page.textContent('#task-worth h3'), 'What counts');
+  assert.ok(await page.isVisible('#task-worth h3'));
+  await order('load_scenario uncounted');
+  await eventually(async () => await page.textContent('#task-title') === 'Look around');
+  assert.ok(await page.isHidden('#task-worth'));
+  await order('load_scenario task');
+  await eventually(() => page.isVisible('#task-worth'));
 });
 
 test('a hint appears when the one before it has been opened', async () => {

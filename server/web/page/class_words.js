@@ -46,13 +46,13 @@ export const ORDERS = {
   reset: {title: 'Reset', hint: 'The run begins again at zero', done: 'reset', asks: 'Their runs begin again at zero.'},
   restart: {title: 'Restart lesson', hint: 'Starts the simulation anew with the scenario of the lesson', done: 'begins the lesson anew',
     asks: 'Their simulations start anew with the scenario of the lesson. Their recordings stay.'},
-  push: {title: 'Push scenario', hint: 'Loads another scenario: a name, or a text', done: 'loads the scenario',
+  push: {title: 'Push scenario', hint: 'Loads another scenario: a name, or a text', done: 'told to load the scenario',
     asks: 'It replaces the worlds that they have now.', text: 'Name of a scenario, or its whole text'},
   message: {title: 'Message', hint: 'Appears on the student’s page', done: 'message sent', text: 'Message'},
   lower_hand: {title: 'Lower hand', hint: 'The question is answered', done: 'hand lowered'},
   aside: {title: 'Put aside', hint: 'Ends the simulation; it goes on where it was when somebody comes', done: 'put aside',
     asks: 'Their simulations end, and go on where they were when somebody comes.'},
-  next: {title: 'Next', hint: 'Everybody loads the next scenario of the lesson', done: 'next scenario',
+  next: {title: 'Next', hint: 'Everybody loads the next scenario of the lesson', done: 'told to load the next scenario',
     asks: 'It replaces the worlds that they have now.'},
 };
 

@@ -74,7 +74,7 @@ export function say(text, isError = false, offer = null) {
   const line = byId('message'), button = byId('message-offer');
   line.textContent = text;
   line.classList.toggle('error', isError);
-  if (button) button.hidden = !offer || !text;  // the wall has none
+  if (button) button.hidden = !offer || !text;  // the wall offers nothing
   if (offer) {
     button.textContent = offer.text;
     button.onclick = () => {

@@ -58,6 +58,7 @@ export class SeatFeed extends EventTarget {
     if (!this.#reader.take(buffer)) return;
     if (this.scene?.number !== this.#reader.scene) return this.#load();
     this.#reader.write(this.scene.bodies);
+    this.scene.time_s = this.#reader.time;
     this.dispatchEvent(new Event('poses'));
   }
 
@@ -68,6 +69,7 @@ export class SeatFeed extends EventTarget {
       const description = await (await fetch(`${this.#base}api/scene?wake=no`)).json();
       this.scene = new TopScene(description);
       if (this.#reader.scene === description.scene) this.#reader.write(this.scene.bodies);
+      this.scene.time_s = this.#reader.time;
       this.dispatchEvent(new Event('scene'));
     } catch { /* the next poses ask again */ }
     this.#loading = false;

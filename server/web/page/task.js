@@ -1,10 +1,18 @@
 // SPDX-License-Identifier: MIT
-// The task of the scenario, [TASK]: its text, hints that open one after the other, and what is worth points.
+// The task of the scenario, [TASK]: its text, hints that open one after the other, and what is worth points. It stands first under
+// Lesson and, while that is shown, above the editor of Program.
 import {byId, make, setText} from './dom.js';
 import {markdown} from './markdown.js';
 
+const HOMES = ['panel-robots', 'panel-program'];
+
 export class Task {
   #key = '';
+
+  constructor() {
+    // These events do not bubble.
+    byId('panels').addEventListener('shown', ({target}) => { if (HOMES.includes(target.id)) target.prepend(byId('task-box')); }, true);
+  }
 
   /** Fetches the task anew when the world is another one. */
   async update({scenario, revision}) {
@@ -28,6 +36,7 @@ export class Task {
     const opened = byId('task-text').dataset.task === JSON.stringify(task) ? byId('task-hints').querySelectorAll('[open]').length : 0;
     byId('task-text').dataset.task = JSON.stringify(task);
     byId('task-text').replaceChildren(...markdown(task.text));
+    byId('task-worth').hidden = task.counts.length === 0;
     byId('task-hints').replaceChildren(...task.hints.map((hint, i) => this.#hint(hint, i, opened)));
     byId('task-counts').replaceChildren(...task.counts.map((line) => make('li', {}, ...markdown(line).flatMap((one) => [...one.childNodes]))));
   }

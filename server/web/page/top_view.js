@@ -7,6 +7,7 @@ const LEAST_SEEN_M = 3;    // shows some floor around a single small thing
 const LEAST_ROBOT_PX = 7;  // smaller robots become an arrow of this radius
 const TRAIL = 40;          // points of a robot's way that are kept
 const TRAIL_STEP_PX = 3;
+const TRAIL_PAUSE_S = 1, TRAIL_TURN_RAD = 0.8;  // longer or more between two poses, the way between them is not known
 const MAX_TRAILS = 12;     // robots in a world beyond which ways are not drawn
 const MAX_SHAPES = 300;    // of robots; beyond, each robot is an arrow
 const UPRIGHT = 1e-3;      // of the sine of half the tilt
@@ -65,8 +66,9 @@ const footprint = (points, q) => hull(points.map((p) => turned(p, q)));
 export class TopScene {
   #shapes = [];   // of bodies that move: {body, points, fill, edge, top, path}
   #still = [];    // {path, fill, edge, top}
-  robots = [];    // {name, body, origin, turn, radius, color, trail}
+  robots = [];    // {name, body, origin, turn, radius, color, trail, last}; trail: [x, y, whether the way to there is not known]
   bodies;
+  time_s = 0;
 
   constructor(description) {
     this.description = description;
@@ -86,7 +88,7 @@ export class TopScene {
     const shapes = description.robots.reduce((sum, robot) => sum + description.models[robot.model].shapes.length, 0);
     for (const robot of description.robots) {
       const model = description.models[robot.model];
-      this.robots.push({...robot, radius: model.radius, fill: css(robot.color), trail: []});
+      this.robots.push({...robot, radius: model.radius, fill: css(robot.color), trail: [], last: null});
       if (shapes > MAX_SHAPES) continue;
       for (const shape of model.shapes) {
         const points = pointsOf(shape, 0.5 * model.radius)
@@ -145,11 +147,14 @@ export class TopScene {
   mark(step_m) {
     if (this.robots.length > MAX_TRAILS) return;
     for (const robot of this.robots) {
-      const [x, y] = this.robotPose(robot), last = robot.trail.at(-1);
-      const way = last ? Math.hypot(x - last[0], y - last[1]) : Infinity;
-      if (way < step_m) continue;
-      if (last && way > 1) robot.trail.length = 0;  // it was put elsewhere
-      robot.trail.push([x, y]);
+      const [x, y, yaw] = this.robotPose(robot), {last, trail} = robot;
+      const wayFrom = (point) => (point ? Math.hypot(x - point[0], y - point[1]) : Infinity);
+      robot.last = [x, y, yaw, this.time_s];
+      const unknown = last && wayFrom(last) > step_m && (Math.abs(this.time_s - last[3]) > TRAIL_PAUSE_S || Math.cos(yaw - last[2]) < Math.cos(TRAIL_TURN_RAD));
+      const way = wayFrom(trail.at(-1));
+      if (way < step_m && !unknown) continue;
+      if (trail.length > 0 && way > 1) trail.length = 0;  // it was put elsewhere
+      trail.push([x, y, unknown]);
       if (robot.trail.length > TRAIL) robot.trail.shift();
     }
   }
@@ -293,7 +298,7 @@ export class TopView {
       const [x, y] = this.#scene.robotPose(robot);
       context.strokeStyle = robot.fill;
       context.beginPath();
-      robot.trail.forEach(([tx, ty], i) => (i === 0 ? context.moveTo(tx, ty) : context.lineTo(tx, ty)));
+      robot.trail.forEach(([tx, ty, unknown], i) => (i === 0 || unknown ? context.moveTo(tx, ty) : context.lineTo(tx, ty)));
       context.lineTo(x, y);
       context.stroke();
     }

@@ -112,7 +112,7 @@ class Wall {
     const height = main.clientHeight - parseFloat(style.paddingTop) - parseFloat(style.paddingBottom);
     const {columns, rows, scrolls} = gridFor(Math.max(1, this.#shown.length), width, height, gap);
     this.#list.style.setProperty('--columns', columns);
-    this.#list.style.setProperty('--row', scrolls ? '13rem' : `${Math.min((height - gap * (rows - 1)) / rows, 640)}px`);
+    this.#list.style.setProperty('--row', scrolls ? '11rem' : `${Math.min((height - gap * (rows - 1)) / rows, 640)}px`);
   }
 
   #repaint() {
@@ -239,6 +239,7 @@ async function unlock(token) {
   setText(byId('unlock-answer'), error && `${error[0].toUpperCase()}${error.slice(1)}.`);
   if (error) return byId('token').select();
   try { localStorage.setItem(KEPT, 'yes'); } catch { /* the next visit asks the host */ }
+  if (location.hash === '#to=sheet') return location.replace('class/sheet');  // its address leads here without the token
   open();
 }
 
@@ -247,15 +248,25 @@ function wasOpen() {
   try { return localStorage.getItem(KEPT) !== null; } catch { return true; }
 }
 
+/** The token in the address, which is taken out of it: projectors show the address. */
+function tokenInAddress() {
+  const token = new URLSearchParams(location.hash.slice(1)).get('token');
+  if (token) history.replaceState(null, '', location.pathname);
+  return token;
+}
+
 async function start() {
   listenToTheme();
+  addEventListener('hashchange', () => {  // the address was entered in this tab
+    const token = tokenInAddress();
+    if (token && !byId('unlock').hidden) unlock(token);
+  });
   byId('unlock').addEventListener('submit', (event) => {
     event.preventDefault();
     unlock(byId('token').value.trim());
   });
-  const given = new URLSearchParams(location.hash.slice(1)).get('token');
+  const given = tokenInAddress();
   if (given) {
-    history.replaceState(null, '', location.pathname);  // projectors show the address
     await unlock(given);
     if (byId('unlock-answer').textContent === '') return;
   } else if (wasOpen() && (await fetch('class/seats').catch(() => null))?.ok) {

@@ -2,7 +2,8 @@
 // How many tiles of the wall stand in a row. Pure.
 
 const BEST_ASPECT = 1.5;  // of a tile
-const LEAST_HEIGHT_PX = 170, LEAST_WIDTH_PX = 220;
+const LEAST_HEIGHT_PX = 110, LEAST_WIDTH_PX = 150;
+const SCROLLED_WIDTH_PX = 190;  // at least, of tiles that do not fit together
 
 /** Columns and rows for `count` tiles in a room of this size, so that they are large and of good shape. `scrolls`: they do not fit. */
 export function gridFor(count, width, height, gap) {
@@ -15,6 +16,6 @@ export function gridFor(count, width, height, gap) {
     const size = Math.min(w, h * BEST_ASPECT);
     if (size > best.size) best = {columns, rows, size, scrolls: false};
   }
-  if (best.scrolls) best.columns = Math.max(1, Math.floor((width + gap) / (LEAST_WIDTH_PX + gap)));
+  if (best.scrolls) best.columns = Math.max(1, Math.floor((width + gap) / (SCROLLED_WIDTH_PX + gap)));
   return best;
 }

@@ -4,7 +4,7 @@ import {idleText, ORDERS} from './class_words.js';
 import {byId, make, setText, showNumber} from './dom.js';
 import {TopView} from './top_view.js';
 import {order, scenariosOf} from './wall_orders.js';
-import {programText, scoreText, whyText} from './wall_tile.js';
+import {handedIn, programText, scoreText} from './wall_tile.js';
 
 const ALWAYS = ['reset', 'restart', 'push', 'aside'];
 
@@ -94,18 +94,19 @@ export class Panel {
 
   update(ago_s = 0) {
     if (!this.#tile) return;
-    const {seat, state: [key, word]} = this.#tile;
+    const {seat, why, state: [key, word]} = this.#tile;
     Object.assign(this.#box.dataset, {state: key, hand: seat.hand, need: Math.min(seat.need, 5)});
     setText(this.#title, seat.name);
     setText(this.#place, [`seat ${seat.seat}`, seat.group && `group ${seat.group}`].filter(Boolean).join(' · '));
     setText(this.#state, word);
-    setText(this.#why, whyText(seat));
+    setText(this.#why, why);
     this.#set(this.#buttons.take, seat.taken && !seat.frozen ? 'give' : 'take');
     this.#set(this.#buttons.freeze, seat.frozen ? 'thaw' : 'freeze');
     this.#buttons.lower_hand.hidden = !seat.hand;
     const facts = [
       ['Scenario', seat.scenario], ['Time', seat.time_s !== undefined && `${showNumber(seat.time_s, 1)} s · ${seat.mode} · × ${showNumber(seat.rtf, 2)}`],
       ['Program', programText(seat)], ['Driven by', seat.driven_by], ['Connections', seat.clients], ['Idle', idleText(seat.idle_s + ago_s)],
+      ['Handed in', handedIn(seat) > 0 && `${handedIn(seat)} ×`],
       ...(seat.scores ?? []).map((score) => [score.name, `${scoreText(score)}${score.met ? ' ✓' : ''}`]),
       ['Last error', seat.error], ['Trouble', seat.trouble]].filter(([, value]) => value || value === 0);
     const text = JSON.stringify(facts);

@@ -7,6 +7,7 @@ import {SeatFeed} from './seat_feed.js';
 import {TopView} from './top_view.js';
 
 const MOVES_MS = 2500;  // time that has gone on within this goes on
+const TROUBLE_MS = 60000;  // what has happened to a daemon that runs again is said so long
 const QUICK = ['freeze', 'message', 'lower_hand'];
 
 /** "3", "12.5 m". */
@@ -22,8 +23,8 @@ export function programText(seat) {
   return language ? `${language}, not driving` : 'nobody drives';
 }
 
-/** Why a seat needs help, or did. */
-export const whyText = (seat) => seat.why.replace(/ for 0 min$/, ' just now') || seat.trouble || seat.error;
+/** How often a student has handed in. */
+export const handedIn = ({handed_in: given = 0}) => given.length ?? given;
 
 /** "ana · group 1"; without the seat if that is the name in other letters. */
 function placeText({seat, name, group}) {
@@ -45,12 +46,15 @@ export class Tile {
   #program = make('span', {class: 'program'});
   #idle = make('span', {class: 'idle', title: 'How long the student has done nothing'});
   #scores = make('span', {class: 'scores'});
+  #given = make('span', {class: 'given', title: 'How often the student has handed in'});
   #quick;
   #time = 0;
   #movedAt = -Infinity;
   #dirty = false;
   #seen = false;
+  #troubleAt = -Infinity;
   state = ['asleep', 'asleep'];
+  why = '';   // the seat needs help, or did
   drawn = 0;  // pictures
 
   /** `act(tile, order)`: for a click on one of the quick orders, or 'open', or 'choose'. */
@@ -76,7 +80,7 @@ export class Tile {
       make('div', {class: 'head'}, this.#name, this.#place, this.#state),
       this.#why,
       make('div', {class: 'stage'}, this.#canvas, make('span', {class: 'hand', 'aria-hidden': 'true'}), this.#scores, this.#quick,
-        make('div', {class: 'foot'}, this.#program, this.#note, this.#idle)));
+        make('div', {class: 'foot'}, this.#program, this.#given, this.#note, this.#idle)));
     new ResizeObserver(() => this.#view.fit()).observe(this.#canvas);
   }
 
@@ -86,6 +90,8 @@ export class Tile {
       this.#time = seat.time_s;
       this.#movedAt = now;
     }
+    if (seat.trouble !== this.seat.trouble || seat.daemon !== 'running') this.#troubleAt = now;
+    const trouble = now - this.#troubleAt < TROUBLE_MS ? seat.trouble : '';
     this.seat = seat;
     this.state = stateOf(seat, now - this.#movedAt < MOVES_MS);
     const [key, word] = this.state;
@@ -97,7 +103,9 @@ export class Tile {
     setText(this.#program, seat.taken && !seat.frozen ? 'you drive' : key === 'asleep' || !(seat.driven_by || seat.language || seat.program?.runs || seat.program?.error) ? '' : programText(seat));
     const idle = seat.idle_s + ago_s;
     setText(this.#idle, key === 'asleep' ? '' : idle < 10 ? 'active' : `idle ${idleText(idle)}`);
-    const why = whyText(seat) || (key === 'ended' ? seat.ended ?? '' : '');
+    setText(this.#given, handedIn(seat) > 0 ? `handed in ${handedIn(seat)}` : '');
+    this.why = seat.why.replace(/ for 0 min$/, ' just now') || trouble || seat.error;
+    const why = this.why || (key === 'ended' ? seat.ended ?? '' : '');
     setText(this.#why, why);
     this.#why.title = why;
     const lives = key !== 'asleep' && seat.time_s !== undefined;
