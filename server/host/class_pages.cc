@@ -242,7 +242,7 @@ struct ClassPages::Impl : std::enable_shared_from_this<ClassPages::Impl> {
     const bool stranger =
         (route.kind == ClassRouteKind::kWallAsks || route.kind == ClassRouteKind::kWallProgram) &&
         !IsTeacher(guest.parser->get());
-    if (stranger && route.rest == "sheet") return GoTo("/wall/");
+    if (stranger && route.rest == "sheet") return GoTo("/wall/#to=sheet");
     return stranger ? ErrorAnswer(403, "this needs the teacher's token") : HttpAnswer();
   }
 

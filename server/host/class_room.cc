@@ -58,13 +58,6 @@ std::string TextToLoad(const std::string& lesson) {
   return text + "\n# file: " + fs::path(lesson).filename().string() + "\n";
 }
 
-std::size_t CountIn(const fs::path& folder) {
-  std::size_t count = 0;
-  std::error_code code;
-  for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) ++count;
-  return count;
-}
-
 /// Why a module did not do what it was told; empty: it did.
 std::string ErrorIn(const SeatAnswer& answer) {
   if (answer.status != 200) return answer.body.empty() ? "no answer" : Printable(answer.body, kMaxError);

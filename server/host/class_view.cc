@@ -114,6 +114,7 @@ json::object ClassRoom::WallJson() const {
     tile["idle_s"] = (now - place.desk.active) / kNanosecondsPerSecond;
     tile["error"] = place.desk.refused.empty() ? place.desk.last_error : place.desk.refused;
     tile["program"] = place.program->StateJson();
+    tile["handed_in"] = CountIn(folder_of(name) / "handed-in");
     tile["need"] = need.rank;
     tile["why"] = need.why;
     rows.push_back({std::move(need), place.desk.hand_since, std::move(tile)});

@@ -98,6 +98,13 @@ int NewestRun(const fs::path& folder) {
   return newest;
 }
 
+std::size_t CountIn(const fs::path& folder) {
+  std::size_t count = 0;
+  std::error_code code;
+  for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) ++count;
+  return count;
+}
+
 std::uintmax_t SizeOf(const fs::path& path) {
   std::error_code code;
   if (fs::is_regular_file(path, code)) return fs::file_size(path, code);

@@ -151,5 +151,7 @@ int NewestRun(const std::filesystem::path& folder);
 std::string RunFileName(int number);
 /// Bytes of a file, or of all files in a folder; 0 if there is none.
 std::uintmax_t SizeOf(const std::filesystem::path& path);
+/// The number of entries directly in a folder.
+std::size_t CountIn(const std::filesystem::path& folder);
 
 }  // namespace coopdyn

@@ -289,7 +289,7 @@ class Teaching(unittest.TestCase):
             self.assertIn('sheet.css"', host.fetch("GET", "/wall/class/sheet", headers=host.as_teacher())[1])
             self.assertIn("text/css", host.fetch("GET", "/sheet.css")[2]["Content-Type"])
             status, _, headers = host.fetch("GET", "/wall/class/sheet")
-            self.assertEqual((status, headers["Location"]), (303, "/wall/"))
+            self.assertEqual((status, headers["Location"]), (303, "/wall/#to=sheet"))
 
     def test_a_hand_in_keeps_the_recording_and_is_collected(self):
         with Host() as host:
@@ -298,6 +298,7 @@ class Teaching(unittest.TestCase):
                 motors.must("set_velocity 0.2 0")
             self.assertEqual(host.fetch("POST", "/s/ana/class/hand-in", {}, host.as_student("ana"))[0], 200)
             self.assertEqual(len(host.me("ana")["handed_in"]), 1)
+            self.assertEqual(host.tiles()["ana"]["handed_in"], 1)
             kept = next((host.folder / "class" / "seats" / "ana" / "handed-in").glob("*/recording.run"))
             self.assertEqual(subprocess.run([BINARY, "verify", str(kept)], capture_output=True, timeout=harness.LIMIT_S).returncode, 0)
             status, archive, _ = host.fetch("GET", "/wall/class/collect.tar", headers=host.as_teacher(), raw=True)
