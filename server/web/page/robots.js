@@ -70,10 +70,11 @@ class Card {
     const address = (module) => (module.port > 0 ? `${location.hostname}:${module.port}` : 'by OPEN');
     const rows = this.#modules.map((module) =>
       make('tr', {}, make('td', {}, module.name), make('td', {class: 'number'}, address(module))));
+    const open = this.#body.querySelector('.connect')?.open ?? false;
     this.#body.replaceChildren(
       make('p', {class: 'quiet'}, this.#type),
       this.#place,
-      make('details', {class: 'connect'}, make('summary', {}, icon('plug'), 'Connect a program'),
+      make('details', {class: 'connect', open}, make('summary', {}, icon('plug'), 'Connect a program'),
         connectionLines(this.#name, this.#modules, this.#namePort),
         make('details', {class: 'addresses'}, make('summary', {}, 'Addresses of its modules'),
           make('table', {class: 'modules'}, make('tbody', {}, ...rows)))));
