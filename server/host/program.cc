@@ -94,7 +94,7 @@ std::string Program::Run() {
   handlers.connected = [this](UniqueFd fd) {
     if (stop_words_.empty()) connected_(std::move(fd));
   };
-  handlers.ended = [this](ProgramEnd end) { OnEnd(std::move(end)); };
+  handlers.ended = [this](ProgramOutcome end) { OnEnd(std::move(end)); };
   auto run = std::make_unique<ProgramRun>(context_, std::move(handlers));
   const fs::path runner = plan_.clients / "programs" / "run_program.py";
   const std::vector<std::string> words = {plan_.python,
@@ -133,7 +133,7 @@ void Program::Print(std::string_view text) {
   on_change_();
 }
 
-void Program::OnEnd(ProgramEnd end) {
+void Program::OnEnd(ProgramOutcome end) {
   if (!stop_words_.empty()) end = {stop_words_, false, 0};
   end_ = std::move(end);
   if (end_.error) error_ = end_.sentence;

@@ -63,7 +63,7 @@ class Program {
  private:
   std::string text() const;
   void Print(std::string_view text);
-  void OnEnd(ProgramEnd end);
+  void OnEnd(ProgramOutcome end);
   std::filesystem::path file() const { return folder_ / "program.py"; }
 
   boost::asio::io_context& context_;
@@ -83,7 +83,7 @@ class Program {
   bool unsaved_ = false;
   std::string stop_words_;  // empty: nobody has stopped it
   bool again_ = false;      // it is to run again after that
-  ProgramEnd end_;
+  ProgramOutcome end_;
   std::string error_;
   Nanoseconds ended_at_ = 0;
 };

@@ -63,7 +63,7 @@ Packet Receive(int from) {
   return packet;
 }
 
-ProgramEnd ReadEnd(const std::string& text) {
+ProgramOutcome ReadEnd(const std::string& text) {
   const json::object end = ObjectIn(text);
   const json::value* const error = end.if_contains("error");
   const json::value* const line = end.if_contains("line");
@@ -144,7 +144,7 @@ struct ProgramRun::Impl : std::enable_shared_from_this<ProgramRun::Impl> {
   Stream::acceptor door;
   asio::steady_timer pause, patience;
   pid_t process = 0;  // 0: it has ended, or was never there
-  ProgramEnd end{"The program was ended from outside.", true, 0};
+  ProgramOutcome end{"The program was ended from outside.", true, 0};
 };
 
 ProgramRun::ProgramRun(asio::io_context& context, Handlers handlers)

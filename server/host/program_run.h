@@ -17,7 +17,7 @@
 namespace coopdyn {
 
 /// How a program ended.
-struct ProgramEnd {
+struct ProgramOutcome {
   std::string sentence;
   bool error = false;  // the program's fault
   int line = 0;        // of the program, where it went wrong; 0: unknown
@@ -31,7 +31,7 @@ class ProgramRun {
   struct Handlers {
     std::function<void(std::string_view text)> print;    // UTF-8
     std::function<void(UniqueFd connection)> connected;  // a stream socket, as a client's to the names' port
-    std::function<void(ProgramEnd end)> ended;           // once, last; the run may be destroyed in it
+    std::function<void(ProgramOutcome end)> ended;       // once, last; the run may be destroyed in it
   };
 
   ProgramRun(boost::asio::io_context& context, Handlers handlers);

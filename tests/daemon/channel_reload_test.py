@@ -87,8 +87,8 @@ class ChannelReloadTest(unittest.TestCase):
         self.file.write_text(STILL)
         reply = client.ask(50, 0, -1)
         self.assertEqual(reply[:4], ints(99))
-        self.assertIn(b"no robot", reply)
-        until(lambda: "no robot" in self.daemon.stderr())
+        self.assertIn(b"robot has been removed", reply)
+        until(lambda: "robot has been removed" in self.daemon.stderr())
 
     def tcp(self, robot):
         client = Tcp(self.port(robot))
