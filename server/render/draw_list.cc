@@ -116,13 +116,13 @@ class Builder {
     return numbers_ ? Color{static_cast<double>(number_), 0, 0} : of_robot_ ? color : ShownColor(color);
   }
 
-  static Instance MakeInstance(const Pose& X_WG, const Vector3& scale, const Color& color) {
+  static MeshInstance MakeInstance(const Pose& X_WG, const Vector3& scale, const Color& color) {
     const Matrix3 axes = X_WG.q.normalized().toRotationMatrix();  // column-major: the axes in order
     return {ToFloats<9>(axes.data()), ToFloats<3>(scale.data()), ToFloats<3>(X_WG.p.data()),
             ToFloats<3>(&color.r)};
   }
 
-  std::vector<Instance>& InstancesOf(const MeshData& mesh, bool in_skin) {
+  std::vector<MeshInstance>& InstancesOf(const MeshData& mesh, bool in_skin) {
     const auto found = std::ranges::find_if(
         list_.model_meshes, [&](const MeshDraw& one) { return one.mesh == &mesh && one.in_skin == in_skin; });
     return found != list_.model_meshes.end()

@@ -18,7 +18,7 @@
 namespace coopdyn {
 
 /// One shape. World frame, m. The memory layout is that of the vertex attributes.
-struct Instance {
+struct MeshInstance {
   std::array<float, 9> axes;  // the shape's x, y, z axes in the world
   std::array<float, 3> scale;
   std::array<float, 3> position;
@@ -29,13 +29,13 @@ struct Instance {
 struct MeshDraw {
   const MeshData* mesh = nullptr;
   bool in_skin = false;  // draw with its own materials and textures, not the instances' colour
-  std::vector<Instance> instances;
+  std::vector<MeshInstance> instances;
 };
 
 /// Simple shapes covered with a texture.
 struct CladDraw {
   Texture texture;
-  std::array<std::vector<Instance>, kMeshCount> meshes;
+  std::array<std::vector<MeshInstance>, kMeshCount> meshes;
 };
 
 /// A name above a robot, or beside a joint.
@@ -47,7 +47,7 @@ struct Label {
 };
 
 struct DrawList {
-  std::array<std::vector<Instance>, kMeshCount> meshes;
+  std::array<std::vector<MeshInstance>, kMeshCount> meshes;
   std::vector<CladDraw> clad;
   std::vector<MeshDraw> model_meshes;      // meshes of robot models
   std::vector<OverlayVertex> floor_marks;  // drawn where the floor is visible

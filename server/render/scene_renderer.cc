@@ -135,17 +135,17 @@ struct SceneRenderer::Impl {
   // Draws all shapes of `list` with the program in use.
   void DrawInstances(const DrawList& list) const { DrawInstances(list.meshes); }
   // `rounded`: the program in use if it has a uniform `roundness`, else null.
-  void DrawInstances(const std::array<std::vector<Instance>, kMeshCount>& meshes,
+  void DrawInstances(const std::array<std::vector<MeshInstance>, kMeshCount>& meshes,
                      const GlProgram* rounded = nullptr) const {
     mesh_vertices.Bind();
     for (std::size_t id = 0; id < kMeshCount; ++id) {
       if (meshes[id].empty()) continue;
       if (rounded != nullptr)
         gl.Uniform1i(rounded->Uniform("roundness"), RoundnessOf(static_cast<MeshId>(id)));
-      instances.Upload(meshes[id].data(), meshes[id].size() * sizeof(Instance), GL_STREAM_DRAW);
-      // Attributes 2…7 are triples of floats, in the order of Instance.
+      instances.Upload(meshes[id].data(), meshes[id].size() * sizeof(MeshInstance), GL_STREAM_DRAW);
+      // Attributes 2…7 are triples of floats, in the order of MeshInstance.
       for (GLuint i = 0; i < 6; ++i)
-        instances.Attribute(2 + i, 3, sizeof(Instance), 3 * i * sizeof(float), 1);
+        instances.Attribute(2 + i, 3, sizeof(MeshInstance), 3 * i * sizeof(float), 1);
       gl.DrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(ranges[id].count), GL_UNSIGNED_SHORT,
                                reinterpret_cast<const void*>(ranges[id].first_index * sizeof(std::uint16_t)),
                                static_cast<GLsizei>(meshes[id].size()));
@@ -156,8 +156,9 @@ struct SceneRenderer::Impl {
     auto& made = model_meshes[draw.mesh->id];
     if (made == nullptr) made = std::make_unique<GlMesh>(gl, *draw.mesh);
     made->vertices.Bind();
-    instances.Upload(draw.instances.data(), draw.instances.size() * sizeof(Instance), GL_STREAM_DRAW);
-    for (GLuint i = 0; i < 6; ++i) instances.Attribute(2 + i, 3, sizeof(Instance), 3 * i * sizeof(float), 1);
+    instances.Upload(draw.instances.data(), draw.instances.size() * sizeof(MeshInstance), GL_STREAM_DRAW);
+    for (GLuint i = 0; i < 6; ++i)
+      instances.Attribute(2 + i, 3, sizeof(MeshInstance), 3 * i * sizeof(float), 1);
     return *made;
   }
   // Draws the meshes of models in the colours of their instances.
@@ -301,7 +302,7 @@ struct SceneRenderer::Impl {
     SetVector(number, "shadow_along", Vector3::Zero());
     DrawList slab = Slab(floor_model);
     for (auto& instances_of : slab.meshes) {
-      for (Instance& instance : instances_of) instance.color = {kFloorNumber, 0, 0};
+      for (MeshInstance& instance : instances_of) instance.color = {kFloorNumber, 0, 0};
     }
     DrawInstances(slab.meshes, &number);
     DrawInstances(list.meshes, &number);

@@ -109,7 +109,7 @@ TEST(DrawListTest, ARobotWithoutMarkGetsOneAhead) {
   const auto frame = SampleWorld().Robot(At(0, 0, std::numbers::pi / 2)).MakeFrame();
   const DrawList list = ListFor(*frame, From({-2, 0, 2}, {0, 0, 0}));
   ASSERT_EQ(Count(list, MeshId::kBox), 1U);
-  const Instance& mark = list.meshes[static_cast<std::size_t>(MeshId::kBox)][0];
+  const MeshInstance& mark = list.meshes[static_cast<std::size_t>(MeshId::kBox)][0];
   EXPECT_GT(mark.position[1], 0.05F);
   EXPECT_NEAR(mark.position[0], 0, 1e-6);
 }
