@@ -71,10 +71,10 @@ std::optional<Message> RecorderModule::Change(Peer& peer, const Message& request
 }
 
 std::function<void(std::string)> RecorderModule::Ending(const Peer& peer, std::string text) {
-  return [later = Later(peer), text = std::move(text)](std::string error) {
+  return [later = Later(peer), text = std::move(text)](const std::string& error) {
     EditResult result;
     if (!error.empty()) result.error = Error::kNotPossible;
-    result.text = error.empty() ? text : std::move(error);
+    result.text = error.empty() ? text : error;
     later(result);
   };
 }
