@@ -56,9 +56,11 @@ bool IsZombie(pid_t process) {
 
 /// Also of a daemon that an earlier host started. One of ours that has ended is gone from then on.
 bool IsAlive(pid_t process) {
-  const bool is_zombie = process > 0 && IsZombie(process);  // of ours, waitpid() takes it away
-  if (process <= 0 || ::waitpid(process, nullptr, WNOHANG) == process) return false;
-  return !is_zombie && (::kill(process, 0) == 0 || errno == EPERM);
+  if (process <= 0) return false;
+  const pid_t ended = ::waitpid(process, nullptr, WNOHANG);
+  // 0: ours, and not ended as a whole, though its first thread may look like a zombie.
+  if (ended >= 0) return ended == 0;
+  return !IsZombie(process) && (::kill(process, 0) == 0 || errno == EPERM);
 }
 
 /// The last line of a log that says something.
