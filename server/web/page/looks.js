@@ -4,7 +4,7 @@ import * as THREE from 'three';
 import {byId, make, setText} from './dom.js';
 import {BACKWARD, Flight, frame} from './framing.js';
 
-const BEHIND = new THREE.Vector3(-1, 0, 0.55).normalize();  // of a robot that is looked at from behind
+const BEHIND = new THREE.Vector3(-1, 0, 0.55).normalize();  // from a robot to a camera behind it
 const LEAST_ROBOT_M = 0.9;  // away from it
 const TITLES = {front: ['front', 'Look from the front, against x (1)'], side: ['side', 'Look from the right side, along y (2)'],
   robot: ['robot', 'Behind the selected robot, and with it (3)']};

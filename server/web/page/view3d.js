@@ -12,7 +12,7 @@ import {Stage} from './stage.js';
 const RATE_HZ = 30;
 const FOV_DEG = THREE.MathUtils.radToDeg(0.8);  // as in the daemon's pictures
 const MAX_WIDTH = 1280;  // of the daemon's pictures
-const NEAR = 0.004;      // the nearest that is drawn, per distance of what is looked at
+const NEAR = 0.004;      // near plane, as a share of the distance to the camera's target
 
 /** This browser's WebGL: 'none', 'software' or 'hardware'. */
 export function webGl() {
