@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "server/geometry/mesh.h"
 
@@ -32,25 +31,19 @@ double HalfSizeOf(const Shape& shape) {
   return std::visit(Visitor(), shape);
 }
 
-/// Whether it is a single body without a drive: an object, or a robot of one link.
+/// Whether it is one shape without a drive: an object, or a robot of one link.
 bool IsLoose(const Thing& thing) {
-  return thing.body_count() == 1 && !thing.mechanism->drive && !thing.mechanism->parts.empty();
+  return thing.body_count() == 1 && !thing.mechanism->drive && thing.mechanism->parts.size() == 1;
 }
 
-double HalfSizeOf(const std::vector<Part>& parts) {
-  double least_m = std::numeric_limits<double>::infinity();
-  for (const Part& part : parts) least_m = std::min(least_m, HalfSizeOf(part.shape));
-  return least_m;
+const Part& PartOf(const Thing& thing) {
+  return thing.mechanism->parts.front();
 }
 
-/// Half the size of a box around the body's place that contains all its parts.
-Vector3 ReachOf(const std::vector<Part>& parts, const BodyState& body) {
-  Vector3 reach_m = Vector3::Zero();
-  for (const Part& part : parts) {
-    const PlacedPart placed(part, body);
-    reach_m = reach_m.cwiseMax((Vector3(placed.p) - body.p_WB).cwiseAbs() + placed.half_m);
-  }
-  return reach_m;
+/// Half the size of a box around the body's place that contains it.
+Vector3 ReachOf(const Thing& thing, const BodyState& body) {
+  const PlacedPart placed(PartOf(thing), body);
+  return (Vector3(placed.p) - body.p_WB).cwiseAbs() + placed.half_m;
 }
 
 /// Interpolates from `before` to `after`.
@@ -76,7 +69,7 @@ void Sweep::Begin(const Things& things, std::span<const std::uint32_t> active,
     const Thing& info = things.all[thing];
     if (!IsLoose(info)) continue;
     const BodyState& body = bodies[static_cast<std::size_t>(info.first_body)];
-    const double half_size_m = HalfSizeOf(info.mechanism->parts);
+    const double half_size_m = HalfSizeOf(PartOf(info).shape);
     const double way_m = dt_s * body.v_WB.norm();
     if (way_m > kFast * half_size_m) fast_.push_back({thing, half_size_m, body, body});
   }
@@ -91,8 +84,7 @@ void Sweep::End(const Things& things, BroadPhase& broad_phase, Collider& collide
   for (Fast& one : fast_) one.after = body_of(one.thing);
   for (Fast& one : fast_) {
     if (one.after.frozen()) continue;
-    const Vector3 reach =
-        ReachOf(things.all[one.thing].mechanism->parts, one.after) + Vector3::Constant(one.half_size_m);
+    const Vector3 reach = ReachOf(things.all[one.thing], one.after) + Vector3::Constant(one.half_size_m);
     near_.clear();
     broad_phase.FindIn(one.before.p_WB.cwiseMin(one.after.p_WB) - reach,
                        one.before.p_WB.cwiseMax(one.after.p_WB) + reach, near_);
@@ -108,9 +100,7 @@ void Sweep::End(const Things& things, BroadPhase& broad_phase, Collider& collide
       Fast &a = fast_[i], &b = fast_[j];
       const Vector3 apart_m = a.before.p_WB - b.before.p_WB;
       const double ways_m = (a.after.p_WB - a.before.p_WB).norm() + (b.after.p_WB - b.before.p_WB).norm();
-      const auto radius_m = [&](const Fast& of) {
-        return ReachOf(things.all[of.thing].mechanism->parts, of.before).norm();
-      };
+      const auto radius_m = [&](const Fast& of) { return ReachOf(things.all[of.thing], of.before).norm(); };
       if (apart_m.norm() > ways_m + radius_m(a) + radius_m(b)) continue;
       const Actor other = things.ActorOf(b.thing, bodies);
       EndAt(things, a, &other, &b, collider);
