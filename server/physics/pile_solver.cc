@@ -71,12 +71,16 @@ double PileSolver::Law::Slip() const {
   return std::sqrt(x * x + y * y) - std::sqrt(impulse[1] * impulse[1] + impulse[2] * impulse[2]) / hardness;
 }
 
-Matrix3 PileSolver::Law::Stiffness() const {
+Matrix3 PileSolver::Law::Stiffness(bool is_secant) const {
   Matrix3 stiffness = Matrix3::Zero();
   const Vector3 free = hardness * (target - rate);
   if (!is_cone) {
     for (int i = 0; i < 3; ++i) {
-      if (std::abs(free[i]) < bound[i]) stiffness(i, i) = hardness;
+      if (std::abs(free[i]) < bound[i]) {
+        stiffness(i, i) = hardness;
+      } else if (is_secant && bound[i] > 0) {
+        stiffness(i, i) = hardness * bound[i] / std::abs(free[i]);
+      }
     }
     return stiffness;
   }
@@ -237,7 +241,7 @@ void PileSolver::AtPoints(const Linear& linear, const Angular& angular, const Ta
   }
 }
 
-double PileSolver::UpdateLoads() {
+double PileSolver::UpdateLoads(bool rolls) {
   double most = 0;
   for (Point& point : points_) {
     if (point.slide.is_cone) {
@@ -245,7 +249,8 @@ double PileSolver::UpdateLoads() {
       most = std::max(most, point.slide.friction * std::abs(slip - point.slide.slip));
       point.slide.slip = slip;
     }
-    if (point.rolls) point.roll.bound = point.slide.impulse[0] * point.resistance;
+    if (point.rolls)
+      point.roll.bound = rolls ? Vector3(point.slide.impulse[0] * point.resistance) : Vector3::Zero();
     point.slide.Push(0);
     if (point.rolls) point.roll.Push(0);
   }
@@ -312,7 +317,7 @@ void PileSolver::FindStep() {
         bb -= kb * point.r_b.transpose();
         ab -= kb * point.r_a.transpose();
       } else {
-        const Matrix3 K = point.axes_W * point.slide.Stiffness() * point.axes_W.transpose();
+        const Matrix3 K = point.axes_W * point.slide.Stiffness(false) * point.axes_W.transpose();
         const Matrix3 of_a = Cross(point.r_a, K), of_b = Cross(point.r_b, K);
         K_sum += K;
         rK_a += of_a;
@@ -322,7 +327,7 @@ void PileSolver::FindStep() {
         ab += Cross(point.r_a, of_b.transpose());
       }
       if (!point.rolls) continue;
-      const Matrix3 twist = point.axes_W * point.roll.Stiffness() * point.axes_W.transpose();
+      const Matrix3 twist = point.axes_W * point.roll.Stiffness(is_careful_) * point.axes_W.transpose();
       aa += twist;
       bb += twist;
       ab += twist;
@@ -415,12 +420,10 @@ double PileSolver::TakeStep() {
   return std::sqrt(most);
 }
 
-bool PileSolver::Step(double dt_s) {
-  edges_.clear();
-  for (Joint& joint : joints_) {
-    if (joint.a == kNone || joint.b == kNone) continue;
-    joint.edge = edges_.size();
-    edges_.emplace_back(joint.a, joint.b);
+bool PileSolver::Solve(double dt_s) {
+  for (Body& body : bodies_) {
+    body.v = body.state.v_WB;
+    body.w = body.state.w_WB;
   }
   // Tolerance of velocities: a thousandth of their change by gravity; in large piles, at least a thousandth
   // of the largest speed.
@@ -433,29 +436,55 @@ bool PileSolver::Step(double dt_s) {
   AtPoints([](const Body& body) -> const Vector3& { return body.v; },
            [](const Body& body) -> const Vector3& { return body.w; },
            [](Law& law, const Vector3& rates) { law.rate = rates; });
-  for (Point& point : points_) point.slide.Push(0);
+  for (Point& point : points_) {
+    point.slide.slip = 0;
+    point.slide.Push(0);
+  }
   // The first kWithLoads iterations update slips and loads. Afterwards they are fixed, so that the problem is
   // convex.
   constexpr int kMostIterations = 30, kWithLoads = 6;
+  std::vector<State> assumed(points_.size());
   double step_m_s = 0;
   for (int i = 0; i < kMostIterations; ++i) {
-    const double change_m_s = i < kWithLoads ? UpdateLoads() : 0;
+    const double change_m_s = i < kWithLoads ? UpdateLoads(i > 0 || !is_careful_) : 0;
     if (FindGradient() < enough_m_s) {
       step_m_s = 0;
       break;
     }
     if (i == 0) matrix_.Plan(static_cast<int>(bodies_.size()), edges_);
     FindStep();
+    for (std::size_t k = 0; k < points_.size(); ++k) assumed[k] = points_[k].slide.state;
     step_m_s = TakeStep();
-    if (std::max(step_m_s, change_m_s) < enough_m_s || step_m_s == kInfinity) break;
+    if (step_m_s == kInfinity) break;
+    // A step that assumed that things stick is tiny, but not the last if they begin to slide.
+    const auto is_assumed = [](const Point& point, State state) { return point.slide.state == state; };
+    if (std::max(step_m_s, change_m_s) < enough_m_s &&
+        (bodies_.size() > kFew || std::ranges::equal(points_, assumed, is_assumed)))
+      break;
+  }
+  constexpr double kNear_m_s = 0.01;
+  return step_m_s < kNear_m_s;
+}
+
+bool PileSolver::Step(double dt_s) {
+  edges_.clear();
+  for (Joint& joint : joints_) {
+    if (joint.a == kNone || joint.b == kNone) continue;
+    joint.edge = edges_.size();
+    edges_.emplace_back(joint.a, joint.b);
+  }
+  is_careful_ = false;
+  bool is_solved = Solve(dt_s);
+  if (!is_solved) {
+    is_careful_ = true;
+    is_solved = Solve(dt_s);
   }
   for (std::size_t i = 0; i < measured_.size(); ++i) {
     const Point& point = points_[measured_points_[i]];
     measured_[i].force_W = point.axes_W * point.slide.impulse / dt_s;
   }
   Move(dt_s);
-  constexpr double kNear_m_s = 0.01;
-  return step_m_s < kNear_m_s;
+  return is_solved;
 }
 
 void PileSolver::Move(double dt_s) {

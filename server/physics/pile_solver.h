@@ -82,8 +82,8 @@ class PileSolver {
     void Push(double share);
     /// Slip of a cone at the current rates.
     double Slip() const;
-    /// −∂impulse/∂rate.
-    Matrix3 Stiffness() const;
+    /// −∂impulse/∂rate; `is_secant`: where an impulse has reached its bound, −impulse / rate.
+    Matrix3 Stiffness(bool is_secant) const;
   };
   /// A contact point. Axes: the normal, from B to A, and two tangents.
   struct Point {
@@ -108,9 +108,11 @@ class PileSolver {
   /// rates of a body to use.
   template <typename Linear, typename Angular, typename Take>
   void AtPoints(const Linear& linear, const Angular& angular, const Take& take);
-  /// Updates friction to the current loads and slips. Returns the largest change of a slip, times its
-  /// friction, m/s.
-  double UpdateLoads();
+  /// Finds the rates. Returns whether they are within 1 cm/s of the solution.
+  bool Solve(double dt_s);
+  /// Updates friction to the current loads and slips; `rolls`: also rolling and spinning friction. Returns
+  /// the largest change of a slip, times its friction, m/s.
+  double UpdateLoads(bool rolls);
   /// Computes the gradients of all bodies. Returns the largest, as the change of velocity that it causes,
   /// m/s.
   double FindGradient();
@@ -130,6 +132,9 @@ class PileSolver {
   std::vector<Point> points_;
   std::vector<std::pair<int, int>> edges_;
   BlockCholesky matrix_;
+  // In an impact the first guess of a load is far too large, and so is rolling friction, between whose bounds
+  // Newton's method may jump forever. A careful attempt begins without it, and approaches it by secants.
+  bool is_careful_ = false;
   std::vector<BlockCholesky::Vector> solution_;
   std::vector<MeasuredContact> measured_;
   std::vector<std::size_t> measured_points_;

@@ -11,8 +11,8 @@ namespace coopdyn {
 namespace {
 
 // Shares of the half size: an object that moves by more than kFast is fast; a contact deeper than kDeep is
-// more than a touch.
-constexpr double kFast = 0.5, kDeep = 0.1;
+// more than a touch; what is deeper still may go kDeeper in a substep, less than contacts push it out.
+constexpr double kFast = 0.5, kDeep = 0.1, kDeeper = 0.01;
 // Deep enough for Collide() to find contacts.
 constexpr double kTouch_m = 1e-5;
 constexpr int kMostLooks = 2000, kBisections = 30;
@@ -29,6 +29,21 @@ double HalfSizeOf(const Shape& shape) {
     double operator()(const Mesh& mesh) const { return mesh.data->radius_m / 8; }
   };
   return std::visit(Visitor(), shape);
+}
+
+/// Whether it is one shape without a drive: an object, or a robot of one link.
+bool IsLoose(const Thing& thing) {
+  return thing.body_count() == 1 && !thing.mechanism->drive && thing.mechanism->parts.size() == 1;
+}
+
+const Part& PartOf(const Thing& thing) {
+  return thing.mechanism->parts.front();
+}
+
+/// Half the size of a box around the body's place that contains it.
+Vector3 ReachOf(const Thing& thing, const BodyState& body) {
+  const PlacedPart placed(PartOf(thing), body);
+  return (Vector3(placed.p) - body.p_WB).cwiseAbs() + placed.half_m;
 }
 
 /// Interpolates from `before` to `after`.
@@ -51,9 +66,10 @@ void Sweep::Begin(const Things& things, std::span<const std::uint32_t> active,
                   std::span<const BodyState> bodies, double dt_s) {
   fast_.clear();
   for (const std::uint32_t thing : active) {
-    if (thing >= things.first_robot) break;
-    const BodyState& body = bodies[static_cast<std::size_t>(things.all[thing].first_body)];
-    const double half_size_m = HalfSizeOf(things.all[thing].mechanism->parts.front().shape);
+    const Thing& info = things.all[thing];
+    if (!IsLoose(info)) continue;
+    const BodyState& body = bodies[static_cast<std::size_t>(info.first_body)];
+    const double half_size_m = HalfSizeOf(PartOf(info).shape);
     const double way_m = dt_s * body.v_WB.norm();
     if (way_m > kFast * half_size_m) fast_.push_back({thing, half_size_m, body, body});
   }
@@ -68,16 +84,15 @@ void Sweep::End(const Things& things, BroadPhase& broad_phase, Collider& collide
   for (Fast& one : fast_) one.after = body_of(one.thing);
   for (Fast& one : fast_) {
     if (one.after.frozen()) continue;
-    const Vector3 reach = PlacedPart(things.all[one.thing].mechanism->parts.front(), one.after).half_m +
-                          Vector3::Constant(one.half_size_m);
+    const Vector3 reach = ReachOf(things.all[one.thing], one.after) + Vector3::Constant(one.half_size_m);
     near_.clear();
     broad_phase.FindIn(one.before.p_WB.cwiseMin(one.after.p_WB) - reach,
                        one.before.p_WB.cwiseMax(one.after.p_WB) + reach, near_);
-    one.end = std::min(one.end, EndBefore(things, one, nullptr, nullptr, collider));
+    EndAt(things, one, nullptr, nullptr, collider);
     for (const std::uint32_t thing : near_) {
       if (std::ranges::binary_search(fast_, thing, {}, &Fast::thing)) continue;
       const Actor other = things.ActorOf(thing, bodies);
-      one.end = std::min(one.end, EndBefore(things, one, &other, nullptr, collider));
+      EndAt(things, one, &other, nullptr, collider);
     }
   }
   for (std::size_t i = 0; i < fast_.size(); ++i) {
@@ -85,25 +100,25 @@ void Sweep::End(const Things& things, BroadPhase& broad_phase, Collider& collide
       Fast &a = fast_[i], &b = fast_[j];
       const Vector3 apart_m = a.before.p_WB - b.before.p_WB;
       const double ways_m = (a.after.p_WB - a.before.p_WB).norm() + (b.after.p_WB - b.before.p_WB).norm();
-      const auto radius_m = [&](const Fast& of) {
-        return PlacedPart(things.all[of.thing].mechanism->parts.front(), of.before).half_m.norm();
-      };
+      const auto radius_m = [&](const Fast& of) { return ReachOf(things.all[of.thing], of.before).norm(); };
       if (apart_m.norm() > ways_m + radius_m(a) + radius_m(b)) continue;
       const Actor other = things.ActorOf(b.thing, bodies);
-      const double end = EndBefore(things, a, &other, &b, collider);
-      a.end = std::min(a.end, end);
-      b.end = std::min(b.end, end);
+      EndAt(things, a, &other, &b, collider);
     }
   }
   for (const Fast& one : fast_) {
     if (one.end >= 1) continue;
-    body_of(one.thing) = Between(one.before, one.after, one.end);
-    broad_phase.MoveObject(one.thing, body_of(one.thing));
+    BodyState& body = body_of(one.thing);
+    body = Between(one.before, one.after, one.end);
+    if (one.touched) {
+      body.v_WB = one.after.v_WB;
+      body.w_WB = one.after.w_WB;
+    }
+    if (one.thing < things.first_robot) broad_phase.MoveObject(one.thing, body);
   }
 }
 
-double Sweep::EndBefore(const Things& things, const Fast& a, const Actor* other, const Fast* moving,
-                        Collider& collider) {
+void Sweep::EndAt(const Things& things, Fast& a, const Actor* other, Fast* moving, Collider& collider) {
   BodyState place, other_place;
   const Actor actor{things.all[a.thing], &place};
   /// Depth of the deepest contact at `share` of the way, m; -1 without contacts.
@@ -126,20 +141,27 @@ double Sweep::EndBefore(const Things& things, const Fast& a, const Actor* other,
   if (moving != nullptr) way_m -= moving->after.p_WB - moving->before.p_WB;
   const double step_m =
       kFast * std::min(a.half_size_m, moving != nullptr ? moving->half_size_m : a.half_size_m);
-  const double deep_m = kDeep * a.half_size_m;
   const int looks = static_cast<int>(std::clamp(std::ceil(way_m.norm() / step_m), 1.0, 1.0 * kMostLooks));
-  if (depth_m(0) > kTouch_m) return 1;  // contacts push them apart
+  const double start_m = depth_m(0);
+  const bool touches = start_m > kTouch_m;
+  const double deep_m = std::max(kDeep * a.half_size_m, start_m + kDeeper * a.half_size_m);
+  // What touches goes on until it is deeper than it may be: if it stopped at once, it would hang in the air.
+  const double end_m = touches ? deep_m : kTouch_m;
   for (int i = 1; i <= looks; ++i) {
     if (!(depth_m(1.0 * i / looks) > deep_m)) continue;
     double free = 0, touching = 1.0 * i / looks;
-    if (depth_m(1.0 * (i - 1) / looks) <= kTouch_m) free = 1.0 * (i - 1) / looks;
+    if (depth_m(1.0 * (i - 1) / looks) <= end_m) free = 1.0 * (i - 1) / looks;
     for (int k = 0; k < kBisections; ++k) {
       const double middle = (free + touching) / 2;
-      (depth_m(middle) > kTouch_m ? touching : free) = middle;
+      (depth_m(middle) > end_m ? touching : free) = middle;
     }
-    return touching;
+    for (Fast* one : {&a, moving}) {
+      if (one == nullptr || touching >= one->end) continue;
+      one->end = touching;
+      one->touched = touches;
+    }
+    return;
   }
-  return 1;
 }
 
 }  // namespace coopdyn

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Objects that move by more than half of their half size in a substep could pass through thin things. Such an
 // object stops where it first touches something, keeps its speed, and the next substep finds it there
-// (continuous collision by time of impact, as in E. Catto's Box2D). One thread. Only server/physics includes
+// (continuous collision by time of impact, as in E. Catto's Box2D). So does one that a corner holds while it
+// turns on into a wall. One thread. Only server/physics includes
 // this file.
 #pragma once
 
@@ -28,12 +29,12 @@ class Sweep {
     std::uint32_t thing = 0;
     double half_size_m = 0;  // radius of a sphere that fits into it
     BodyState before, after;
-    double end = 1;  // share of the way before it touches
+    double end = 1;        // share of the way before it touches
+    bool touched = false;  // what ends its way touched it from the start: contacts have changed its rates
   };
-  /// Share of its way that `a` moves before it touches `other` (null: the floor). `moving`: `other`, if it is
-  /// fast too; else null.
-  double EndBefore(const Things& things, const Fast& a, const Actor* other, const Fast* moving,
-                   Collider& collider);
+  /// Ends the way of `a` where it touches `other` (null: the floor) or, if it touches it from the start,
+  /// where it would go deeper. `moving`: `other`, if it is fast too, whose way ends as well; else null.
+  void EndAt(const Things& things, Fast& a, const Actor* other, Fast* moving, Collider& collider);
 
   std::vector<Fast> fast_;
   std::vector<std::uint32_t> near_;

@@ -76,6 +76,15 @@ TEST_P(SlideTest, ABoxOnABoxThatLeansSlidesDownByTheFormula) {
   EXPECT_LT(std::abs((scene_.object(0).p - start).dot(n)), 5e-4);
 }
 
+TEST_P(SlideTest, ABoxAtRestBeginsToSlideInTheFirstStep) {
+  constexpr double kPull_m_s2 = 4, kFriction = 0.3;
+  scene_.SetGravity(Vector3(kPull_m_s2, 0, -kG)).Add(Box{{0.2, 0.2, 0.2}}, At(0, 0, 0.1), 2, kFriction);
+  scene_.Build();
+  scene_.Run(1);
+  const double expected_m_s = 1e-3 * GetParam() * (kPull_m_s2 - kFriction * kG);
+  EXPECT_NEAR(scene_.object_body(0).v_WB.x(), expected_m_s, 0.01 * expected_m_s);
+}
+
 INSTANTIATE_TEST_SUITE_P(Steps, TowerTest, testing::Values(1, 2, 5, 10),
                          [](const auto& info) { return std::to_string(info.param) + "ms"; });
 INSTANTIATE_TEST_SUITE_P(Steps, SlideTest, testing::Values(1, 5, 10),

@@ -56,6 +56,37 @@ TEST_P(SweepTest, ATumblingBoxDoesNotPassThroughAThinPlateThatItFallsOn) {
   EXPECT_LT(scene_.object(0).p.z(), 2.06);
 }
 
+TEST_P(SweepTest, ASmallBoxDoesNotTurnThroughAThinWallThatItsCornerHits) {
+  for (const double speed_m_s : {5.0, 10.0}) {
+    for (int turn = 0; turn < 12; ++turn) {
+      scene_ = PhysicsScene();
+      SetUp();
+      const Quaternion q = FromRollPitchYaw(0.5 * turn, 1.3 * turn, 0);
+      scene_.SetGravity(0);
+      scene_.Add(Box{{0.01, 0.02, 0.015}}, {{-0.2 - 0.013 * turn, 0, 1}, q}, 0.01, 0.5);
+      scene_.Add(Box{{0.01, 2, 2}}, At(0, 0, 1), 0, 0.5);
+      Throw({{speed_m_s, 0, 0}});
+      scene_.RunFor(0.3);
+      EXPECT_LT(scene_.object(0).p.x(), 0) << speed_m_s << " m/s, turn " << turn;
+    }
+  }
+}
+
+TEST_P(SweepTest, SpinningBallsStayBeforeAHeavyWallThatMeetsThem) {
+  scene_.SetGravity(0);
+  scene_.Add(Sphere{0.005}, At(-0.5882, -1.75, 0.889), 0.01, 0.5);
+  scene_.Add(Sphere{0.005}, At(-0.4182, 2.75, 1.066), 0.01, 0.5);
+  scene_.Add(Box{{0.01, 12, 3}}, At(0.3, 0, 1.6), 500, 0.5);
+  Throw({{5, 0, 0}, {5, 0, 0}, {-5, 0, 0}});
+  auto frame = scene_.Capture();
+  frame->bodies[0].w_WB = {0, 17.9, 0};
+  frame->bodies[1].w_WB = {0, 8.1, 0};
+  scene_.Restore(*frame);
+  scene_.RunFor(0.2);
+  for (const int ball : {0, 1}) EXPECT_LT(scene_.object(ball).p.x(), scene_.object(2).p.x()) << ball;
+  EXPECT_TRUE(scene_.world().TakeUnsolved().empty());
+}
+
 TEST_P(SweepTest, BallsThatMeetHeadOnDoNotPassThroughEachOther) {
   scene_.Add(Sphere{0.02}, At(-1, 0, 1), 0.1);
   scene_.Add(Sphere{0.02}, At(1.013, 0, 1), 0.1);
