@@ -2,6 +2,7 @@
 // Asks for name and PIN, and leads to the student's seat.
 import {byId, setText} from './dom.js';
 import {post} from './host_events.js';
+import './words.js';
 
 byId('login').addEventListener('submit', async (event) => {
   event.preventDefault();
