@@ -43,6 +43,10 @@ test('no script shows a text that is not translated', () => {
   }
 });
 
+test('what scripts look up or compare is not translated', () => {
+  for (const name of scripts()) assert.doesNotMatch(read(name), /(?:byId|querySelector\w*|closest|Listener|getContext|Event)\(t\(|[=!]== t\(|case t\(/, name);
+});
+
 test('no style shows a text', () => {
   for (const name of styles()) {
     for (const [, text] of read(name).matchAll(/content:\s*"([^"]*)"/g)) assert.doesNotMatch(text, /\p{L}{2}/u, `${name}: use attr()`);

@@ -137,7 +137,7 @@ export default {
   'Got it': 'Verstanden',
   'Messages: {count}': 'Nachrichten: {count}',
   'To the wall': 'Zur Übersicht',
-  'You are at the seat of {name} as the teacher': 'Dies ist der Platz von {name}, als Lehrkraft',
+  'You are at the seat of {name} as the teacher': 'Platz von {name}, als Lehrkraft geöffnet',
   ': you drive, and the student watches': ': die Lehrkraft steuert, der Platz schaut zu',
   // class_words.js
   'the page': 'die Seite',
