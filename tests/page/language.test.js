@@ -149,6 +149,7 @@ test('in no language a text is cut off, on a phone and on a projector', async ()
         await unfold(page, tab);
         if (tab === 'cost') await page.waitForSelector('#cost-table tbody tr');
         assert.deepEqual(await clipped(page), [], `${language}, ${width}×${height}, ${tab}`);
+        assert.ok(await page.$eval('#state', (state) => state.scrollWidth <= state.clientWidth + 1), `the state, ${language}, ${width}×${height}`);
       }
     }
   }
