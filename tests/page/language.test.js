@@ -246,7 +246,7 @@ test('a class is in German, from the login to the wall', async () => {
   await wall.click('.tile[data-seat="ana"] .name');
   await wall.waitForSelector('#panel dd');
   assert.deepEqual(await leftInEnglish(wall, 'de'), [], 'wall');
-  assert.match(await wall.textContent('#panel .why'), /^Hand oben seit eben$/);
+  assert.match(await wall.textContent('#panel .why'), /^Hand gerade gehoben$/);
   assert.ok((await wall.locator('#panel .why').boundingBox()).height > 20, 'is not squeezed');
   for (const [width, height] of [[390, 844], [1024, 768]]) {
     await wall.setViewportSize({width, height});

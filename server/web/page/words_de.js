@@ -153,7 +153,7 @@ export default {
   'now': 'jetzt',
   'Your simulation crashed: it continues at the last recorded moment': 'Die Simulation ist abgestürzt: sie geht beim letzten aufgenommenen Zeitpunkt weiter',
   'Your simulation crashed again and again: the lesson was begun anew': 'Die Simulation ist immer wieder abgestürzt: die Lektion wurde neu begonnen',
-  'hand up just now': 'Hand oben seit eben',
+  'hand up just now': 'Hand gerade gehoben',
   'hand up for {minutes} min': 'Hand oben seit {minutes} min',
   'its simulation has not answered for {seconds} s: Restart lesson ends it': 'ihre Simulation antwortet seit {seconds} s nicht: Lektion neu starten beendet sie',
   '{count} resets within a minute': '{count} × zurückgesetzt in einer Minute',
@@ -429,7 +429,7 @@ export default {
   // joints.js
   'Hold': 'Halten',
   'Holds all joints where they are': 'Hält alle Gelenke, wo sie sind',
-  'Idle': 'Lose',
+  'Idle': 'Stromlos',
   'Switches the motors of all joints off': 'Schaltet die Motoren aller Gelenke aus',
   'Let go': 'Loslassen',
   'Releases the robot: this page stops driving its joints': 'Gibt den Roboter frei: diese Seite steuert seine Gelenke nicht mehr',

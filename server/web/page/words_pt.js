@@ -667,7 +667,7 @@ export default {
   'More': 'Mais',
   'All': 'Todos',
   // wall_orders.js
-  'It meets {names}.': 'Refere-se a {names}.',
+  'It meets {names}.': 'Afeta {names}.',
   // wall_panel.js
   'Open the page': 'Abrir a página',
   'Message to this student': 'Mensagem para este aluno',
