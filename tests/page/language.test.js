@@ -219,6 +219,10 @@ test('a class is in German, from the login to the wall', async () => {
   assert.equal(await ana.evaluate(() => document.activeElement.id), 'name', 'the field has the focus although the page appears late');
   assert.deepEqual(await leftInEnglish(ana, 'de'), []);
   await ana.fill('#name', 'Ana Lima');
+  await ana.fill('#pin', '0000');
+  await ana.press('#pin', 'Enter');
+  await eventually(async () => /^Kein Platz „ana“ mit dieser PIN/.test(await ana.textContent('#answer')));
+  ana.mistakes.length = 0;  // the browser tells of the request that was refused
   await ana.fill('#pin', '7305');
   await ana.click('button');
   await ana.waitForURL('**/s/ana/');
@@ -239,6 +243,10 @@ test('a class is in German, from the login to the wall', async () => {
   await wall.goto(new URL('wall/', host.url).href);
   await wall.waitForSelector('#unlock:not([hidden])');
   assert.deepEqual(await leftInEnglish(wall, 'de'), [], 'before the wall');
+  await wall.fill('#token', 'x'.repeat(24));
+  await wall.press('#token', 'Enter');
+  await eventually(async () => /^Das ist nicht das Token der Lehrkraft/.test(await wall.textContent('#unlock-answer')));
+  wall.mistakes.length = 0;
   await wall.fill('#token', host.token);
   await wall.press('#token', 'Enter');
   await wall.waitForSelector('.tile[data-seat="ana"][data-hand="true"]');

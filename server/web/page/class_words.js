@@ -35,21 +35,25 @@ const TROUBLES = {
 /** The host's word for a trouble, as one tells it to the student. */
 export const troubleText = (trouble) => TROUBLES[trouble] ?? trouble.replace(/^its daemon/, 'Your simulation');
 
-const NEEDS = [
+const HOST_SAYS = [
   [/^hand up for 0 min$/, () => t('hand up just now')],
   [/^hand up for (\d+) min$/, (minutes) => t('hand up for {minutes} min', {minutes})],
   [/^its simulation has not answered for (\d+) s: Restart lesson ends it$/, (seconds) => t('its simulation has not answered for {seconds} s: Restart lesson ends it', {seconds})],
   [/^(\d+) resets within a minute$/, (count) => t('{count} resets within a minute', {count})],
   [/^nothing done for (\d+) min$/, (minutes) => t('nothing done for {minutes} min', {minutes})],
+  [/^no seat '(.*)' with this PIN: both stand on the sheet that the teacher hands out$/, (name) => t('no seat \'{name}\' with this PIN: both stand on the sheet that the teacher hands out', {name})],
+  [/^this is not the teacher's token: coopdyn host printed it when it started$/, () => t('this is not the teacher\'s token: coopdyn host printed it when it started')],
 ];
-/** Why a seat needs help, in the words of the host; what daemons and programs say stays as it is. */
-export function needText(why) {
-  for (const [pattern, said] of NEEDS) {
-    const found = pattern.exec(why);
+/** What the host says most often: why a seat needs help, why somebody is not let in. All else stays as it is. */
+export function hostText(text) {
+  for (const [pattern, said] of HOST_SAYS) {
+    const found = pattern.exec(text);
     if (found) return said(found[1]);
   }
-  return why;
+  return text;
 }
+/** An error as a sentence. */
+export const sentenceOf = (error) => error && `${error[0].toUpperCase()}${error.slice(1)}.`;
 
 /** "20261129-181523" as "18:15". */
 export const whenText = (when) => when.replace(/^\d{8}-(\d\d)(\d\d).*$/, '$1:$2');

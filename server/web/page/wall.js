@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The teacher's wall: a tile for each seat, those that need help first.
-import {ORDERS} from './class_words.js';
+import {hostText, ORDERS, sentenceOf} from './class_words.js';
 import {byId, make, say, setText} from './dom.js';
 import {follow, post} from './host_events.js';
 import {listenToTheme} from './layout.js';
@@ -240,7 +240,7 @@ function open() {
 
 async function unlock(token) {
   const {error} = await post('login', {token});
-  setText(byId('unlock-answer'), error && `${error[0].toUpperCase()}${error.slice(1)}.`);
+  setText(byId('unlock-answer'), sentenceOf(hostText(error)));
   if (error) return byId('token').select();
   try { localStorage.setItem(KEPT, 'yes'); } catch { /* the next visit asks the host */ }
   if (location.hash === '#to=sheet') return location.replace('class/sheet');  // its address leads here without the token

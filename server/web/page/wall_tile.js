@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A seat on the wall: its world from above, and what one must know of it at a glance.
-import {idleText, languageText, needText, ORDERS, stateOf} from './class_words.js';
+import {hostText, idleText, languageText, ORDERS, stateOf} from './class_words.js';
 import {make, setText, showNumber} from './dom.js';
 import {unitText} from './scores.js';
 import {SeatFeed} from './seat_feed.js';
@@ -105,7 +105,7 @@ export class Tile {
     const idle = seat.idle_s + ago_s;
     setText(this.#idle, key === 'asleep' ? '' : idle < 10 ? t('active') : t('idle {time}', {time: idleText(idle)}));
     setText(this.#given, handedIn(seat) > 0 ? t('handed in {count}', {count: handedIn(seat)}) : '');
-    this.why = needText(seat.why) || trouble || seat.error;
+    this.why = hostText(seat.why) || trouble || seat.error;
     const why = this.why || (key === 'ended' ? seat.ended ?? '' : '');
     setText(this.#why, why);
     this.#why.title = why;

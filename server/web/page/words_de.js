@@ -158,6 +158,8 @@ export default {
   'its simulation has not answered for {seconds} s: Restart lesson ends it': 'ihre Simulation antwortet seit {seconds} s nicht: Lektion neu starten beendet sie',
   '{count} resets within a minute': '{count} × zurückgesetzt in einer Minute',
   'nothing done for {minutes} min': 'seit {minutes} min nichts getan',
+  'no seat \'{name}\' with this PIN: both stand on the sheet that the teacher hands out': 'kein Platz „{name}“ mit dieser PIN: beides steht auf dem Zettel, den die Lehrkraft austeilt',
+  'this is not the teacher\'s token: coopdyn host printed it when it started': 'das ist nicht das Token der Lehrkraft: coopdyn host hat es beim Start ausgegeben',
   'the recording of your run': 'die Aufnahme des Laufs',
   'your program': 'das Programm',
   'what it printed': 'was es ausgegeben hat',

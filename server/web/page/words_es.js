@@ -159,6 +159,8 @@ export default {
   'its simulation has not answered for {seconds} s: Restart lesson ends it': 'su simulación no responde desde hace {seconds} s: Recomenzar la lección la termina',
   '{count} resets within a minute': 'reiniciado {count} veces en un minuto',
   'nothing done for {minutes} min': 'nada hecho desde hace {minutes} min',
+  'no seat \'{name}\' with this PIN: both stand on the sheet that the teacher hands out': 'no hay puesto «{name}» con este PIN: ambos están en la hoja que reparte el docente',
+  'this is not the teacher\'s token: coopdyn host printed it when it started': 'este no es el token del docente: coopdyn host lo mostró al arrancar',
   'the recording of your run': 'la grabación de la ejecución',
   'your program': 'el programa',
   'what it printed': 'lo que escribió',

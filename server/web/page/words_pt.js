@@ -159,6 +159,8 @@ export default {
   'its simulation has not answered for {seconds} s: Restart lesson ends it': 'a simulação não responde há {seconds} s: Recomeçar a lição a termina',
   '{count} resets within a minute': 'reiniciado {count} vezes em um minuto',
   'nothing done for {minutes} min': 'nada feito há {minutes} min',
+  'no seat \'{name}\' with this PIN: both stand on the sheet that the teacher hands out': 'não há lugar “{name}” com este PIN: ambos estão na folha que o docente entrega',
+  'this is not the teacher\'s token: coopdyn host printed it when it started': 'este não é o token do docente: coopdyn host o mostrou ao iniciar',
   'the recording of your run': 'a gravação da execução',
   'your program': 'o programa',
   'what it printed': 'o que ele escreveu',
