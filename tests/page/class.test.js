@@ -192,6 +192,7 @@ test('tiles do not move under the pointer', async () => {
   await eventually(async () => (await order())[0] === 'ben');
   await ben.click('#class-hand');
   await eventually(async () => (await order())[0] === 'ana');
+  await hasText(ben, '#class-hand', /^Raise hand$/);  // the next click raises it again
 });
 
 test('a raised hand comes first', async () => {

@@ -62,10 +62,10 @@ async function start(environment, ...words) {
 }
 
 /** An empty page that collects its errors in `page.mistakes`. `webgl`: it can draw the view itself, by software rendering, which takes
- *  most of a test's time; otherwise it shows the daemon's pictures. */
-export async function newPage({webgl = false} = {}) {
-  const at = kept.findIndex((page) => page.webgl === webgl);
-  const page = at >= 0 ? kept.splice(at, 1)[0] : await makePage(webgl);
+ *  most of a test's time; otherwise it shows the daemon's pictures. `locale`: the browser's language. */
+export async function newPage({webgl = false, locale = 'en-US'} = {}) {
+  const at = kept.findIndex((page) => page.webgl === webgl && page.locale === locale);
+  const page = at >= 0 ? kept.splice(at, 1)[0] : await makePage(webgl, locale);
   page.mistakes = [];
   pages.add(page);
   return page;
@@ -78,8 +78,8 @@ export const startBrowser = () => (browser ??= chromium.launch({
     '--disable-background-networking', '--disable-component-update', '--disable-sync'],
 }));
 
-async function makePage(webgl) {
-  const page = Object.assign(await (await startBrowser()).newPage({viewport: SIZE, reducedMotion: 'reduce'}), {webgl});
+async function makePage(webgl, locale) {
+  const page = Object.assign(await (await startBrowser()).newPage({viewport: SIZE, reducedMotion: 'reduce', locale}), {webgl, locale});
   page.setDefaultTimeout(LIMIT_MS);
   page.on('close', () => pages.delete(page));
   // A few pictures a second are enough.

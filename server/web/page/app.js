@@ -25,10 +25,11 @@ import {Task} from './task.js';
 import {Timeline} from './timeline.js';
 import {keepToken, rememberedToken} from './token.js';
 import {View} from './view.js';
+import {t} from './words.js';
 import {World} from './world.js';
 
 startLayout();
-for (const [id, title] of [['world', 'World'], ['arena', 'Gallery'], ['plots', 'Plots'], ['runs', 'Recordings'], ['text', 'Text'], ['cost', 'Speed']]) tab(id, title);
+for (const [id, title] of [['world', t('World')], ['arena', t('Gallery')], ['plots', t('Plots')], ['runs', t('Recordings')], ['text', t('Text')], ['cost', t('Speed')]]) tab(id, title);
 const connection = new Connection(rememberedToken(), SEAT ? isAwake : undefined);
 const bar = SEAT ? import('./class.js').then(({ClassBar}) => new ClassBar(connection)) : null;
 const OWN_MS = 1500;
@@ -40,7 +41,7 @@ const gallery = new Gallery(controls, (kind, name) => editor.open(kind, name));
 const dropped = new Dropped(connection, controls, gallery);
 const links = new Links(connection, controls);
 const people = new People(connection);
-if (SEAT) askHost().then(({name}) => people.call(SEAT.teaches ? 'Teacher' : name), () => {});
+if (SEAT) askHost().then(({name}) => people.call(SEAT.teaches ? t('Teacher') : name), () => {});
 const record = new Record(connection);
 const timeline = new Timeline(connection);
 const runs = new Runs(connection, timeline);
@@ -138,7 +139,7 @@ connection.addEventListener('hello', ({detail}) => {
   byId('view-only').hidden = detail.read_only !== true;
   disableAll(detail.read_only ? byId('view-only').title : '');
   byId('locked').hidden = detail.trusted || underWay || detail.read_only === true;
-  const no = detail.token_wait ?? 'This is not the token: look again at what the daemon printed.';
+  const no = detail.token_wait ?? t('This is not the token: look again at what the daemon printed.');
   setText(byId('token-answer'), detail.wrong_token ? no : '');
   if (detail.wrong_token) {
     connection.forgetToken();
@@ -146,7 +147,7 @@ connection.addEventListener('hello', ({detail}) => {
     if (unlocking) byId('token').select();
   } else if (detail.trusted) {
     if (connection.token) keepToken(connection.token);
-    if (unlocking) say('unlocked');
+    if (unlocking) say(t('unlocked'));
     byId('token').value = '';
   } else if (underWay) {
     return;
@@ -165,7 +166,7 @@ connection.addEventListener('lost', () => {
 byId('locked').addEventListener('submit', (event) => {
   event.preventDefault();
   const token = byId('token').value.trim();
-  if (!token) return setText(byId('token-answer'), 'Enter the token first.');
+  if (!token) return setText(byId('token-answer'), t('Enter the token first.'));
   unlocking = true;
   connection.unlock(token);
 });

@@ -6,6 +6,7 @@ import {make, setText} from './dom.js';
 import {follow, post} from './host_events.js';
 import {Program} from './program.js';
 import {hostAddress, SEAT, seatIn} from './seat.js';
+import {t} from './words.js';
 
 const button = (title, act, properties = {}) => {
   const made = make('button', {type: 'button', ...properties}, title);
@@ -16,7 +17,7 @@ const button = (title, act, properties = {}) => {
 /** Puts the bar on the page. `connection`: to the daemon of the seat. */
 export class ClassBar {
   #connection;
-  #bar = make('section', {id: 'class-bar', 'aria-label': 'Class'});
+  #bar = make('section', {id: 'class-bar', 'aria-label': t('Class')});
   #who = make('span', {id: 'class-who'});
   #state = make('p', {id: 'class-state', role: 'status', hidden: true});
   #said = make('p', {id: 'class-said', role: 'status', hidden: true});
@@ -38,7 +39,7 @@ export class ClassBar {
 
   /** Says the answer to something that was done here. */
   say(text, isError = false) {
-    this.#said.replaceChildren(text, ' ', button('OK', () => { this.#said.hidden = true; }, {class: 'small'}));
+    this.#said.replaceChildren(text, ' ', button(t('OK'), () => { this.#said.hidden = true; }, {class: 'small'}));
     this.#said.classList.toggle('error', isError);
     this.#said.hidden = text === '';
   }
@@ -58,18 +59,18 @@ export class ClassBar {
   #showState(seat) {
     const trouble = seat.trouble && seat.trouble !== this.#read ? seat.trouble : '';
     if (!seat.trouble) this.#read = null;
-    const [kind, text] = this.#asleep ? ['calm', SEAT.teaches ? 'This simulation was put aside.' : 'Your simulation was put aside. It goes on where it was.']
-      : seat.taken && !seat.frozen && !SEAT.teaches ? ['taken', 'The teacher drives now: you can watch.']
-      : seat.frozen && !SEAT.teaches ? ['frozen', 'Frozen by the teacher: look up. Your world goes on afterwards.']
+    const [kind, text] = this.#asleep ? ['calm', SEAT.teaches ? t('This simulation was put aside.') : t('Your simulation was put aside. It goes on where it was.')]
+      : seat.taken && !seat.frozen && !SEAT.teaches ? ['taken', t('The teacher drives now: you can watch.')]
+      : seat.frozen && !SEAT.teaches ? ['frozen', t('Frozen by the teacher: look up. Your world goes on afterwards.')]
       : trouble ? ['trouble', `${SEAT.teaches ? trouble : troubleText(trouble)}.`] : ['', ''];
     this.#state.hidden = text === '';
     if (this.#state.dataset.text === text) return;
     this.#state.dataset.text = text;
     this.#state.dataset.kind = kind;
     this.#state.replaceChildren(text);
-    if (this.#asleep) this.#state.append(' ', button('Go on', () => this.#connection.open()));
+    if (this.#asleep) this.#state.append(' ', button(t('Go on'), () => this.#connection.open()));
     else if (kind === 'trouble') {
-      this.#state.append(' ', button('OK', () => {
+      this.#state.append(' ', button(t('OK'), () => {
         this.#read = trouble;
         this.#state.hidden = true;
       }, {class: 'small'}));
@@ -81,8 +82,8 @@ class StudentPart {
   #bar;
   #up = false;
   #notes = [];
-  #hand = button('Raise hand', () => this.#raise(), {id: 'class-hand', 'aria-pressed': 'false', title: 'The teacher sees it'});
-  #handIn = button('Hand in', () => this.#handsIn(), {id: 'class-hand-in', title: 'Keeps your run and your program as they are now, for the teacher'});
+  #hand = button(t('Raise hand'), () => this.#raise(), {id: 'class-hand', 'aria-pressed': 'false', title: t('The teacher sees it')});
+  #handIn = button(t('Hand in'), () => this.#handsIn(), {id: 'class-hand-in', title: t('Keeps your run and your program as they are now, for the teacher')});
   #given = make('details', {id: 'class-given', hidden: true});
   #messages = make('details', {id: 'class-messages', hidden: true});
   #news = make('div', {id: 'class-news', role: 'alert', hidden: true});
@@ -95,15 +96,15 @@ class StudentPart {
   }
 
   who(seat) {
-    const group = seat.group ? ` · group ${seat.group}` : '';
-    return [make('strong', {}, seat.name), make('span', {class: 'quiet'}, ` seat ${seat.seat}${group}`)];
+    const group = seat.group ? ` · ${t('group {group}', {group: seat.group})}` : '';
+    return [make('strong', {}, seat.name), make('span', {class: 'quiet'}, ` ${t('seat {seat}', {seat: seat.seat})}${group}`)];
   }
 
   update(seat) {
     this.#up = seat.hand;
     this.#hand.setAttribute('aria-pressed', String(seat.hand));
-    setText(this.#hand, seat.hand ? 'Hand is up' : 'Raise hand');
-    this.#hand.title = seat.hand ? 'Take it down again' : 'The teacher sees it';
+    setText(this.#hand, seat.hand ? t('Hand is up') : t('Raise hand'));
+    this.#hand.title = seat.hand ? t('Take it down again') : t('The teacher sees it');
     this.#showGiven(seat.handed_in);
     this.#notes = seat.notes;
     this.#showNotes();
@@ -122,7 +123,7 @@ class StudentPart {
     if (error) return this.#bar.say(error, true);
     const me = await fetch(hostAddress('me')).then((answer) => answer.json()).catch(() => null);
     const last = me?.handed_in.at(-1);
-    this.#bar.say(last ? `Handed in at ${whenText(last.when)}. Kept: ${keptText(last.files)}.` : 'Handed in.');
+    this.#bar.say(last ? t('Handed in at {time}. Kept: {files}.', {time: whenText(last.when), files: keptText(last.files)}) : t('Handed in.'));
     if (me) this.update(me);
   }
 
@@ -133,7 +134,7 @@ class StudentPart {
     this.#given.dataset.key = key;
     const results = given.filter(({result}) => result).length;
     this.#given.replaceChildren(
-      make('summary', {}, `Handed in: ${given.length}${results > 0 ? `, ${results} with a result` : ''}`),
+      make('summary', {}, `${t('Handed in: {count}', {count: given.length})}${results > 0 ? `, ${t('{count} with a result', {count: results})}` : ''}`),
       make('ul', {}, ...given.toReversed().map(({when, files, result}) =>
         make('li', {}, make('strong', {}, whenText(when)), ` ${keptText(files)}`, ...(result ? [make('pre', {}, result)] : [])))));
   }
@@ -157,14 +158,14 @@ class StudentPart {
     if (this.#news.dataset.key !== key) {
       this.#news.dataset.key = key;
       this.#news.replaceChildren(
-        make('div', {class: 'notes'}, make('strong', {}, 'Your teacher'), ...unread.map(({time, text}) => make('p', {}, make('time', {}, time), ' ', text))),
-        button('Got it', () => this.#markRead(), {class: 'primary'}));
+        make('div', {class: 'notes'}, make('strong', {}, t('Your teacher')), ...unread.map(({time, text}) => make('p', {}, make('time', {}, time), ' ', text))),
+        button(t('Got it'), () => this.#markRead(), {class: 'primary'}));
     }
     const old = this.#notes.slice(0, this.#notes.length - unread.length);
     this.#messages.hidden = old.length === 0;
     if (this.#messages.dataset.count === String(old.length)) return;
     this.#messages.dataset.count = old.length;
-    this.#messages.replaceChildren(make('summary', {}, `Messages: ${old.length}`),
+    this.#messages.replaceChildren(make('summary', {}, t('Messages: {count}', {count: old.length})),
       make('ul', {}, ...old.toReversed().map(({time, text}) => make('li', {}, make('time', {}, time), ' ', text))));
   }
 
@@ -184,10 +185,11 @@ class TeacherPart {
 
   constructor(bar) { this.#bar = bar; }
 
-  get elements() { return [this.#take, this.#freeze, this.#lower, make('a', {href: '../../', id: 'class-wall'}, 'To the wall')]; }
+  get elements() { return [this.#take, this.#freeze, this.#lower, make('a', {href: '../../', id: 'class-wall'}, t('To the wall'))]; }
 
   who(seat) {
-    return ['You are at the seat of ', make('strong', {}, seat.name), ' as the teacher', make('span', {class: 'quiet'}, seat.taken ? ': you drive, and the student watches' : '')];
+    const [before, after] = t('You are at the seat of {name} as the teacher').split('{name}');
+    return [before, make('strong', {}, seat.name), after, make('span', {class: 'quiet'}, seat.taken ? t(': you drive, and the student watches') : '')];
   }
 
   update(seat) {

@@ -7,6 +7,7 @@ import {EditorState} from '@codemirror/state';
 import {Decoration, drawSelection, EditorView, highlightActiveLine, keymap, lineNumbers, MatchDecorator, ViewPlugin} from '@codemirror/view';
 import {LOOK} from './code_look.js';
 import {GRAMMAR, kindOf, TEMPLATES} from './grammar.js';
+import {t} from './words.js';
 
 const SECTION = /^\s*\[([^\]]*)\]?/;
 
@@ -68,7 +69,7 @@ export class CodeView {
       colored(/^\s*\[[^\]]*\]/gm, 'section'), colored(/(^|\s)[#;].*$/gm, 'comment'), colored(/^\s*[A-Za-z_]\w*(?=\s)/gm, 'key'),
       autocompletion({override: [(context) => completionsAt(context, names)], icons: false, interactionDelay: 0}),
       keymap.of([{key: 'Tab', run: acceptCompletion}, ...completionKeymap, ...lintKeymap, ...historyKeymap, ...defaultKeymap]),
-      EditorView.contentAttributes.of({'aria-label': 'Text of the scenario', spellcheck: 'false'}),
+      EditorView.contentAttributes.of({'aria-label': t('Text of the scenario'), spellcheck: 'false'}),
       EditorView.updateListener.of((update) => { if (update.docChanged) onChange(); }),
     ]});
     this.#view = new EditorView({state, parent: root, root});

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The WebSocket to the daemon: calls with replies, pushes, status and pictures. Reconnects automatically.
+import {t} from './words.js';
 
 const SILENCE_MS = 2000;  // the status comes five times a second
 const REFUSED_MS = 1000;
@@ -59,7 +60,7 @@ export class Connection extends EventTarget {
    *  error; `error` is −1 if the connection was lost. */
   call(request) {
     return new Promise((resolve) => {
-      if (!this.isOpen) return resolve({error: -1, text: 'the daemon does not answer', params: [], data: []});
+      if (!this.isOpen) return resolve({error: -1, text: t('the daemon does not answer'), params: [], data: []});
       const id = this.#next++;
       if (/^\/(simulation|world|playback)$/.test(request.module) && !/^(get_|list|save|describe)/.test(request.command ?? '')) {
         this.actedAt = performance.now();
@@ -95,7 +96,7 @@ export class Connection extends EventTarget {
     socket.onclose = () => {
       clearTimeout(this.#silence);
       for (const resolve of this.#waiting.values()) {
-        resolve({error: -1, text: 'the connection to the daemon was lost', params: [], data: []});
+        resolve({error: -1, text: t('the connection to the daemon was lost'), params: [], data: []});
       }
       this.#waiting.clear();
       this.dispatchEvent(new Event('lost'));

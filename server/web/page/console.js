@@ -3,6 +3,7 @@
 import {aboutPlace, commonStart, explain, placeIn, wordsAt} from './console_complete.js';
 import {headOf, inLanguages, programOf} from './console_copy.js';
 import {byId, make, say, setText} from './dom.js';
+import {t} from './words.js';
 
 const MAX_ENTRIES = 200;
 const LONG_TEXT = 200;  // longer reply texts are folded
@@ -21,8 +22,8 @@ export class Console {
   #module = byId('console-module');
   #line = byId('console-line');
   #log = byId('console-log');
-  #copy = make('select', {id: 'console-copy', title: 'Copy the commands of the log as a program', 'aria-label': 'Copy the commands of the log as a program'},
-    ...['Copy as …', 'MATLAB', 'Python', 'C++', 'telnet'].map((name, i) => make('option', {value: i ? name : ''}, name)));
+  #copy = make('select', {id: 'console-copy', title: t('Copy the commands of the log as a program'), 'aria-label': t('Copy the commands of the log as a program')},
+    ...[t('Copy as …'), 'MATLAB', 'Python', 'C++', 'telnet'].map((name, i) => make('option', {value: i ? name : ''}, name)));
   #commands = new Map();  // by module: the commands in its `describe`
   #names = {ROBOT: [], MODULE: [], SCENARIO: []};
   #namePort = 0;
@@ -96,7 +97,7 @@ export class Console {
     } else if (place.word || words.length > 0) {
       text = words.join('  ');
     }
-    if (place.word && !place.command && words.length === 0 && this.#known.length > 0) text = 'no such command here; help lists them';
+    if (place.word && !place.command && words.length === 0 && this.#known.length > 0) text = t('no such command here; help lists them');
     setText(byId('console-hint'), text);
   }
 
@@ -171,37 +172,37 @@ export class Console {
     entry.copies = inLanguages(sent);
     const buttons = Object.entries(entry.copies).map(([language, text]) => {
       const head = headOf(language, location.hostname, this.#namePort, [text], this.#names.ROBOT);
-      const button = make('button', {type: 'button', class: 'small', title: `${text}\n\nafter:\n${head}`}, language);
+      const button = make('button', {type: 'button', class: 'small', title: `${text}\n\n${t('after:')}\n${head}`}, language);
       button.dataset.copy = language;
       button.addEventListener('click', () => this.#toClipboard(text, language));
       return button;
     });
-    entry.append(make('span', {class: 'copies', role: 'group', 'aria-label': 'Copy as'}, ...buttons));
+    entry.append(make('span', {class: 'copies', role: 'group', 'aria-label': t('Copy as')}, ...buttons));
   }
 
   async #copyAll() {
     const language = this.#copy.value;
     this.#copy.value = '';
     const lines = [...this.#log.children].map(({copies}) => copies?.[language]).filter(Boolean);
-    if (lines.length === 0) return say('send a command first: then the log can be copied as a program', true);
+    if (lines.length === 0) return say(t('send a command first: then the log can be copied as a program'), true);
     await this.#toClipboard(programOf(language, location.hostname, this.#namePort, lines, this.#names.ROBOT), language);
   }
 
   async #toClipboard(text, language) {
     try {
       await navigator.clipboard.writeText(text);
-      say(`copied as ${language}`);
+      say(t('copied as {language}', {language}));
     } catch {  // without HTTPS, only pages of localhost may use the clipboard
       const entry = this.#write(text, 'copied');
       getSelection().selectAllChildren(entry);
-      say('the browser does not let this page copy: press Ctrl+C');
+      say(t('the browser does not let this page copy: press Ctrl+C'));
     }
   }
 
   #pushed(message) {
     if (message.channel) return;  // not the console's
     const data = message.data.map(String).join(' ');
-    const text = message.command === -1 ? `closed: ${message.text}` : `${message.command} ${data} ${message.text}`;
+    const text = message.command === -1 ? t('closed: {reason}', {reason: message.text}) : `${message.command} ${data} ${message.text}`;
     this.#write(`${message.module} < ${text}`, 'push');
   }
 

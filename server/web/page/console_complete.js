@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Completions and hints for a console line, from the `describe` of its module. No drawing.
+import {t} from './words.js';
 
 /** The longest common prefix of `words`. */
 export function commonStart(words) {
@@ -65,15 +66,15 @@ export function wordsAt(place, commands, names) {
 /** "angular: rad/s, from −1 to 1"; empty if unknown. */
 export function aboutPlace(place) {
   if (!('at' in place)) return '';
-  if (place.isText) return place.command.text_name ? `now: ${place.command.text_name}` : '';
+  if (place.isText) return place.command.text_name ? t('now: {what}', {what: place.command.text_name}) : '';
   const {spec} = place;
   if (!spec) return '';
   const parts = [spec.name];
   if (spec.unit) parts.push(spec.unit);
   if (spec.enums.length > 0) parts.push(spec.enums.map(({word}) => word).join(' | '));
-  if (spec.min !== null && spec.max !== null) parts.push(`${spec.min} to ${spec.max}`);
-  else if (spec.min !== null) parts.push(`from ${spec.min}`);
-  return `now: ${parts.join(', ')}${spec.optional ? ' (may be left out)' : ''}`;
+  if (spec.min !== null && spec.max !== null) parts.push(t('{from} to {to}', {from: spec.min, to: spec.max}));
+  else if (spec.min !== null) parts.push(t('from {from}', {from: spec.min}));
+  return t('now: {what}', {what: parts.join(', ')}) + (spec.optional ? ` ${t('(may be left out)')}` : '');
 }
 
 /** The reply in words: "left_speed 1.5 rad/s, …; t 2.4 s, step 240"; empty if its line says all. */
@@ -88,6 +89,6 @@ export function explain(command, reply) {
   });
   const values = [...show(command.reply_params, reply.params), ...show(command.reply_data, reply.data.slice(0, -2))];
   const [time, step] = reply.data.slice(-2);
-  if (time !== undefined && step !== undefined) values.push(`at ${time} s, step ${step}`);
+  if (time !== undefined && step !== undefined) values.push(t('at {time} s, step {step}', {time, step}));
   return values.join(', ');
 }

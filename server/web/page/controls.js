@@ -4,6 +4,7 @@ import {byId, make, say, setOff, setText} from './dom.js';
 import {textOf} from './dropped.js';
 import {showTab} from './layout.js';
 import {ask} from './seat.js';
+import {t} from './words.js';
 
 const MODULE = '/simulation';
 const MAX_INT32 = 2 ** 31 - 1;
@@ -36,7 +37,7 @@ export class Controls {
     on('set-step', 'change', () => this.#setStep());
     on('set-speed', 'change', () => this.#setSpeed());
     on('go-realtime', 'click', () => this.#order('set_mode', {line: 'set_mode realtime'}));
-    on('no-limit', 'click', () => this.#order('speed', {command: 'set_speed', data: [0]}));
+    on('no-limit', 'click', () => this.#order(t('speed'), {command: 'set_speed', data: [0]}));
     for (const id of ['seed', 'set-step', 'set-speed']) {
       on(id, 'input', () => byId(id).removeAttribute('aria-invalid'));
       on(id, 'blur', () => this.#forgetRefused(id));
@@ -49,8 +50,8 @@ export class Controls {
     this.#status = status;
     const paused = status?.state === 'paused';
     const playback = status?.playback;
-    setOff('step', paused || playback ? '' : 'Only while paused',
-      playback ? 'Goes on by this number of recorded steps; below 0 goes back' : 'Runs this number of steps');
+    setOff('step', paused || playback ? '' : t('Only while paused'),
+      playback ? t('Goes on by this number of recorded steps; below 0 goes back') : t('Runs this number of steps'));
     byId('run').setAttribute('aria-pressed', String(Boolean(status) && /running|waiting|playing/.test(status.state)));
     byId('pause').setAttribute('aria-pressed', String(paused));
     if (!status) return;
@@ -69,21 +70,21 @@ export class Controls {
   }
 
   #offerWhatAPlaybackTakes(playback) {
-    const off = (does) => (playback ? `A recording is being played: ${does}` : '');
-    setOff('seed', off('it has the seed that it was made with'));
-    setOff('set-mode', off('it has the mode that it was made in'));
-    setOff('set-step', off('it has the steps that it was made with'));
-    setOff('no-limit', off('it has a speed from −4 to 64'), 'No limit: as fast as this computer can');
-    setOff('reload', off('its scenario cannot be changed'), 'Load the same scenario file again from disk');
-    for (const id of ['scenarios', 'upload']) setOff(id, off('its scenario cannot be changed'));
-    setOff('load', this.#noScenarios ? 'There are no scenarios on the search path' : off('its scenario cannot be changed'));
-    setOff('stop-all', off('nobody drives its robots'));
+    const off = (does) => (playback ? t('A recording is being played: {does}', {does}) : '');
+    setOff('seed', off(t('it has the seed that it was made with')));
+    setOff('set-mode', off(t('it has the mode that it was made in')));
+    setOff('set-step', off(t('it has the steps that it was made with')));
+    setOff('no-limit', off(t('it has a speed from −4 to 64')), t('No limit: as fast as this computer can'));
+    setOff('reload', off(t('its scenario cannot be changed')), t('Load the same scenario file again from disk'));
+    for (const id of ['scenarios', 'upload']) setOff(id, off(t('its scenario cannot be changed')));
+    setOff('load', this.#noScenarios ? t('There are no scenarios on the search path') : off(t('its scenario cannot be changed')));
+    setOff('stop-all', off(t('nobody drives its robots')));
     const count = byId('step-count');
     count.min = playback ? '-1000000' : '1';
     byId('step-back').hidden = !playback;
     const speed = byId('set-speed');
     speed.min = playback ? '-4' : '0';
-    speed.title = playback ? 'Below 0 the recording goes backwards' : '';
+    speed.title = playback ? t('Below 0 the recording goes backwards') : '';
   }
 
   async refreshScenarios() {
@@ -150,7 +151,7 @@ export class Controls {
     const seed = Number(field.value);
     if (field.validity.badInput || !Number.isInteger(seed) || seed < 0 || seed > MAX_INT32) {
       field.focus();  // losing the focus clears it
-      return this.#refuse('seed', `seed must be a whole number up to ${MAX_INT32}`);
+      return this.#refuse('seed', t('seed must be a whole number up to {most}', {most: MAX_INT32}));
     }
     this.#order('reset', {command: 'reset', params: field.value.trim() === '' || field.disabled ? [] : [seed]});
   }
@@ -158,16 +159,16 @@ export class Controls {
   async #setStep() {
     const field = byId('set-step');
     const value = Number(field.value);
-    if (field.validity.badInput) return this.#refuse('set-step', 'step size: write a number of ms, e.g. 10');
+    if (field.validity.badInput) return this.#refuse('set-step', t('step size: write a number of ms, e.g. 10'));
     if (field.value.trim() !== '') {
       if (value < MIN_STEP_MS || value > MAX_STEP_MS) {
-        return this.#refuse('set-step', `step size: a step lasts ${MIN_STEP_MS} to ${MAX_STEP_MS} ms, not ${value} ms`);
+        return this.#refuse('set-step', t('step size: a step lasts {least} to {most} ms, not {value} ms', {least: MIN_STEP_MS, most: MAX_STEP_MS, value}));
       }
       const whole = Math.round(1000 * value) / 1000;
       if (Math.abs(value - whole) > 1e-9) {
-        return this.#refuse('set-step', `step size: a step lasts whole microseconds: write ${whole} ms`);
+        return this.#refuse('set-step', t('step size: a step lasts whole microseconds: write {whole} ms', {whole}));
       }
-      await this.#order('step size', {command: 'set_step', data: [Number((value / 1000).toPrecision(9))]});
+      await this.#order(t('step size'), {command: 'set_step', data: [Number((value / 1000).toPrecision(9))]});
     }
     field.blur();  // shows what holds
   }
@@ -178,11 +179,11 @@ export class Controls {
     const playback = Boolean(this.#status?.playback);
     const [low, high] = playback ? [MIN_PLAY_SPEED, MAX_PLAY_SPEED] : [0, Infinity];
     if (field.validity.badInput || (field.value !== '' && (value === 0 || value < low || value > high))) {
-      return this.#refuse('set-speed', playback ? `speed: write a number from ${low} to ${high} other than 0, or press Pause`
-        : 'speed: write a number above 0, e.g. 2, or press "no limit"');
+      return this.#refuse('set-speed', playback ? t('speed: write a number from {low} to {high} other than 0, or press Pause', {low, high})
+        : t('speed: write a number above 0, e.g. 2, or press "no limit"'));
     }
     if (field.value !== '') {
-      await this.#order('speed', {module: playback ? '/playback' : MODULE, command: 'set_speed', data: [value]});
+      await this.#order(t('speed'), {module: playback ? '/playback' : MODULE, command: 'set_speed', data: [value]});
     }
     field.blur();  // shows what holds
   }
@@ -191,15 +192,15 @@ export class Controls {
   async load(request, name = request.text ?? '', lines = null) {
     this.#uploaded = lines;
     this.#showDiagnostics('');
-    say('loading …');
-    const before = this.#status?.scenario ?? 'the world before';
+    say(t('loading …'));
+    const before = this.#status?.scenario ?? t('the world before');
     const kept = await this.#connection.call({module: MODULE, command: 'save', text: BEFORE_LOAD});
     const reply = await this.#connection.call({module: MODULE, ...request});
     if (reply.error === 0) {
-      say(`loaded ${name}`.trim(), false, kept.error === 0 ? {text: `Undo: back to ${before}`, act: () => this.#undoLoad(before)} : null);
+      say(t('loaded {name}', {name}).trim(), false, kept.error === 0 ? {text: t('Undo: back to {name}', {name: before}), act: () => this.#undoLoad(before)} : null);
       this.#showDiagnostics(reply.text);
     } else if (/:\d+: (error|warning): /.test(reply.text)) {
-      say('the file has errors; nothing was changed', true);
+      say(t('the file has errors; nothing was changed'), true);
       this.#showDiagnostics(reply.text);
     } else {
       say(reply.text, true);
@@ -208,14 +209,14 @@ export class Controls {
 
   async #undoLoad(before) {
     const reply = await this.#connection.call({module: MODULE, command: 'restore', text: BEFORE_LOAD});
-    say(reply.error === 0 ? `${before} is back, as it was before the load` : reply.text, reply.error !== 0);
+    say(reply.error === 0 ? t('{name} is back, as it was before the load', {name: before}) : reply.text, reply.error !== 0);
   }
 
   async #upload() {
     const [file] = byId('upload').files;
     byId('upload').value = '';  // allows choosing the same file again
     if (!file) return;
-    if (file.size > 12 * 2 ** 20) return say('the file is too large for a scenario', true);
+    if (file.size > 12 * 2 ** 20) return say(t('the file is too large for a scenario'), true);
     await this.loadText(await textOf(file), file.name);
   }
 
@@ -231,7 +232,7 @@ export class Controls {
   /** Shows `diagnostics` from /api/check or /api/upload for a file with this text. */
   showErrors(diagnostics, text) {
     this.#uploaded = text.split(/\r?\n/);
-    say('the file has errors; nothing was changed', true);
+    say(t('the file has errors; nothing was changed'), true);
     this.#showDiagnostics(diagnostics.map(({file, line, severity, text: what}) => `${file}:${line}: ${severity}: ${what}`).join('\n'));
   }
 
@@ -241,7 +242,7 @@ export class Controls {
       const [, where, number, level, what] = /^(.*?):(\d+): (error|warning): (.*)$/.exec(line) ?? [];
       if (!what) return make('li', {}, line);
       const source = this.#uploaded?.[Number(number) - 1];
-      const item = make('li', {class: level}, make('strong', {}, `line ${number}`), `: ${what}`);
+      const item = make('li', {class: level}, make('strong', {}, t('line {number}', {number})), `: ${what}`);
       if (!this.#uploaded) item.prepend(`${where}, `);
       if (source !== undefined) item.append(make('code', {}, source.trim()));
       return item;

@@ -3,31 +3,32 @@
 import {make, setText, showNumber} from './dom.js';
 import {isShown, tab} from './layout.js';
 import {waitingText} from './strip.js';
+import {plural, t} from './words.js';
 
 const PERIOD_MS = 500;
 const LEAST_MS = 0.0005;  // shorter parts are not listed
 
 /** The daemon's names for the parts of a step, in plain words: [name, explanation]. */
 const PARTS = {
-  physics: ['physics', 'motion, contacts and joints'],
-  frames: ['state', 'publishing the new state to its readers'],
-  sensors: ['sensors', 'readings for loaded controllers'],
-  control: ['control', 'loaded controllers, the wait for their process included'],
-  recorder: ['recorder', 'handing the step to the recorder, the wait for it included'],
-  answers: ['answers', 'notifying clients and subscribers of the step'],
-  rest: ['rest', 'everything else in a step'],
-  pace: ['spare', 'idle time: the run keeps its pace'],
-  clients: ['clients', 'the world waits for commands'],
+  physics: [t('physics'), t('motion, contacts and joints')],
+  frames: [t('state'), t('publishing the new state to its readers')],
+  sensors: [t('sensors'), t('readings for loaded controllers')],
+  control: [t('control'), t('loaded controllers, the wait for their process included')],
+  recorder: [t('recorder'), t('handing the step to the recorder, the wait for it included')],
+  answers: [t('answers'), t('notifying clients and subscribers of the step')],
+  rest: [t('rest'), t('everything else in a step')],
+  pace: [t('spare'), t('idle time: the run keeps its pace')],
+  clients: [t('clients'), t('the world waits for commands')],
 };
 
 /** The daemon's threads, in plain words. */
 const THREADS = {
-  render: 'pictures (render)', web: 'viewers (page)', recorder: 'writing the recording', control: '/simulation, /swarm, names',
-  physics: 'stepping', log: 'log',
+  render: t('pictures (render)'), web: t('viewers (page)'), recorder: t('writing the recording'), control: t('/simulation, /swarm, names'),
+  physics: t('stepping'), log: t('log'),
 };
 
 /** "ana (2 robots)", "robot3's client". */
-export const clientName = ({name, client, robots}) => (robots > 1 ? `${client ?? 'a client'} (${robots} robots)` : `${name}'s client`);
+export const clientName = ({name, client, robots}) => (robots > 1 ? t('{client} ({count} robots)', {client: client ?? t('a client'), count: robots}) : t('{name}\'s client', {name}));
 
 /** The rows of a table: {name, about, kind, ms}; `period`: last or all. Parts and clients, longest first. */
 export function rowsOf(costs, period) {
@@ -36,7 +37,7 @@ export function rowsOf(costs, period) {
     const alone = client[`alone_${period}_ms`];
     const who = client.client ? `${client.client}: ` : '';
     return {kind: 'client', name: clientName(client), ms: of(client), alone,
-      about: `${who}the world waited ${showNumber(of(client), 2)} ms per step for it, ${showNumber(alone, 2)} ms of that for it alone`};
+      about: who + t('the world waited {ms} ms per step for it, {alone} ms of that for it alone', {ms: showNumber(of(client), 2), alone: showNumber(alone, 2)})};
   });
   const parts = costs.parts.filter(({part}) => part !== 'clients' || clients.length === 0).map((entry) => {
     const [name, about] = PARTS[entry.part] ?? [entry.part, ''];
@@ -51,16 +52,17 @@ export const lengthOf = (costs, period) =>
 
 /** A sentence that says what slows the run. */
 export function verdict(costs, period) {
-  if (costs.playback) return 'A recording is played: nothing is computed.';
+  if (costs.playback) return t('A recording is played: nothing is computed.');
   const rows = rowsOf(costs, period), length = lengthOf(costs, period);
-  if (rows.length === 0) return 'No step has run yet in this time.';
+  if (rows.length === 0) return t('No step has run yet in this time.');
   const spare = rows.find(({kind}) => kind === 'spare')?.ms ?? 0;
   const first = rows.find(({kind}) => kind !== 'spare');
-  const steps = `A step takes ${showNumber(length, 2)} ms`;
-  if (spare > 0.2 * length) return `${steps}, ${showNumber(spare, 2)} ms of it to spare: nothing in the run slows it.`;
-  if (!first) return `${steps}.`;
-  if (first.kind === 'client') return `${steps}. ${first.name}: the world waited ${showNumber(first.ms, 2)} ms per step for it.`;
-  return `${steps}. Most of it, ${showNumber(first.ms, 2)} ms, is ${first.name}: ${first.about}.`;
+  const ms = showNumber(length, 2);
+  if (spare > 0.2 * length) return t('A step takes {ms} ms, {spare} ms of it to spare: nothing in the run slows it.', {ms, spare: showNumber(spare, 2)});
+  if (!first) return t('A step takes {ms} ms.', {ms});
+  const part = {ms, most: showNumber(first.ms, 2), name: first.name, about: first.about};
+  return first.kind === 'client' ? t('A step takes {ms} ms. {name}: the world waited {most} ms per step for it.', part)
+    : t('A step takes {ms} ms. Most of it, {most} ms, is {name}: {about}.', part);
 }
 
 const SLOW = 0.8;  // of the wanted speed
@@ -69,12 +71,13 @@ const capital = (text) => text[0].toUpperCase() + text.slice(1);
 /** What the strip shows, if that is why nothing, or less than wanted, happens; else empty. */
 export function stateVerdict(status, spareIsLarge) {
   const {state = '', mode = '', speed = 0, rtf = 0} = status ?? {};
-  if (state === 'paused') return 'The run is paused: Run lets it go on.';
-  if (state === 'ended') return `The run has ended: ${status.ended}. Reset starts it again.`;
+  if (state === 'paused') return t('The run is paused: Run lets it go on.');
+  if (state === 'ended') return t('The run has ended: {reason}. Reset starts it again.', {reason: status.ended});
   const waits = status ? waitingText(status) : '';
   if (waits) return `${capital(waits)}.`;
   if (mode === 'realtime' && spareIsLarge && speed > 0 && rtf < SLOW * speed) {
-    return `The run keeps × ${showNumber(rtf, 2)} of × ${showNumber(speed, 2)}, though its steps are short: other programs of this computer use the processor.`;
+    return t('The run keeps × {rtf} of × {speed}, though its steps are short: other programs of this computer use the processor.',
+      {rtf: showNumber(rtf, 2), speed: showNumber(speed, 2)});
   }
   return '';
 }
@@ -82,7 +85,7 @@ export function stateVerdict(status, spareIsLarge) {
 const number = (value, digits) => make('td', {class: 'number'}, showNumber(value, digits));
 
 export class Costs {
-  #panel = tab('cost', 'Speed');
+  #panel = tab('cost', t('Speed'));
   #period = 'last';
   #sort = 'ms';
   #costs = null;
@@ -101,21 +104,21 @@ export class Costs {
       made.addEventListener('click', () => { this.#period = period; this.#show(); });
       return made;
     };
-    this.#buttons = [button('last', 'last second', 'On average over the last second'),
-      button('all', 'since reset', 'On average since the last reset or load')];
+    this.#buttons = [button('last', t('last second'), t('On average over the last second')),
+      button('all', t('since reset'), t('On average since the last reset or load'))];
     const head = (key, text) => {
-      const sort = make('button', {type: 'button', class: 'small', title: `Sort by ${text}`}, text);
+      const sort = make('button', {type: 'button', class: 'small', title: t('Sort by {column}', {column: text})}, text);
       sort.dataset.sort = key;
       sort.addEventListener('click', () => { this.#sort = key; this.#show(); });
       return make('th', {scope: 'col'}, sort);
     };
     this.#panel.append(this.#verdict, make('div', {class: 'row'}, ...this.#buttons),
       make('table', {id: 'cost-table', class: 'costs'},
-        make('thead', {}, make('tr', {}, head('name', 'part'), head('ms', 'ms per step'), make('th', {scope: 'col'}, 'share'))), this.#rows),
-      this.#note, make('h2', {}, 'Beside the steps'),
-      make('p', {class: 'quiet'}, 'Threads of the daemon that the world does not wait for. They slow it only if they use its core.'),
-      make('table', {id: 'cost-threads', class: 'costs'}, make('thead', {}, make('tr', {}, make('th', {scope: 'col'}, 'thread'),
-        make('th', {scope: 'col'}, 'ms per step'), make('th', {scope: 'col'}, '% of a core'))), this.#threads));
+        make('thead', {}, make('tr', {}, head('name', t('part')), head('ms', t('ms per step')), make('th', {scope: 'col'}, t('share')))), this.#rows),
+      this.#note, make('h2', {}, t('Beside the steps')),
+      make('p', {class: 'quiet'}, t('Threads of the daemon that the world does not wait for. They slow it only if they use its core.')),
+      make('table', {id: 'cost-threads', class: 'costs'}, make('thead', {}, make('tr', {}, make('th', {scope: 'col'}, t('thread')),
+        make('th', {scope: 'col'}, t('ms per step')), make('th', {scope: 'col'}, t('% of a core')))), this.#threads));
     this.#panel.addEventListener('shown', () => this.#poll());
     this.#panel.addEventListener('hidden', () => clearTimeout(this.#timer));
   }
@@ -153,7 +156,8 @@ export class Costs {
       return row;
     }));
     const steps = this.#period === 'last' ? costs.steps_last : costs.steps;
-    setText(this.#note, `${steps ?? 0} steps${costs.clients.length > 1 ? '. Clients are waited for side by side: a step lasts as long as the slowest.' : '.'}`);
+    setText(this.#note, plural(steps ?? 0, '{count} step.', '{count} steps.')
+      + (costs.clients.length > 1 ? ` ${t('Clients are waited for side by side: a step lasts as long as the slowest.')}` : ''));
     const threads = costs.threads.filter(({cores}) => cores >= 0.0005).sort((a, b) => b.cores - a.cores);
     this.#threads.replaceChildren(...threads.map(({name, count, last_ms: ms, cores}) =>
       make('tr', {}, make('th', {scope: 'row'}, (THREADS[name] ?? name) + (count > 1 ? ` × ${count}` : '')), number(ms, 3), number(100 * cores, 1))));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Small DOM helpers. Text is always inserted as text, never as markup.
+import {t} from './words.js';
 
 /** The element with this id. */
 export const byId = (id) => document.getElementById(id);
@@ -87,7 +88,7 @@ export function say(text, isError = false, offer = null) {
 }
 
 /** Asks before something that cannot be undone. Resolves to whether it shall be done. */
-export function confirmed(question, yes, no = 'Cancel') {
+export function confirmed(question, yes, no = t('Cancel')) {
   return new Promise((resolve) => {
     const dialog = make('dialog', {class: 'question', 'aria-label': question}, make('form', {method: 'dialog'}, make('p', {}, question),
       make('div', {class: 'row'}, make('button', {value: 'no'}, no), make('button', {value: 'yes', class: 'danger'}, yes))));

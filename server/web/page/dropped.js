@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Files dropped on the page: loads scenarios; uploads worlds and robot models, then uses them.
 import {byId, say} from './dom.js';
+import {t} from './words.js';
 
 const MOST_BYTES = 12 * 2 ** 20;
 const KINDS = /\.(scenario|xml|world|sdf|urdf|txt)$/i;
@@ -44,9 +45,9 @@ export class Dropped {
 
   async take(files, x, y) {
     const wrong = files.find((file) => !KINDS.test(file.name));
-    if (wrong) return say(`${wrong.name}: drop a .scenario, .xml, .world, .sdf or .urdf file`, true);
+    if (wrong) return say(t('{name}: drop a .scenario, .xml, .world, .sdf or .urdf file', {name: wrong.name}), true);
     const large = files.find((file) => file.size > MOST_BYTES);
-    if (large) return say(`${large.name} is larger than 12 MB: put it into the daemon's folder instead`, true);
+    if (large) return say(t('{name} is larger than 12 MB: put it into the daemon\'s folder instead', {name: large.name}), true);
     // Dependencies first: a scenario may name a world or a robot dropped with it.
     const rank = ({name}) => ['sdf', 'urdf', 'world', 'scenario', 'xml', 'txt'].indexOf(name.split('.').at(-1).toLowerCase());
     for (const file of files.sort((a, b) => rank(a) - rank(b))) await this.#takeOne(file, files.length === 1, x, y);
@@ -57,12 +58,13 @@ export class Dropped {
     if (/\.(scenario|xml|txt)$/i.test(file.name)) return this.#controls.loadText(text, file.name);
     const answer = await fetch('api/upload', {method: 'POST', headers: {'Content-Type': 'application/json'},
       body: JSON.stringify({name: file.name, text, token: this.#connection.token || undefined})}).catch(() => null);
-    if (!answer) return say('the daemon does not answer', true);
+    if (!answer) return say(t('the daemon does not answer'), true);
     if (!answer.ok) return say(`${file.name}: ${(await answer.text()).trim()}`, true);
     const report = await answer.json();
     if (!report.ok) return this.#controls.showErrors(report.diagnostics, text);
     this.#gallery.refresh();
-    say(`${file.name} is here as the ${report.kind} ${report.name}`);
+    say(report.kind === 'robot' ? t('{file} is here as the robot {name}', {file: file.name, name: report.name})
+      : t('{file} is here as the world {name}', {file: file.name, name: report.name}));
     if (!alone) return undefined;
     if (report.kind === 'robot' && this.#world) return this.#world.insertAt('robot', report.name, x, y);
     return this.#controls.load({command: 'load_scenario', text: report.load}, report.name);

@@ -3,6 +3,7 @@
 // browser tab is closed.
 import {byId, make, saveFile, say, setText} from './dom.js';
 import {isShown, showTab, tab} from './layout.js';
+import {plural, t} from './words.js';
 
 const DRAFT = 'coopdyn-draft';
 const CHECK_MS = 350;
@@ -19,7 +20,7 @@ export class Editor {
   #checked = 0;
   #timer = 0;
   #report = null;
-  #panel = tab('text', 'Text');
+  #panel = tab('text', t('Text'));
   #host = make('div', {id: 'editor'});
   #state = make('p', {id: 'editor-state', role: 'status'});
 
@@ -32,11 +33,11 @@ export class Editor {
       return made;
     };
     this.#panel.append(make('div', {class: 'row'},
-      button('editor-load', 'Load', 'Run this text (Ctrl+Enter)', () => this.load(), 'primary'),
-      button('editor-save', 'Save as file', 'Keep it on this computer (Ctrl+S)', () => this.#save()),
-      button('editor-running', 'What runs', 'The text that was loaded', () => this.#take('api/text', `${this.#status?.scenario ?? 'my'}.scenario`)),
-      button('editor-world', 'Current world', 'The current world as text', () => this.#takeWorld()),
-      button('editor-new', 'New', 'A small scenario to begin with; Ctrl+Z brings back what was here', () => this.#replace(EMPTY, 'my.scenario'))),
+      button('editor-load', t('Load'), t('Run this text (Ctrl+Enter)'), () => this.load(), 'primary'),
+      button('editor-save', t('Save as file'), t('Keep it on this computer (Ctrl+S)'), () => this.#save()),
+      button('editor-running', t('What runs'), t('The text that was loaded'), () => this.#take('api/text', `${this.#status?.scenario ?? 'my'}.scenario`)),
+      button('editor-world', t('Current world'), t('The current world as text'), () => this.#takeWorld()),
+      button('editor-new', t('New'), t('A small scenario to begin with; Ctrl+Z brings back what was here'), () => this.#replace(EMPTY, 'my.scenario'))),
     this.#host, this.#state);
     this.#panel.addEventListener('shown', () => this.#start());
     this.#panel.addEventListener('keydown', (event) => {
@@ -56,9 +57,9 @@ export class Editor {
 
   update(status) {
     this.#status = status;
-    const off = status.playback ? 'A recording is played: its scenario cannot be changed' : '';
+    const off = status.playback ? t('A recording is played: its scenario cannot be changed') : '';
     byId('editor-load').disabled = off !== '';
-    byId('editor-load').title = off || 'Run this text (Ctrl+Enter)';
+    byId('editor-load').title = off || t('Run this text (Ctrl+Enter)');
     if (status.scenario !== this.#runningOf && isShown('text')) this.#learnRunning();
   }
 
@@ -78,7 +79,7 @@ export class Editor {
 
   #starting = null;
   #start() {
-    if (!this.#starting) setText(this.#state, 'reading the text …');
+    if (!this.#starting) setText(this.#state, t('reading the text …'));
     this.#starting ??= this.#begin();
     return this.#starting;
   }
@@ -125,7 +126,7 @@ export class Editor {
 
   async #take(address, name) {
     const answer = await fetch(address).catch(() => null);
-    if (!answer?.ok) return say(answer ? (await answer.text()).trim() : 'the daemon does not answer', true);
+    if (!answer?.ok) return say(answer ? (await answer.text()).trim() : t('the daemon does not answer'), true);
     this.#replace(await answer.text(), name);
   }
 
@@ -149,12 +150,12 @@ export class Editor {
   #showState() {
     if (!this.#report) return;
     const {errors, warnings, summary, diagnostics} = this.#report;
-    const count = (number, what) => (number > 0 ? [`${number} ${what}${number > 1 ? 's' : ''}`] : []);
-    const first = diagnostics[0] ? `; line ${diagnostics[0].line}: ${diagnostics[0].text}` : '';
+    const counts = [errors > 0 && plural(errors, '{count} error', '{count} errors'), warnings > 0 && plural(warnings, '{count} warning', '{count} warnings')];
+    const first = diagnostics[0] ? `; ${t('line {number}', {number: diagnostics[0].line})}: ${diagnostics[0].text}` : '';
     const same = this.#running !== null && this.text.trim() === this.#running.replace(/\n# file: .*\n?$/, '').trim();
-    const runs = same ? 'This runs. ' : 'Not what runs. ';
+    const runs = same ? t('This runs.') : t('Not what runs.');
     this.#state.classList.toggle('error', errors > 0);
-    setText(this.#state, errors + warnings > 0 ? [...count(errors, 'error'), ...count(warnings, 'warning')].join(', ') + first : runs + (summary ?? ''));
+    setText(this.#state, errors + warnings > 0 ? counts.filter(Boolean).join(', ') + first : `${runs} ${summary ?? ''}`);
   }
 
   #save() {

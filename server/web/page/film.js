@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Pictures (PNG) and films (WebM, in real time) of the view, made by the browser.
 import {byId, make, saveFile, say, setText} from './dom.js';
+import {t} from './words.js';
 
 const RATE_HZ = 30;
 const BITS_PER_S = 6e6;
 const TYPES = ['video/webm;codecs=vp9', 'video/webm;codecs=vp8', 'video/webm'];
-const NO_FILM = 'this browser cannot make films: use Chrome, Edge or Firefox, or coopdyn export FILE.run --out film.mp4';
+const NO_FILM = t('this browser cannot make films: use Chrome, Edge or Firefox, or coopdyn export FILE.run --out film.mp4');
 
 const clock = (seconds) => `${Math.floor(seconds / 60)}:${String(Math.floor(seconds % 60)).padStart(2, '0')}`;
 
@@ -21,15 +22,15 @@ export class Film {
 
   constructor(view) {
     this.#view = view;
-    this.#picture = this.#addTool('picture', 'Save a picture of what is seen', () => this.#savePicture());
-    this.#film = this.#addTool('film', this.#title, () => (this.#recorder ? this.#stop() : this.#start()));
+    this.#picture = this.#addTool('picture', t('picture'), t('Save a picture of what is seen'), () => this.#savePicture());
+    this.#film = this.#addTool('film', t('film'), this.#title, () => (this.#recorder ? this.#stop() : this.#start()));
     this.#film.setAttribute('aria-pressed', 'false');
   }
 
-  get #title() { return `Film what is seen, at most ${clock(this.limit_s)}`; }
+  get #title() { return t('Film what is seen, at most {time}', {time: clock(this.limit_s)}); }
 
-  #addTool(text, title, act) {
-    const button = make('button', {type: 'button', title, id: `tool-${text}`}, text);
+  #addTool(name, text, title, act) {
+    const button = make('button', {type: 'button', title, id: `tool-${name}`}, text);
     button.addEventListener('click', act);
     byId('view-tools').append(button);
     return button;
@@ -59,10 +60,10 @@ export class Film {
     const sheet = this.#newSheet();
     this.#draw(sheet);
     const blob = await new Promise((resolve) => sheet.toBlob(resolve, 'image/png'));
-    if (!blob) return say('the picture cannot be made: the view is too small', true);
+    if (!blob) return say(t('the picture cannot be made: the view is too small'), true);
     const name = this.#name('png');
     saveFile(name, blob);
-    say(`saved ${name}`);
+    say(t('saved {name}', {name}));
   }
 
   #start() {
@@ -77,15 +78,15 @@ export class Film {
       return say(`${NO_FILM} (${error.message})`, true);
     }
     this.#recorder.addEventListener('dataavailable', ({data}) => { if (data.size > 0) pieces.push(data); });
-    this.#recorder.addEventListener('error', ({error}) => say(`the film has stopped: ${error?.message ?? 'the browser cannot continue'}`, true));
+    this.#recorder.addEventListener('error', ({error}) => say(t('the film has stopped: {reason}', {reason: error?.message ?? t('the browser cannot continue')}), true));
     this.#recorder.addEventListener('stop', () => {
       clearInterval(this.#timer);
       for (const track of stream.getTracks()) track.stop();
       this.#recorder = this.#sheet = null;
       this.#show();
-      if (pieces.length === 0) return say('the film is empty: let it run for a second at least', true);
+      if (pieces.length === 0) return say(t('the film is empty: let it run for a second at least'), true);
       saveFile(name, new Blob(pieces, {type: 'video/webm'}));
-      say(`saved ${name}, ${clock((performance.now() - this.#began) / 1000)}`);
+      say(`${t('saved {name}', {name})}, ${clock((performance.now() - this.#began) / 1000)}`);
     });
     this.#began = performance.now();
     this.#recorder.start(1000);
@@ -105,8 +106,8 @@ export class Film {
     const runs = this.#recorder !== null;
     this.#film.setAttribute('aria-pressed', String(runs));
     this.#film.classList.toggle('filming', runs);
-    setText(this.#film, runs ? `● ${clock((performance.now() - this.#began) / 1000)} of ${clock(this.limit_s)}` : 'film');
-    const title = runs ? 'Stop filming and save the film' : this.#title;
+    setText(this.#film, runs ? `● ${t('{time} of {limit}', {time: clock((performance.now() - this.#began) / 1000), limit: clock(this.limit_s)})}` : t('film'));
+    const title = runs ? t('Stop filming and save the film') : this.#title;
     if (this.#film.title !== title) this.#film.title = title;
   }
 }

@@ -2,9 +2,10 @@
 // The tab Gallery: scenarios, worlds and robots with their pictures. A click loads a scenario or a world; robots are dragged onto the floor.
 import {make, say, setText} from './dom.js';
 import {tab} from './layout.js';
+import {t} from './words.js';
 import {startDrag} from './world.js';
 
-const KINDS = [['scenarios', 'scenario', 'Scenarios'], ['worlds', 'world', 'Worlds'], ['robots', 'robot', 'Robots']];
+const KINDS = [['scenarios', 'scenario', t('Scenarios')], ['worlds', 'world', t('Worlds')], ['robots', 'robot', t('Robots')]];
 
 const AT_ONCE = 3;  // of the browser's six connections; the rest stay free for clicks
 
@@ -49,9 +50,9 @@ export class Gallery {
   #asked = false;
   #listed = {};
   #pictures = new PictureLoader();
-  #panel = tab('arena', 'Gallery');
-  #find = make('input', {type: 'search', id: 'gallery-find', 'aria-label': 'Find a scenario, a world or a robot', title: 'Find by name or title'});
-  #groups = make('div', {id: 'gallery'}, make('p', {class: 'loading'}, 'reading the gallery …'));
+  #panel = tab('arena', t('Gallery'));
+  #find = make('input', {type: 'search', id: 'gallery-find', 'aria-label': t('Find a scenario, a world or a robot'), title: t('Find by name or title')});
+  #groups = make('div', {id: 'gallery'}, make('p', {class: 'loading'}, t('reading the gallery …')));
   #status = null;
 
   /** `edit(kind, name)` opens a text in the editor. */
@@ -59,8 +60,8 @@ export class Gallery {
     this.#controls = controls;
     this.#edit = edit;
     this.#find.addEventListener('input', () => this.#show());
-    this.#panel.append(make('div', {class: 'row'}, make('label', {class: 'grow'}, 'Find ', this.#find)),
-      make('p', {class: 'quiet'}, 'A .scenario, .xml (an experiment of YARS), .world, .sdf or .urdf file can be dropped anywhere on the page.'), this.#groups);
+    this.#panel.append(make('div', {class: 'row'}, make('label', {class: 'grow'}, `${t('Find')} `, this.#find)),
+      make('p', {class: 'quiet'}, t('A .scenario, .xml (an experiment of YARS), .world, .sdf or .urdf file can be dropped anywhere on the page.')), this.#groups);
     this.#panel.addEventListener('shown', () => { if (!this.#asked) this.refresh(); });
   }
 
@@ -97,7 +98,7 @@ export class Gallery {
       return found.length === 0 ? [] : [make('h2', {}, `${title} `, make('span', {class: 'quiet'}, String(found.length))),
         make('div', {class: 'cards'}, ...found.map((entry) => this.#card(kind, entry)))];
     }));
-    if (this.#asked && this.#groups.childElementCount === 0) this.#groups.append(make('p', {class: 'quiet'}, 'no match'));
+    if (this.#asked && this.#groups.childElementCount === 0) this.#groups.append(make('p', {class: 'quiet'}, t('no match')));
   }
 
   #card(kind, {name, title, summary, thumb}) {
@@ -105,7 +106,7 @@ export class Gallery {
     picture.addEventListener('error', () => { picture.hidden = true; });
     if (thumb) this.#pictures.add(picture, thumb.replace(/^\//, ''));
     else picture.hidden = true;  // the daemon runs without pictures
-    const does = kind === 'robot' ? 'drag it onto the floor, or click' : 'click to load';
+    const does = kind === 'robot' ? t('drag it onto the floor, or click') : t('click to load');
     const button = make('button', {type: 'button', class: 'thumb', title: `${title || name}\n${summary}\n(${does})`},
       picture, make('strong', {}, name), make('span', {class: 'quiet'}, title || summary));
     button.dataset.name = name;
@@ -119,7 +120,7 @@ export class Gallery {
       });
       return button;
     }
-    const edit = make('button', {type: 'button', class: 'small', title: `Show the text of ${name}`}, 'Text');
+    const edit = make('button', {type: 'button', class: 'small', title: t('Show the text of {name}', {name})}, t('Text'));
     edit.addEventListener('click', () => this.#edit(kind, name));
     return make('div', {class: 'thumb-box'}, button, edit);
   }
@@ -127,7 +128,7 @@ export class Gallery {
   #take(kind, name) {
     if (kind === 'scenario') return this.#controls.load({command: 'load_scenario', text: name});
     if (kind === 'world') return this.#controls.load({command: 'load_scenario', text: `[WORLD]\nfile ${name}.world\n`}, name);
-    if (!this.#world) return say('robots cannot be dropped on the view drawn by the daemon: insert them with /world', true);
+    if (!this.#world) return say(t('robots cannot be dropped on the view drawn by the daemon: insert them with /world'), true);
     return this.#world.insertNear('robot', name);
   }
 }

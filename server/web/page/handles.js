@@ -3,6 +3,7 @@
 // daemon refuses, because things would overlap, is shown in red.
 import * as THREE from 'three';
 import {TransformControls} from 'three/addons/controls/TransformControls.js';
+import {t} from './words.js';
 
 const SNAP_M = 0.05;
 const SNAP_RAD = Math.PI / 36;
@@ -38,8 +39,8 @@ export class Handles {
     this.#controls.addEventListener('change', () => { this.#moveGhost(); view.redraw(); });
     view.addEventListener('select', ({detail}) => this.#attach(detail));
     view.addEventListener('drawn', () => this.#follow());
-    const buttons = ['translate', 'rotate'].map((mode) => button(mode === 'translate' ? 'move' : 'turn',
-      mode === 'translate' ? 'Handles that move the selected thing (M)' : 'A ring that turns the selected thing (R)', () => this.#mode(mode)));
+    const buttons = ['translate', 'rotate'].map((mode) => button(mode === 'translate' ? t('move') : t('turn'),
+      mode === 'translate' ? t('Handles that move the selected thing (M)') : t('A ring that turns the selected thing (R)'), () => this.#mode(mode)));
     view.canvas.addEventListener('keydown', ({key}) => {
       if (key === 'm') this.#mode('translate');
       if (key === 'r') this.#mode('rotate');

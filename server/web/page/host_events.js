@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Requests to the host of a class, and its events.
+import {t} from './words.js';
 
 const RETRY_MS = 2000;
 
@@ -8,9 +9,9 @@ export async function post(address, body) {
   try {
     const answer = await fetch(address, {method: 'POST', headers: {'Content-Type': 'application/json'}, body: JSON.stringify(body)});
     const text = await answer.text();
-    return answer.ok ? {error: '', ...JSON.parse(text)} : {error: text.trim() || `the host answers ${answer.status}`};
+    return answer.ok ? {error: '', ...JSON.parse(text)} : {error: text.trim() || t('the host answers {status}', {status: answer.status})};
   } catch {
-    return {error: 'the host does not answer: try again in a moment'};
+    return {error: t('the host does not answer: try again in a moment')};
   }
 }
 

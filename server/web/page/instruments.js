@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Readings as one sees them: small pictures of a robot's sensors, seen from above with its front up. Numbers are in the captions.
 import {make, setText, showNumber} from './dom.js';
+import {t} from './words.js';
 
 const SIZE_PX = 112;
 const MIDDLE = SIZE_PX / 2;
@@ -99,7 +100,7 @@ export function distanceFan(name, geometry) {
     });
     robot(context, accent);
     const hits = data.filter(finite);
-    return `${name}: ${hits.length > 0 ? `nearest ${showNumber(Math.min(...hits), 2)} m` : 'nothing in range'}`;
+    return `${name}: ${hits.length > 0 ? t('nearest {distance} m', {distance: showNumber(Math.min(...hits), 2)}) : t('nothing in range')}`;
   });
 }
 
@@ -121,9 +122,9 @@ export function targetCompass(colours) {
       context.fill();
       context.strokeStyle = ink;
       context.stroke();
-      if (distance < least) nearest = `${colours[i] ?? 'target'} ${showNumber(least = distance, 2)} m`;
+      if (distance < least) nearest = `${colours[i] ?? t('target')} ${showNumber(least = distance, 2)} m`;
     }
-    return `targets: ${nearest || 'none'}`;
+    return `${t('targets')}: ${nearest || t('none')}`;
   });
 }
 
@@ -152,7 +153,7 @@ export function attitude(name) {
     context.moveTo(MIDDLE + 8, MIDDLE);
     context.lineTo(MIDDLE + 26, MIDDLE);
     context.stroke();
-    return `${name}: roll ${showNumber(degrees(roll), 0)}°, pitch ${showNumber(degrees(pitch), 0)}°`;
+    return `${name}: ${t('roll {roll}°, pitch {pitch}°', {roll: showNumber(degrees(roll), 0), pitch: showNumber(degrees(pitch), 0)})}`;
   });
 }
 
@@ -160,7 +161,7 @@ export function attitude(name) {
 export function forceArrow(name) {
   let most = 1;
   return new Instrument(name, (context, {accent, line, ground}, [x, y, z]) => {
-    if (![x, y, z].every(finite)) return `${name}: no force`;
+    if (![x, y, z].every(finite)) return `${name}: ${t('no force')}`;
     const size = Math.hypot(x, y, z), rim = MIDDLE - 10;
     most = Math.max(most, size);
     circle(context, rim, line);

@@ -2,6 +2,7 @@
 // A group of joints of one robot: position, target and limits of each, a slider that sends set_positions, and buttons.
 // Moving a slider makes this page the robot's driver, until `Let go`.
 import {make, say, setText, showNumber} from './dom.js';
+import {t} from './words.js';
 
 const DRIVE = 'joints';  // the channel for commands
 const MODES = ['idle', 'position', 'direct', 'velocity', 'effort'];
@@ -28,9 +29,9 @@ export class JointPanel {
       return made;
     };
     this.#buttons = [
-      button('Hold', 'Holds all joints where they are', () => this.#send({command: 'hold'})),
-      button('Idle', 'Switches the motors of all joints off', () => this.#send({command: 'set_modes', data: this.#rows.map(() => 0)})),
-      button('Let go', 'Releases the robot: this page stops driving its joints', () => this.stop()),
+      button(t('Hold'), t('Holds all joints where they are'), () => this.#send({command: 'hold'})),
+      button(t('Idle'), t('Switches the motors of all joints off'), () => this.#send({command: 'set_modes', data: this.#rows.map(() => 0)})),
+      button(t('Let go'), t('Releases the robot: this page stops driving its joints'), () => this.stop()),
     ];
     const group = module.slice(module.lastIndexOf('/') + 1);
     this.element = make('div', {class: 'joints'}, make('strong', {}, group), ' ', ...this.#buttons, make('table', {}, this.#table));
@@ -59,8 +60,8 @@ export class JointPanel {
       const [position, velocity, effort] = data.slice(3 * i, 3 * i + 3);
       const target = motion?.error === 0 ? ` → ${showNumber(motion.data[i], 3)}` : '';
       setText(row.value, showNumber(position, 3) + target);
-      const title = `${modes?.error === 0 ? `${MODES[modes.params[i]]}, ` : ''}velocity ${showNumber(velocity, 3)}, ` +
-        `effort ${showNumber(effort, 2)}`;
+      const title = `${modes?.error === 0 ? `${MODES[modes.params[i]]}, ` : ''}` +
+        t('velocity {velocity}, effort {effort}', {velocity: showNumber(velocity, 3), effort: showNumber(effort, 2)});
       if (row.value.title !== title) row.value.title = title;
       if (document.activeElement === row.slider || typeof position !== 'number') continue;
       this.#mark(row, position, motion?.error === 0 ? motion.data[i] : null);
@@ -90,7 +91,7 @@ export class JointPanel {
     this.#rows = reply.text.split(' ').map((name, i) => {
       const [lower, upper] = reply.data.slice(4 * i, 4 * i + 2);
       const slider = make('input', {type: 'range', step: 'any', min: finite(lower, -FREE_RANGE), max: finite(upper, FREE_RANGE),
-        'aria-label': name, title: `${name}: ${showNumber(lower, 2)} to ${showNumber(upper, 2)}`});
+        'aria-label': name, title: `${name}: ${t('{from} to {to}', {from: showNumber(lower, 2), to: showNumber(upper, 2)})}`});
       slider.addEventListener('input', () => this.#send({command: 'set_positions', params: [i + 1], data: [Number(slider.value)]}));
       slider.addEventListener('change', () => slider.blur());
       return {name, slider, free: typeof lower !== 'number' && typeof upper !== 'number', value: make('td', {class: 'number'}), lower: showNumber(lower, 2), upper: showNumber(upper, 2)};

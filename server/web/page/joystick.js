@@ -3,6 +3,7 @@
 // when the focus is lost and when the page is hidden; then other clients may drive it.
 import {byId, make, setText, showNumber} from './dom.js';
 import {tab} from './layout.js';
+import {t} from './words.js';
 
 const CHANNEL = 'joystick';
 const PERIOD_MS = 50;      // at most twenty commands a second
@@ -133,11 +134,11 @@ export class Joystick {
   #pointer = null;
   #padding = 0;     // the animation frame requested for the gamepad
   #box = make('details', {id: 'joystick', class: 'panel'});
-  #robots = make('select', {id: 'joystick-robot', 'aria-label': 'Robot to drive'});
+  #robots = make('select', {id: 'joystick-robot', 'aria-label': t('Robot to drive')});
   #knob = make('span', {class: 'knob'});
   #pad = make('div', {id: 'joystick-pad', tabIndex: 0, role: 'application',
-    'aria-label': 'Pad: drag, or arrow keys or W A S D; let go to stop'}, this.#knob);
-  #share = make('input', {id: 'joystick-speed', type: 'range', min: 5, max: 100, value: 40, 'aria-label': 'Speed in percent of the maximum'});
+    'aria-label': t('Pad: drag, or arrow keys or W A S D; let go to stop')}, this.#knob);
+  #share = make('input', {id: 'joystick-speed', type: 'range', min: 5, max: 100, value: 40, 'aria-label': t('Speed in percent of the maximum')});
   #speed = make('span', {class: 'number'});
   #owner = make('p', {id: 'joystick-owner', class: 'quiet'});
   #said = make('p', {id: 'joystick-said', role: 'alert'});
@@ -145,10 +146,10 @@ export class Joystick {
 
   constructor(connection) {
     this.#connection = connection;
-    this.#box.append(make('summary', {}, 'Drive'), make('div', {class: 'joystick'}, this.#pad,
+    this.#box.append(make('summary', {}, t('Drive')), make('div', {class: 'joystick'}, this.#pad,
       make('div', {class: 'joystick-side'}, make('div', {class: 'row'}, this.#robots), make('label', {}, this.#share, this.#speed),
         this.#owner, this.#said, this.#gamepad)));
-    const panel = tab('robots', 'Lesson');
+    const panel = tab('robots', t('Lesson'));
     panel.insertBefore(this.#box, byId('robots-title')?.closest('.panel') ?? null);
     this.#listen(panel);
   }
@@ -172,7 +173,7 @@ export class Joystick {
     if (!this.#drive && !this.#learning) this.#learn();
     const robot = status.robots.find(({name}) => name === this.#robot);
     const owner = robot?.owner ?? '';
-    setText(this.#owner, status.playback ? 'A recording is played: nothing drives it' : owner ? `driven by ${owner}` : 'nobody drives it');
+    setText(this.#owner, status.playback ? t('A recording is played: nothing drives it') : owner ? t('driven by {owner}', {owner}) : t('nobody drives it'));
   }
 
   #listen(panel) {
@@ -197,7 +198,7 @@ export class Joystick {
     addEventListener('blur', () => this.#rest());
     addEventListener('pagehide', () => this.#rest());
     addEventListener('gamepadconnected', ({gamepad}) => {
-      setText(this.#gamepad, `gamepad: ${gamepad.id}; its left stick drives while this page has the focus`);
+      setText(this.#gamepad, t('gamepad: {gamepad}; its left stick drives while this page has the focus', {gamepad: gamepad.id}));
       this.#gamepad.hidden = false;
       if (!this.#padding) this.#readGamepad();
     });
@@ -247,7 +248,7 @@ export class Joystick {
     }
     this.#learning = false;
     if (name !== this.#robot) return this.#learn();
-    const why = this.#drive ? '' : `${name} has no wheels to drive: move its joints by the sliders of its card, or load a controller`;
+    const why = this.#drive ? '' : t('{name} has no wheels to drive: move its joints by the sliders of its card, or load a controller', {name});
     setText(this.#said, why);
     this.#showSpeed();
   }
@@ -309,7 +310,7 @@ export class Joystick {
     this.#showSpeed();
     if (!this.#driver) return;
     if (Object.values(this.#push).every((push) => push === 0)) return this.#driver.stop();
-    if (this.#status?.playback) return this.#say('a recording is played: nothing drives its robots', true);
+    if (this.#status?.playback) return this.#say(t('a recording is played: nothing drives its robots'), true);
     const share = Number(this.#share.value) / 100;
     this.#driver.want(this.#drive.name, this.#drive.axes.map((axis) =>
       (axis ? share * this.#push[axis] * (axis === 'left' ? this.#most.angular : this.#most.linear) : 0)));
@@ -322,8 +323,8 @@ export class Joystick {
 
   /** `reply`: null if the robot was released. */
   #onReply(reply) {
-    if (reply === null) return this.#say('stopped');
+    if (reply === null) return this.#say(t('stopped'));
     this.#say(reply.text, reply.error !== 0);
-    if (reply.error === 0 && !reply.text) setText(this.#said, 'you drive');
+    if (reply.error === 0 && !reply.text) setText(this.#said, t('you drive'));
   }
 }

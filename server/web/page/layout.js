@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The sidebar's tabs, its width, and light or dark.
 import {byId, icon, make} from './dom.js';
+import {t} from './words.js';
 
 const LEAST_PX = 272;
 const STEP_PX = 24;
@@ -81,7 +82,7 @@ function listenToSplitter() {
 
 /** The system's theme, light, or dark. `document` receives the event `theme`. */
 export function listenToTheme() {
-  const themes = {'': 'Auto', light: 'Light', dark: 'Dark'};
+  const themes = {'': t('Auto'), light: t('Light'), dark: t('Dark')};
   const button = byId('theme');
   const show = (theme) => {
     if (theme) document.documentElement.dataset.theme = theme;

@@ -2,6 +2,7 @@
 // Ready-made lines that connect a client to a robot, with the address of this page.
 import {make} from './dom.js';
 import {connectArguments, SEAT} from './seat.js';
+import {t} from './words.js';
 
 const DEFAULT_NAME_PORT = 10000;
 
@@ -27,7 +28,7 @@ export function linesFor(robot, modules, namePort) {
     lines.push(['telnet', `telnet ${plainHost()} ${motors.port}`]);
   } else if (motors && namePort > 0) {
     lines.push(['telnet', `telnet ${plainHost()} ${namePort}`]);
-    lines.push(['then', `${SEAT ? `SEAT ${SEAT.name} PIN\n` : ''}OPEN ${motors.name}`]);
+    lines.push([t('then'), `${SEAT ? `SEAT ${SEAT.name} PIN\n` : ''}OPEN ${motors.name}`]);
   }
   return lines;
 }
@@ -36,20 +37,20 @@ async function copy(button, line) {
   const text = line.textContent;
   try {
     await navigator.clipboard.writeText(text);
-    button.textContent = 'copied';
+    button.textContent = t('copied');
   } catch {  // without HTTPS, only pages of localhost may use the clipboard
     getSelection().selectAllChildren(line);
-    button.textContent = 'press Ctrl+C';
+    button.textContent = t('press Ctrl+C');
   }
-  setTimeout(() => { button.textContent = 'copy'; }, 2000);
+  setTimeout(() => { button.textContent = t('copy'); }, 2000);
 }
 
 export function connectionLines(robot, modules, namePort) {
   const list = make('dl', {class: 'lines'});
-  if (SEAT) list.append(make('dt', {class: 'quiet'}, 'PIN: it stands on your sheet'));
+  if (SEAT) list.append(make('dt', {class: 'quiet'}, t('PIN: it stands on your sheet')));
   for (const [title, line] of linesFor(robot, modules, namePort)) {
     const code = make('code', {}, line);
-    const button = make('button', {type: 'button', class: 'small'}, 'copy');
+    const button = make('button', {type: 'button', class: 'small'}, t('copy'));
     button.addEventListener('click', () => copy(button, code));
     list.append(make('dt', {}, title, button), make('dd', {}, code));
   }

@@ -3,6 +3,7 @@
 // address, so that a reload of the page does not repeat it.
 import {say} from './dom.js';
 import {showTab} from './layout.js';
+import {t} from './words.js';
 
 export class Links {
   #connection;
@@ -29,7 +30,7 @@ export class Links {
     history.replaceState(null, '', address);
     if (run) {
       const reply = await this.#connection.call({module: '/playback', command: 'open', text: run});
-      say(reply.error === 0 ? `playing ${run}` : reply.text, reply.error !== 0);
+      say(reply.error === 0 ? t('playing {name}', {name: run}) : reply.text, reply.error !== 0);
     } else if (scenario && scenario !== status.scenario) {
       await this.#controls.load({command: 'load_scenario', text: scenario});
     }

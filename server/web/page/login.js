@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Asks for name and PIN, and leads to the student's seat.
+import {hostText, sentenceOf} from './class_words.js';
 import {byId, setText} from './dom.js';
 import {post} from './host_events.js';
 
@@ -9,7 +10,7 @@ byId('login').addEventListener('submit', async (event) => {
   button.disabled = true;
   const {error, go} = await post('login', {name: byId('name').value.trim(), pin: byId('pin').value.trim()});
   button.disabled = false;
-  setText(byId('answer'), error && `${error[0].toUpperCase()}${error.slice(1)}.`);
+  setText(byId('answer'), sentenceOf(hostText(error)));
   if (!error) return location.assign(go);
   byId('pin').select();
 });

@@ -3,11 +3,12 @@
 import * as THREE from 'three';
 import {byId, make, setText} from './dom.js';
 import {BACKWARD, Flight, frame} from './framing.js';
+import {t} from './words.js';
 
 const BEHIND = new THREE.Vector3(-1, 0, 0.55).normalize();  // from a robot to a camera behind it
 const LEAST_ROBOT_M = 0.9;  // away from it
-const TITLES = {front: ['front', 'Look from the front, against x (1)'], side: ['side', 'Look from the right side, along y (2)'],
-  robot: ['robot', 'Behind the selected robot, and with it (3)']};
+const TITLES = {front: [t('front'), t('Look from the front, against x (1)')], side: [t('side'), t('Look from the right side, along y (2)')],
+  robot: [t('robot'), t('Behind the selected robot, and with it (3)')]};
 
 const MOST_COVERED = 0.3;   // of the view's height, at one edge
 
@@ -31,16 +32,16 @@ export class Looks {
     this.#controls = view.controls;
     this.#controls.addEventListener('start', () => { this.#flight = null; this.#framed = ''; });
     byId('whole').addEventListener('click', () => this.fit());
-    view.addTool('top', 'Look from above (T)', () => this.fit('top'));
-    const list = make('div', {id: 'looks-list', role: 'group', 'aria-label': 'Named views'});
-    const menu = make('details', {id: 'looks', class: 'menu'}, make('summary', {title: 'From the front, from the side, behind a robot'}, 'Look'), list);
+    view.addTool(t('top'), t('Look from above (T)'), () => this.fit('top'));
+    const list = make('div', {id: 'looks-list', role: 'group', 'aria-label': t('Named views')});
+    const menu = make('details', {id: 'looks', class: 'menu'}, make('summary', {title: t('From the front, from the side, behind a robot')}, t('Look')), list);
     for (const [name, [text, title]] of Object.entries(TITLES)) {
       const button = make('button', {type: 'button', title}, text);
       button.addEventListener('click', () => { menu.open = false; this.look(name); });
       list.append(button);
     }
     byId('view-tools').append(menu);
-    this.#button = view.addTool('follow', 'The camera follows the selected robot (F, or a double click on it)', () => this.toggle());
+    this.#button = view.addTool(t('follow'), t('The camera follows the selected robot (F, or a double click on it)'), () => this.toggle());
     new ResizeObserver(() => this.resized()).observe(byId('news'));
     this.#show();
   }
@@ -152,7 +153,7 @@ export class Looks {
   }
 
   #show() {
-    setText(this.#button, this.#follows ? `following ${this.#follows.name}` : 'follow');
+    setText(this.#button, this.#follows ? t('following {name}', {name: this.#follows.name}) : t('follow'));
     this.#button.setAttribute('aria-pressed', String(Boolean(this.#follows)));
   }
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The people viewing this daemon's page: their names, each can change their own, and their selections.
 import {byId, make} from './dom.js';
+import {t} from './words.js';
 
 const KEPT = 'coopdyn-name';
 const SHOWN = 6;
 const MOST = 20;  // letters of a name
-const nameOf = ({name, id}) => name || `guest ${id}`;
+const nameOf = ({name, id}) => name || t('guest {id}', {id});
 const initials = (name) => name.split(/\s+/).map((word) => word[0] ?? '').join('').slice(0, 2).toUpperCase();
 const hueOf = (id) => Math.round(id * 137.5) % 360;
 
@@ -14,7 +15,7 @@ export class People {
   #own = 0;
   #name = '';
   #selected = '';
-  #list = make('span', {id: 'people', role: 'list', 'aria-label': 'Who looks'});
+  #list = make('span', {id: 'people', role: 'list', 'aria-label': t('Who looks')});
   people = [];
 
   constructor(connection) {
@@ -54,9 +55,9 @@ export class People {
     if (this.#list.querySelector('input')) return;  // a name is being typed
     const chips = this.people.slice(0, SHOWN).map((person) => {
       const own = person.id === this.#own, name = nameOf(person);
-      const at = person.selected ? `, selected ${person.selected}` : '';
+      const at = person.selected ? `, ${t('selected {thing}', {thing: person.selected})}` : '';
       const chip = make(own ? 'button' : 'span', {class: 'person', role: own ? 'button' : 'listitem',
-        title: own ? `You are ${name}: click to change your name` : `${name}${at}`, 'aria-label': own ? `You: ${name}` : `${name}${at}`}, initials(name));
+        title: own ? t('You are {name}: click to change your name', {name}) : `${name}${at}`, 'aria-label': own ? t('You: {name}', {name}) : `${name}${at}`}, initials(name));
       chip.style.setProperty('--hue', hueOf(person.id));
       if (own) chip.addEventListener('click', () => this.#rename());
       return chip;
@@ -67,7 +68,7 @@ export class People {
   }
 
   #rename() {
-    const field = make('input', {id: 'own-name', value: this.#name, maxLength: MOST, size: 10, 'aria-label': 'Your name'});
+    const field = make('input', {id: 'own-name', value: this.#name, maxLength: MOST, size: 10, 'aria-label': t('Your name')});
     let ended = false;  // removing the field blurs it
     const end = (keep) => {
       if (ended) return;

@@ -5,12 +5,17 @@ import {byId, make, saveFile, say, setText, showNumber} from './dom.js';
 import {isShown, tab} from './layout.js';
 import {readRunTable, RunSeries} from './run_series.js';
 import {LiveSeries, readTable, robotValue} from './series.js';
+import {t} from './words.js';
 
 const TABLE_POINTS = 4000;
 const HEIGHT_PX = 170;
 const COLORS = ['#2f7bf0', '#e0672c', '#1c9a5b', '#b23fb5', '#c79a00', '#0fa3b1', '#d0342c', '#7a6ff0'];
 const STRIP_S = 60;
 const RUN = '/run';  // chosen in place of a robot; no robot has this name
+
+const LEGENDS = {scores: t('scores'), logged: t('logged numbers'), 'set-points': t('set-points')};
+/** A module, or what the page itself names. */
+const legendOf = (module) => LEGENDS[module] ?? module;
 
 /** Names, units and numbers of the curves, as CSV. */
 export function csvOf(robot, values, points) {
@@ -31,14 +36,14 @@ export class Plots {
   #uPlot = null;
   #due = 0;
   #rates = [];         // {time, rtf}
-  #panel = tab('plots', 'Plots');
-  #robots = make('select', {id: 'plot-robot', 'aria-label': 'Robot, or the run'});
-  #span = make('select', {id: 'plot-span', 'aria-label': 'Time range shown'}, make('option', {value: 10}, 'last 10 s'),
-    make('option', {value: 60}, 'last 60 s'), make('option', {value: 0, selected: true}, 'all'));
-  #values = make('div', {id: 'plot-values', role: 'group', 'aria-label': 'Values'});
+  #panel = tab('plots', t('Plots'));
+  #robots = make('select', {id: 'plot-robot', 'aria-label': t('Robot, or the run')});
+  #span = make('select', {id: 'plot-span', 'aria-label': t('Time range shown')}, make('option', {value: 10}, t('last 10 s')),
+    make('option', {value: 60}, t('last 60 s')), make('option', {value: 0, selected: true}, t('all the time')));
+  #values = make('div', {id: 'plot-values', role: 'group', 'aria-label': t('Values')});
   #charts = make('div', {id: 'plot-charts'});
   #note = make('p', {id: 'plot-note', class: 'quiet'});
-  #strip = make('canvas', {id: 'rate-strip', width: 600, height: 40, title: 'Real-time factor of the last minute'});
+  #strip = make('canvas', {id: 'rate-strip', width: 600, height: 40, title: t('Real-time factor of the last minute')});
   #hash = make('p', {id: 'plot-hash', class: 'quiet number'});
 
   constructor(connection, timeline) {
@@ -50,9 +55,9 @@ export class Plots {
       return made;
     };
     this.#panel.append(this.#strip, this.#hash, make('div', {class: 'row'}, this.#robots, this.#span,
-      button('plot-csv', 'CSV', 'Save the chosen curves as a table', () => this.#saveCsv()),
-      button('plot-png', 'PNG', 'Save the plots as a picture', () => this.#savePng()),
-      button('plot-clear', 'Clear', 'Remove all curves', () => { this.#marked.clear(); this.#showValues(); this.#build(); })),
+      button('plot-csv', 'CSV', t('Save the chosen curves as a table'), () => this.#saveCsv()),
+      button('plot-png', 'PNG', t('Save the plots as a picture'), () => this.#savePng()),
+      button('plot-clear', t('Clear'), t('Remove all curves'), () => { this.#marked.clear(); this.#showValues(); this.#build(); })),
     this.#values, this.#note, this.#charts);
     this.#robots.addEventListener('change', () => { this.#robot = this.#robots.value; this.#open(); });
     this.#span.addEventListener('change', () => this.#draw());
@@ -76,7 +81,7 @@ export class Plots {
     const names = [RUN, ...status.robots.map(({name}) => name)];
     const listed = [...this.#robots.options].map(({value}) => value);
     if (JSON.stringify(names) !== JSON.stringify(listed)) {
-      this.#robots.replaceChildren(...names.map((name) => make('option', {value: name}, name === RUN ? 'the run' : name)));
+      this.#robots.replaceChildren(...names.map((name) => make('option', {value: name}, name === RUN ? t('the run') : name)));
       if (!names.includes(this.#robot)) this.#robot = names[1] ?? RUN;
       this.#robots.value = this.#robot;
     }
@@ -101,7 +106,7 @@ export class Plots {
     if (key === this.#sourceKey) return;
     this.#close();
     this.#sourceKey = key;
-    setText(this.#note, 'reading …');
+    setText(this.#note, t('reading …'));
     if (this.#kind === 'live') {
       const live = ofRun ? new RunSeries(this.#connection)
         : new LiveSeries(this.#connection, robot.name, robot.modules.map(({name}) => name));
@@ -112,7 +117,7 @@ export class Plots {
       const whose = ofRun ? '' : `robot=${encodeURIComponent(robot.name)}&`;
       const answer = await fetch(`api/playback/table?${whose}points=${TABLE_POINTS}`).catch(() => null);
       if (this.#sourceKey !== key) return;
-      if (!answer?.ok) return setText(this.#note, answer ? (await answer.text()).trim() : 'the daemon does not answer');
+      if (!answer?.ok) return setText(this.#note, answer ? (await answer.text()).trim() : t('the daemon does not answer'));
       const text = await answer.text();
       if (this.#sourceKey !== key) return;
       this.#source = ofRun ? readRunTable(text, scores) : readTable(text, robotValue(robot.name, robot.modules.map(({name}) => name.slice(name.lastIndexOf('/') + 1))));
@@ -135,7 +140,7 @@ export class Plots {
       if (!groups.has(value.module)) groups.set(value.module, []);
       groups.get(value.module).push(value);
     }
-    this.#values.replaceChildren(...[...groups].map(([module, values]) => make('fieldset', {}, make('legend', {}, module || this.#title),
+    this.#values.replaceChildren(...[...groups].map(([module, values]) => make('fieldset', {}, make('legend', {}, legendOf(module) || this.#title),
       ...values.map(({key, name, unit}) => {
         const box = make('input', {type: 'checkbox', checked: this.#marked.has(key)});
         box.dataset.key = key;
@@ -151,11 +156,11 @@ export class Plots {
 
   #sayWhatNext() {
     const none = this.values.every(({key}) => !this.#marked.has(key));
-    const playing = this.#kind === 'run' ? ' A click on a plot goes to that time.' : '';
+    const playing = this.#kind === 'run' ? ` ${t('A click on a plot goes to that time.')}` : '';
     if (this.#robot === RUN && this.values.length === 0) {
-      return setText(this.#note, 'This run has no scores, and clients have logged no numbers: there is nothing to plot.');
+      return setText(this.#note, t('This run has no scores, and clients have logged no numbers: there is nothing to plot.'));
     }
-    setText(this.#note, none ? 'Choose values: those of one unit share a plot.' : `Drag to zoom, double click for all.${playing}`);
+    setText(this.#note, none ? t('Choose values: those of one unit share a plot.') : t('Drag to zoom, double click for all.') + playing);
   }
 
   /** Builds the charts, one for each unit among the curves. */
@@ -245,14 +250,14 @@ export class Plots {
   #saveCsv() {
     if (!this.#source) return;
     const at = this.values.map((value, i) => (this.#marked.has(value.key) ? i : -1)).filter((i) => i >= 0);
-    if (at.length === 0) return say('choose a value to plot first', true);
+    if (at.length === 0) return say(t('choose a value to plot first'), true);
     const {times, columns} = this.#source.points;
     const text = csvOf(this.#title, at.map((i) => this.values[i]), {times, columns: at.map((i) => columns[i])});
     saveFile(`${this.#title}.csv`, new Blob([text], {type: 'text/csv'}));
   }
 
   #savePng() {
-    if (this.#plots.length === 0) return say('choose a value to plot first', true);
+    if (this.#plots.length === 0) return say(t('choose a value to plot first'), true);
     const charts = this.#plots.map(({chart}) => chart.ctx.canvas);
     const sheet = make('canvas', {width: charts[0].width, height: charts.reduce((sum, {height}) => sum + height, 0)});
     const draw = sheet.getContext('2d');
@@ -276,6 +281,6 @@ export class Plots {
     this.#rates.forEach(({time, rtf}, i) => draw[i ? 'lineTo' : 'moveTo'](width * (1 - (end - time) / STRIP_S), height - 3 - (height - 6) * rtf / most));
     draw.stroke();
     const {hash = '', step = 0, rtf = 0} = this.#status ?? {};
-    setText(this.#hash, `real-time factor ${showNumber(rtf, rtf < 100 ? 2 : 0)} · step ${step} · hash ${hash}`);
+    setText(this.#hash, t('real-time factor {rtf} · step {step} · hash {hash}', {rtf: showNumber(rtf, rtf < 100 ? 2 : 0), step, hash}));
   }
 }

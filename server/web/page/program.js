@@ -5,6 +5,7 @@ import {post} from './host_events.js';
 import {isShown, tab} from './layout.js';
 import {ProgramOutput} from './program_output.js';
 import {programAddress, SEAT} from './seat.js';
+import {t} from './words.js';
 
 const SAVE_MS = 700, RETRY_MS = 3000;
 const MAX_BYTES = 256 << 10;
@@ -22,7 +23,7 @@ export class Program {
   #timer = 0;
   #saving = null;
   #starting = null;
-  #panel = tab('program', 'Program');
+  #panel = tab('program', t('Program'));
   #host = make('div', {id: 'program-code'});
   #says = make('p', {id: 'program-state', role: 'status'});
   #choice = make('p', {id: 'program-choice', role: 'alert', hidden: true});
@@ -35,17 +36,17 @@ export class Program {
       made.addEventListener('click', act);
       return made;
     };
-    const row = make('div', {class: 'row'}, button('program-stop', 'Stop', 'Ends the program', () => this.#stop(), SEAT.teaches ? '' : 'danger'),
-      button('program-save', 'Save as file', 'Keep a copy on this computer (Ctrl+S)', () => this.#saveFile()));
+    const row = make('div', {class: 'row'}, button('program-stop', t('Stop'), t('Ends the program'), () => this.#stop(), SEAT.teaches ? '' : 'danger'),
+      button('program-save', t('Save as file'), t('Keep a copy on this computer (Ctrl+S)'), () => this.#saveFile()));
     if (!SEAT.teaches) {
       const input = make('input', {type: 'file', accept: '.py,text/x-python', hidden: true, id: 'program-file'});
       input.addEventListener('change', () => this.#openFile(input));
-      row.prepend(button('program-run', 'Run', 'Run this program on the server (Ctrl+Enter)', () => this.run(), 'primary'));
-      row.append(button('program-open', 'Open file', 'Replaces this program; Ctrl+Z brings it back', () => input.click()), input);
+      row.prepend(button('program-run', t('Run'), t('Run this program on the server (Ctrl+Enter)'), () => this.run(), 'primary'));
+      row.append(button('program-open', t('Open file'), t('Replaces this program; Ctrl+Z brings it back'), () => input.click()), input);
     }
-    this.#choice.append('This program was changed meanwhile in another window of this seat. ',
-      button('program-theirs', 'Take theirs', 'Ctrl+Z brings yours back', () => this.#takeTheirs()), ' ',
-      button('program-mine', 'Keep mine', 'Replaces the other one', () => this.#keepMine()));
+    this.#choice.append(`${t('This program was changed meanwhile in another window of this seat.')} `,
+      button('program-theirs', t('Take theirs'), t('Ctrl+Z brings yours back'), () => this.#takeTheirs()), ' ',
+      button('program-mine', t('Keep mine'), t('Replaces the other one'), () => this.#keepMine()));
     this.#panel.append(row, this.#choice, this.#host, this.#says, this.#output.element);
     this.#panel.addEventListener('shown', () => this.#start());
     this.#panel.addEventListener('keydown', (event) => this.#onKey(event), true);
@@ -99,7 +100,7 @@ export class Program {
   async #begin() {
     const [{PythonView}, there] = await Promise.all([import('./python_view.js'), this.#fetch()]);
     if (!there) {
-      this.#trouble = 'The host does not answer. Trying again …';
+      this.#trouble = t('The host does not answer. Trying again …');
       this.#starting = null;
       setTimeout(() => { if (isShown('program')) this.#start(); }, RETRY_MS);
       return this.#show();
@@ -158,7 +159,7 @@ export class Program {
           }
         }
       } catch {
-        this.#trouble = 'Not kept: the host does not answer. Trying again …';
+        this.#trouble = t('Not kept: the host does not answer. Trying again …');
         this.#later(RETRY_MS);
       }
     })();
@@ -208,7 +209,7 @@ export class Program {
     input.value = '';
     if (!file || !this.#code) return;
     if (file.size > MAX_BYTES) {
-      this.#trouble = `${file.name} is longer than 256 KiB: a program may have that much.`;
+      this.#trouble = t('{name} is longer than 256 KiB: a program may have that much.', {name: file.name});
       return this.#show();
     }
     this.#code.replace(await file.text());
@@ -226,10 +227,10 @@ export class Program {
 
   #show() {
     const {runs, sentence: how, error} = this.#state;
-    if (byId('program-run')) setOff('program-run', this.#runs ? 'It runs already' : '', 'Run this program on the server (Ctrl+Enter)');
-    setOff('program-stop', this.#runs ? '' : 'It does not run', 'Ends the program');
+    if (byId('program-run')) setOff('program-run', this.#runs ? t('It runs already') : '', t('Run this program on the server (Ctrl+Enter)'));
+    setOff('program-stop', this.#runs ? '' : t('It does not run'), t('Ends the program'));
     this.#choice.hidden = !this.#theirs;
-    const text = this.#trouble || (runs ? 'It runs.' : how || 'It does not run.');
+    const text = this.#trouble || (runs ? t('It runs.') : how || t('It does not run.'));
     this.#says.classList.toggle('error', this.#trouble !== '' || (error && !runs));
     setText(this.#says, text);
     this.#panel.dataset.runs = String(runs);

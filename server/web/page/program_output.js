@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 // What a program prints, as it comes. Lines of a traceback lead to the line of the program.
 import {make} from './dom.js';
+import {t} from './words.js';
 
 const KEPT = 200000;  // characters on the page
 const PLACE = /^(\s*File "\/program\/program\.py", )(line (\d+))(.*)$/;
 
 export class ProgramOutput {
   #show;
-  #box = make('pre', {id: 'program-output', role: 'log', 'aria-label': 'What the program printed', tabIndex: 0});
+  #box = make('pre', {id: 'program-output', role: 'log', 'aria-label': t('What the program printed'), 'data-empty': t('What it prints appears here.'), tabIndex: 0});
   #address;
   #run = -1;
   #to = 0;
@@ -47,7 +48,7 @@ export class ProgramOutput {
   #take({run, from, to, text}) {
     if (run !== this.#run) return;
     const atEnd = this.#box.scrollHeight - this.#box.scrollTop - this.#box.clientHeight < 30;
-    if (from > this.#to) this.#add(`\n… ${from - this.#to} bytes left out …\n`);
+    if (from > this.#to) this.#add(`\n… ${t('{count} bytes left out', {count: from - this.#to})} …\n`);
     this.#to = to;
     this.#add(text);
     while (this.#box.textContent.length > KEPT && this.#box.firstChild !== this.#box.lastChild) this.#box.firstChild.remove();
@@ -67,7 +68,7 @@ export class ProgramOutput {
       const place = PLACE.exec(line);
       if (!place) { plain += `${line}\n`; continue; }
       flush();
-      const link = make('button', {type: 'button', class: 'place', title: `Go to line ${place[3]}`}, place[2]);
+      const link = make('button', {type: 'button', class: 'place', title: t('Go to line {number}', {number: place[3]})}, place[2]);
       link.addEventListener('click', () => this.#show(Number(place[3])));
       this.#box.append(make('span', {}, place[1], link, `${place[4]}\n`));
     }

@@ -9,6 +9,7 @@ import {Annotation, EditorState} from '@codemirror/state';
 import {drawSelection, EditorView, highlightActiveLine, highlightSpecialChars, keymap, lineNumbers} from '@codemirror/view';
 import {tags} from '@lezer/highlight';
 import {LOOK} from './code_look.js';
+import {t} from './words.js';
 
 const ours = Annotation.define();  // changes that are not the student's
 const COLOURS = syntaxHighlighting(HighlightStyle.define([
@@ -30,7 +31,7 @@ export class PythonView {
       indentOnInput(), bracketMatching(), closeBrackets(), autocompletion({icons: false}),
       keymap.of([...closeBracketsKeymap, ...completionKeymap, ...historyKeymap, ...defaultKeymap, indentWithTab]),
       EditorState.readOnly.of(readOnly),
-      EditorView.contentAttributes.of({'aria-label': 'Your program. Escape, then Tab, leaves the field', spellcheck: 'false'}),
+      EditorView.contentAttributes.of({'aria-label': t('Your program. Escape, then Tab, leaves the field'), spellcheck: 'false'}),
       EditorView.updateListener.of((update) => {
         if (update.docChanged && !update.transactions.some((one) => one.annotation(ours))) onChange();
       }),

@@ -5,6 +5,7 @@ import {make, setText, showNumber} from './dom.js';
 import {attitude, distanceFan, forceArrow, gauge, needle, targetCompass} from './instruments.js';
 import {JointPanel} from './joints.js';
 import {CameraTile, ScanPlot} from './sensors.js';
+import {plural, t} from './words.js';
 
 const PERIOD_MS = 200;
 const MOST_VALUES = 4096;  // of one module
@@ -26,12 +27,12 @@ function describeReading({name, type}, data, colours) {
   switch (type) {
     case 'pose':
       return [
-        ['position', `${showNumber(data[0], 2)}, ${showNumber(data[1], 2)} m`],
-        ['heading', `${showNumber(degrees(data[2]), 0)}°`],
-        ['speed', `${showNumber(data[3], 2)} m/s, ${showNumber(data[4], 2)} rad/s`],
+        [t('position'), `${showNumber(data[0], 2)}, ${showNumber(data[1], 2)} m`],
+        [t('heading'), `${showNumber(degrees(data[2]), 0)}°`],
+        [t('speed'), `${showNumber(data[3], 2)} m/s, ${showNumber(data[4], 2)} rad/s`],
       ];
     case 'motors':
-      return [['wheels', `${showNumber(data[2], 1)}, ${showNumber(data[3], 1)} rad/s`]];
+      return [[t('wheels'), `${showNumber(data[2], 1)}, ${showNumber(data[3], 1)} rad/s`]];
     case 'compass':
       return [[name, `${showNumber(degrees(data[0]), 0)}°`]];
     case 'support':
@@ -39,14 +40,14 @@ function describeReading({name, type}, data, colours) {
         [name, `${showNumber(100 * data[0], 1)}, ${showNumber(100 * data[1], 1)} cm, ${showNumber(degrees(data[2]), 0)}°`],
       ];
     case 'distance':
-      return [[name === 'distance' ? 'distances' : name, data.map((range) => inColumn(showNumber(range, 2))).join('  ')]];
+      return [[name === 'distance' ? t('distances') : name, data.map((range) => inColumn(showNumber(range, 2))).join('  ')]];
     case 'target': {
       const targets = [];
       for (let i = 0; 2 * i + 1 < data.length; ++i) {
-        const name = colours[i] ?? `target ${i + 1}`;
+        const name = colours[i] ?? t('target {number}', {number: i + 1});
         targets.push(`${name} ${showNumber(data[2 * i], 2)} m, ${showNumber(degrees(data[2 * i + 1]), 0)}°`);
       }
-      return [['targets', targets.length > 0 ? targets.join('; ') : 'none']];
+      return [[t('targets'), targets.length > 0 ? targets.join('; ') : t('none')]];
     }
     case 'joints':
     case 'camera':
@@ -57,18 +58,18 @@ function describeReading({name, type}, data, colours) {
     case 'imu':
       return [
         [name, `${triple(data, 7, 2)} m/s²`],
-        [`${name} turning`, `${triple(data, 4, 2)} rad/s`],
+        [t('{name}, turning', {name}), `${triple(data, 4, 2)} rad/s`],
       ];
     case 'wrench':
       return [
         [name, `${triple(data, 0, 1)} N`],
-        [`${name} torque`, `${triple(data, 3, 2)} N m`],
+        [t('{name}, torque', {name}), `${triple(data, 3, 2)} N m`],
       ];
     case 'contact': {
       const contacts = Math.floor(data.length / 7);
       let force = 0;
       for (let i = 0; i < contacts; ++i) force += typeof data[7 * i] === 'number' ? data[7 * i] : 0;
-      return [[name, contacts === 0 ? 'nothing touches it' : `${showNumber(force, 1)} N at ${contacts} point${contacts > 1 ? 's' : ''}`]];
+      return [[name, contacts === 0 ? t('nothing touches it') : plural(contacts, '{force} N at {count} point', '{force} N at {count} points', {force: showNumber(force, 1)})]];
     }
     case 'battery':
       return [[name, `${showNumber(100 * data[1], 1)} %, ${showNumber(data[2], 1)} W`]];
@@ -121,7 +122,7 @@ export class Readings {
       }
     }
     if (this.#modules.some(({type}) => !PLAIN.includes(type))) {
-      this.element.append(make('details', {class: 'numbers'}, make('summary', {}, 'All numbers'), this.#numbers));
+      this.element.append(make('details', {class: 'numbers'}, make('summary', {}, t('All numbers')), this.#numbers));
     }
     this.#poll();
   }
@@ -186,7 +187,7 @@ export class Readings {
         this.#large.add(module.name);
         this.#attached = false;  // attach again without this module
         this.#scans.get(module.name)?.element.remove();
-        return [[module.name, `${lengths[i]} values: too many to show here`]];
+        return [[module.name, t('{count} values: too many to show here', {count: lengths[i]})]];
       }
       if (panel) shown.push([panel, data]);
       this.#draw(module, data);

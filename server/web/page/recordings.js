@@ -5,6 +5,7 @@ import {showTab, tab} from './layout.js';
 import {columnOf} from './series.js';
 import {ask} from './seat.js';
 import {rememberedToken} from './token.js';
+import {t} from './words.js';
 
 /** The button that starts and stops a recording, and the mark in the strip during one. */
 export class Record {
@@ -18,11 +19,11 @@ export class Record {
 
   update(status) {
     this.#recording = Boolean(status.recording);
-    setText(byId('recording'), this.#recording ? `● rec ${status.recording}` : '');
+    setText(byId('recording'), this.#recording ? `● ${t('rec {name}', {name: status.recording})}` : '');
     byId('recording').title = status.recording ?? '';
-    setLabel('record', this.#recording ? 'Stop recording' : 'Record');
+    setLabel('record', this.#recording ? t('Stop recording') : t('Record'));
     byId('record').setAttribute('aria-pressed', String(this.#recording));
-    setOff('record', status.playback ? 'A recording is being played: there is no run to record' : '', 'Record the run to a file of the daemon');
+    setOff('record', status.playback ? t('A recording is being played: there is no run to record') : '', t('Record the run to a file of the daemon'));
   }
 
   async #toggle() {
@@ -30,26 +31,27 @@ export class Record {
     const reply = await this.#connection.call({module: '/recorder', command});
     if (reply.error !== 0) return say(`${command}: ${reply.text}`, true);
     const name = reply.text.replace(/ http:\S+$/, '');
-    if (command === 'start') return say(`recording to ${name}`);
-    say(`recorded ${name}`, false, {text: 'Name it', act: () => document.dispatchEvent(new CustomEvent('name-recording', {detail: name}))});
+    if (command === 'start') return say(t('recording to {name}', {name}));
+    say(t('recorded {name}', {name}), false, {text: t('Name it'), act: () => document.dispatchEvent(new CustomEvent('name-recording', {detail: name}))});
   }
 }
 
 const link = (name) => make('a', {href: `runs/${encodeURIComponent(name)}`, download: ''}, name.slice(name.lastIndexOf('.')));
 
-const whyNot = (recording, seconds) => (recording ? 'being recorded'
-  : seconds !== null ? 'its name does not fit in a link' : 'cannot be read');
+const whyNot = (recording, seconds) => (recording ? t('being recorded')
+  : seconds !== null ? t('its name does not fit in a link') : t('cannot be read'));
 
 const short = (text) => (/^[-+\d.e]+$/.test(text) ? String(Number(Number(text).toPrecision(4))).replace('-', '−') : text);
 
 /** Where two recordings part, in a sentence; `parting`: of the daemon (docs/protocol.md). */
 export function partingText(parting, one, other) {
-  if (parting.equal) return `${one} and ${other} are equal: ${parting.steps} steps`;
+  if (parting.equal) return t('{one} and {other} are equal: {count} steps', {one, other, count: parting.steps});
   const {name, unit} = columnOf('', parting.field);
   const tail = unit && !/ /.test(parting.one) ? ` ${unit}` : '';
   const bare = (file) => file.replace(/\.run$/, '');
-  return `${bare(one)} and ${bare(other)} part at step ${parting.step}, ${showNumber(parting.time_s, 2)} s: ${name.replaceAll('_', ' ')} of ${parting.what} is ` +
-    `${short(parting.one)}${tail} in the first and ${short(parting.other)}${tail} in the second`;
+  return t('{one} and {other} part at step {step}, {time} s: {name} of {what} is {first} in the first and {second} in the second',
+    {one: bare(one), other: bare(other), step: parting.step, time: showNumber(parting.time_s, 2), name: name.replaceAll('_', ' '), what: parting.what,
+      first: short(parting.one) + tail, second: short(parting.other) + tail});
 }
 
 /** The list of recordings: to play, to download, and to show as a ghost over the played one. */
@@ -63,15 +65,15 @@ export class Runs {
   #names = [];
   #naming = '';  // name of the recording that is being renamed
   #tries = 0;  // remaining, to find the new recording, whose file is created a moment later
-  #note = make('input', {id: 'note', type: 'text', 'aria-label': 'Note', title: 'A note marks this moment in the recording', maxLength: 200});
-  #noting = make('form', {class: 'row', hidden: true}, this.#note, make('button', {}, 'Note'));
+  #note = make('input', {id: 'note', type: 'text', 'aria-label': t('Note'), title: t('A note marks this moment in the recording'), maxLength: 200});
+  #noting = make('form', {class: 'row', hidden: true}, this.#note, make('button', {}, t('Note')));
   #parting = make('p', {id: 'parting', role: 'status', hidden: true});
 
   constructor(connection, timeline) {
     this.#connection = connection;
     this.#timeline = timeline;
-    const panel = tab('runs', 'Recordings');
-    panel.append(make('h2', {id: 'runs-title'}, 'Recordings'), this.#noting, this.#parting, make('ul', {id: 'runs-list'}, make('li', {class: 'loading'}, 'reading the list …')));
+    const panel = tab('runs', t('Recordings'));
+    panel.append(make('h2', {id: 'runs-title'}, t('Recordings')), this.#noting, this.#parting, make('ul', {id: 'runs-list'}, make('li', {class: 'loading'}, t('reading the list …'))));
     panel.addEventListener('shown', () => this.#refresh());
     document.addEventListener('name-recording', ({detail: name}) => {
       showTab('runs');
@@ -111,13 +113,13 @@ export class Runs {
     const reply = await this.#connection.call({module: '/recorder', command: 'note', text});
     if (reply.error !== 0) return say(reply.text, true);
     this.#note.value = '';
-    say(`noted: ${text}`);
+    say(t('noted: {text}', {text}));
   }
 
   async #play(name) {
-    say(`opening ${name} …`);
+    say(t('opening {name} …', {name}));
     const reply = await this.#connection.call({module: '/playback', command: 'open', text: name});
-    say(reply.error === 0 ? `playing ${name}` : reply.text, reply.error !== 0);
+    say(reply.error === 0 ? t('playing {name}', {name}) : reply.text, reply.error !== 0);
   }
 
   async #lay(name) {
@@ -126,9 +128,9 @@ export class Runs {
       return this.#refresh();
     }
     this.#hideParting();
-    say(`reading ${name} …`);
+    say(t('reading {name} …', {name}));
     const error = await this.#ghost.show(name);
-    say(error || `${name} is drawn pale over ${this.#played || 'the live run'}`, error !== '');
+    say(error || t('{name} is drawn pale over {other}', {name, other: this.#played || t('the live run')}), error !== '');
     this.#refresh();
     if (!error && this.#played && this.#played !== name) this.#findParting(this.#played, name);
   }
@@ -152,7 +154,7 @@ export class Runs {
     const parting = await answer.json();
     setText(this.#parting, partingText(parting, one, other));
     this.#parting.title = parting.text.trim();
-    if (!parting.equal) this.#timeline.showParting(parting.time_s, `${one} and ${other} part: ${parting.what} ${parting.field}`);
+    if (!parting.equal) this.#timeline.showParting(parting.time_s, t('{one} and {other} part: {what}', {one, other, what: `${parting.what} ${parting.field}`}));
   }
 
   /** `lesson1.run 12.5 s Play Ghost .run .mat`, or why it cannot be downloaded; `url` is then null. */
@@ -164,14 +166,14 @@ export class Runs {
       return made;
     };
     const does = url === null ? [make('span', {class: 'quiet'}, whyNot(recording, seconds))]
-      : [button('Play', `Play ${name}; the live run is put aside`, name === this.#played, () => this.#play(name)), ' ',
-        ...(this.#ghost ? [button('Ghost', `Draw ${name} pale over the shown run`, name === this.#ghost.name, () => this.#lay(name)), ' '] : []),
+      : [button(t('Play'), t('Play {name}; the live run is put aside', {name}), name === this.#played, () => this.#play(name)), ' ',
+        ...(this.#ghost ? [button(t('Ghost'), t('Draw {name} pale over the shown run', {name}), name === this.#ghost.name, () => this.#lay(name)), ' '] : []),
         link(name), ' ', link(name.replace(/\.run$/, '.mat'))];
     const still = recording || name === this.#played;
     const shown = this.#naming === name ? this.#nameField(name) : make('span', {class: 'run-name'}, name);
     return make('li', {}, shown, make('span', {class: 'number'}, length),
-      make('span', {class: 'run-does'}, ...does, ...(still ? [] : [iconButton('edit', `Rename ${name}`, () => this.#startNaming(name)),
-        iconButton('bin', `Delete ${name}`, () => this.#delete(name))])));
+      make('span', {class: 'run-does'}, ...does, ...(still ? [] : [iconButton('edit', t('Rename {name}', {name}), () => this.#startNaming(name)),
+        iconButton('bin', t('Delete {name}', {name}), () => this.#delete(name))])));
   }
 
   #startNaming(name) {
@@ -182,13 +184,13 @@ export class Runs {
   /** A field with a recording's name: Enter renames, Escape leaves it. */
   #nameField(name) {
     const plain = name.replace(/\.run$/, '');
-    const field = make('input', {class: 'run-name', value: plain, maxLength: 200, 'aria-label': `New name of ${name}`});
+    const field = make('input', {class: 'run-name', value: plain, maxLength: 200, 'aria-label': t('New name of {name}', {name})});
     const end = async (keep) => {
       if (this.#naming !== name) return;
       this.#naming = '';
       const wanted = field.value.trim();
       field.blur();  // the list is not renewed while one writes
-      if (keep && wanted && wanted !== plain) await this.#tell('rename', `${plain}/${wanted}`, `${name} is ${wanted}.run now`);
+      if (keep && wanted && wanted !== plain) await this.#tell('rename', `${plain}/${wanted}`, t('{name} is {other} now', {name, other: `${wanted}.run`}));
       this.#refresh();
     };
     field.addEventListener('keydown', ({key}) => { if (key === 'Enter' || key === 'Escape') end(key === 'Enter'); });
@@ -198,9 +200,9 @@ export class Runs {
   }
 
   async #delete(name) {
-    if (!await confirmed(`Delete the recording ${name}? It cannot be brought back.`, 'Delete')) return;
+    if (!await confirmed(t('Delete the recording {name}? It cannot be brought back.', {name}), t('Delete'))) return;
     if (name === this.#ghost?.name) this.#clearGhost();
-    await this.#tell('delete', name, `${name} is deleted`);
+    await this.#tell('delete', name, t('{name} is deleted', {name}));
     this.#refresh();
   }
 
@@ -217,9 +219,9 @@ export class Runs {
     } catch { return; /* the banner shows that the daemon is gone */ }
     if (asked !== this.#asked || byId('runs-list').contains(document.activeElement?.closest('input'))) return;
     this.#names = runs.map(({name}) => name);
-    setText(byId('runs-title'), runs.length > 0 ? `Recordings (${runs.length})` : 'Recordings');
+    setText(byId('runs-title'), runs.length > 0 ? `${t('Recordings')} (${runs.length})` : t('Recordings'));
     const rows = runs.length > 0 ? runs.map((run) => this.#row(run))
-      : [make('li', {class: 'quiet'}, 'none yet: Record, above the view, makes one')];
+      : [make('li', {class: 'quiet'}, t('none yet: Record, above the view, makes one'))];
     byId('runs-list').replaceChildren(...rows);
   }
 }

@@ -3,6 +3,7 @@
 import {connectionLines} from './lines.js';
 import {byId, icon, make, say, setOff, setText} from './dom.js';
 import {Readings} from './readings.js';
+import {t} from './words.js';
 
 const MAX_OPEN = 6;  // robots whose readings are shown at once
 const ROBOTS_AT_ONCE = 256;
@@ -29,7 +30,7 @@ class Card {
   constructor(connection, name, onToggle) {
     this.#connection = connection;
     this.#name = name;
-    this.#release = make('button', {type: 'button', title: 'Close the connection of whoever drives it'}, 'Free');
+    this.#release = make('button', {type: 'button', title: t('Close the connection of whoever drives it')}, t('Free'));
     this.#release.addEventListener('click', (event) => {
       event.preventDefault();
       this.#free();
@@ -48,11 +49,11 @@ class Card {
     const owner = robot.owner ?? '';
     const astray = !owner && robot.still_moving === true;
     const stopped = robot.watchdog_stopped === true;
-    const silence = (robot.silent_s >= 1 ? `, silent for ${Math.floor(robot.silent_s)} s` : '') +
-      (stopped ? ', stopped until its next command' : '');
-    const excuse = robot.participates === false ? ' (not waited for)' : '';
+    const silence = (robot.silent_s >= 1 ? `, ${t('silent for {seconds} s', {seconds: Math.floor(robot.silent_s)})}` : '') +
+      (stopped ? `, ${t('stopped until its next command')}` : '');
+    const excuse = robot.participates === false ? ` ${t('(not waited for)')}` : '';
     this.#owner.title = owner && owner + silence;
-    setText(this.#owner, (owner ? owner + silence : astray ? 'nobody drives it, still moving' : 'nobody drives it') + excuse);
+    setText(this.#owner, (owner ? owner + silence : astray ? t('nobody drives it, still moving') : t('nobody drives it')) + excuse);
     this.#owner.classList.toggle('quiet', !owner && !astray);
     this.#owner.classList.toggle('warning', astray || stopped);
     this.#release.hidden = !owner;
@@ -67,16 +68,16 @@ class Card {
     const lines = JSON.stringify([this.#type, this.#modules, this.#namePort]);
     if (this.#lines === lines) return this.#startReadings();
     this.#lines = lines;
-    const address = (module) => (module.port > 0 ? `${location.hostname}:${module.port}` : 'by OPEN');
+    const address = (module) => (module.port > 0 ? `${location.hostname}:${module.port}` : t('by OPEN'));
     const rows = this.#modules.map((module) =>
       make('tr', {}, make('td', {}, module.name), make('td', {class: 'number'}, address(module))));
     const open = this.#body.querySelector('.connect')?.open ?? false;
     this.#body.replaceChildren(
       make('p', {class: 'quiet'}, this.#type),
       this.#place,
-      make('details', {class: 'connect', open}, make('summary', {}, icon('plug'), 'Connect a program'),
+      make('details', {class: 'connect', open}, make('summary', {}, icon('plug'), t('Connect a program')),
         connectionLines(this.#name, this.#modules, this.#namePort),
-        make('details', {class: 'addresses'}, make('summary', {}, 'Addresses of its modules'),
+        make('details', {class: 'addresses'}, make('summary', {}, t('Addresses of its modules')),
           make('table', {class: 'modules'}, make('tbody', {}, ...rows)))));
     this.#startReadings();
   }
@@ -101,7 +102,7 @@ class Card {
 
   async #free() {
     const reply = await this.#connection.call({module: '/simulation', command: 'release_robot', text: this.#name});
-    say(reply.error === 0 ? `${this.#name} is free` : reply.text, reply.error !== 0);
+    say(reply.error === 0 ? t('{name} is free', {name: this.#name}) : reply.text, reply.error !== 0);
   }
 }
 
@@ -123,7 +124,7 @@ export class Robots {
 
   update(status) {
     const {robots, robot_count: count} = status;
-    setText(byId('robot-count'), robots.length < count ? `${count} (first ${robots.length} listed)` : `${count}`);
+    setText(byId('robot-count'), robots.length < count ? t('{all} (first {count} listed)', {all: count, count: robots.length}) : `${count}`);
     const names = new Set(robots.map((robot) => robot.name));
     for (const [name, card] of this.#cards) {
       if (names.has(name)) continue;
@@ -133,12 +134,12 @@ export class Robots {
     }
     for (const robot of robots) {
       if (!this.#cards.has(robot.name)) this.#add(robot.name);
-      this.#cards.get(robot.name).update(robot, this.#namePort, status.playback ? 'A recording is played: nothing drives it' : '');
+      this.#cards.get(robot.name).update(robot, this.#namePort, status.playback ? t('A recording is played: nothing drives it') : '');
     }
     byId('participants').hidden = status.mode !== 'lockstep';
-    const off = status.playback ? 'A recording has nobody to wait for' : '';
-    setOff('only-connected', off, 'Only robots that a client drives now take part');
-    setOff('all-participants', off, 'As the scenario says');
+    const off = status.playback ? t('A recording has nobody to wait for') : '';
+    setOff('only-connected', off, t('Only robots that a client drives now take part'));
+    setOff('all-participants', off, t('As the scenario says'));
   }
 
   /** Opens the first card automatically until the user opens or closes one; then restores each card's last state. */
@@ -172,7 +173,7 @@ export class Robots {
     const connected = await this.#connectedRobots();
     if (!connected) return;
     if (connected.length === 0) {
-      return say('no robot has a client yet: connect one first, or choose another mode under Time', true);
+      return say(t('no robot has a client yet: connect one first, or choose another mode under Time'), true);
     }
     this.#setParticipants(connected.join(' '));
   }
@@ -196,6 +197,6 @@ export class Robots {
   async #setParticipants(text) {
     const reply = await this.#connection.call({module: '/simulation', command: 'set_participants', text});
     if (reply.error !== 0) say(reply.text, true);
-    else say(text ? `lockstep waits for ${text}` : 'lockstep waits for the robots that the scenario names');
+    else say(text ? t('lockstep waits for {robots}', {robots: text}) : t('lockstep waits for the robots that the scenario names'));
   }
 }

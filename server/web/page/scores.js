@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The run's scores and the newest logged numbers; under Run, live and in a playback.
 import {byId, make, setText, showNumber} from './dom.js';
+import {t} from './words.js';
 
 /** The daemon's "m2" as people write it. */
 export const unitText = (unit) => (unit === 'm2' ? 'm²' : unit);
@@ -18,7 +19,7 @@ const scoreText = ({value, unit}) => (unit ? `${showNumber(value, 3)} ${unitText
 
 /** "until >= 3 · limit 60 s"; empty if the score does not end the run. */
 const endText = ({until, limit_s: limit}) =>
-  [until && `until ${until}`, limit && `limit ${limit} s`].filter(Boolean).join(' · ');
+  [until && t('until {condition}', {condition: until}), limit && t('limit {limit} s', {limit})].filter(Boolean).join(' · ');
 
 export class Scores {
   #box = byId('scores-box');
@@ -31,17 +32,17 @@ export class Scores {
     const key = JSON.stringify([scores, logged].map((list) => list.map(({name}) => name)));
     if (key !== this.#key) {
       this.#key = key;
-      setText(byId('scores-title'), [scores.length > 0 && 'Scores', logged.length > 0 && 'Logged numbers'].filter(Boolean).join(' · '));
+      setText(byId('scores-title'), [scores.length > 0 && t('Scores'), logged.length > 0 && t('Logged numbers')].filter(Boolean).join(' · '));
       this.#rows.replaceChildren(...[...scores, ...logged].map(({name}) =>
         make('tr', {}, make('th', {scope: 'row'}, name), make('td', {class: 'number'}), make('td', {class: 'quiet'}))));
     }
     scores.forEach((score, i) => {
-      this.#show(i, scoreText(score), score.met ? '✓ met' : endText(score));
+      this.#show(i, scoreText(score), score.met ? t('✓ met') : endText(score));
       this.#rows.rows[i].classList.toggle('met', score.met === true);
       this.#rows.rows[i].title = endText(score);
     });
     logged.forEach(({value, time_s: time}, i) =>
-      this.#show(scores.length + i, anyNumber(value), `at ${showNumber(time, 2)} s`));
+      this.#show(scores.length + i, anyNumber(value), t('at {time} s', {time: showNumber(time, 2)})));
   }
 
   #show(row, value, note) {

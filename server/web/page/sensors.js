@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Sensors that numbers show poorly: a lidar's scan from above, a camera's picture.
 import {make, setText, showNumber} from './dom.js';
+import {t} from './words.js';
 
 const PLOT_PX = 220;
-const VIEWS = [['picture', ''], ['depth', 'depth'], ['segments', 'segmentation']];
+const VIEWS = [[t('picture'), ''], [t('depth'), 'depth'], [t('segments'), 'segmentation']];
 
 /** The most level row of a lidar, seen from above: the lidar in the middle, its front up. */
 export class ScanPlot {
@@ -68,8 +69,8 @@ export class ScanPlot {
     draw.lineTo(middle + 4, middle + 4);
     draw.fill();
     const name = this.#module.slice(this.#module.lastIndexOf('/') + 1);
-    const nearest = hits.length > 0 ? `nearest ${showNumber(Math.min(...hits), 2)} m` : 'nothing in range';
-    setText(this.#note, `${name}: ${nearest}, rim ${showNumber(reach, 1)} m`);
+    const nearest = hits.length > 0 ? t('nearest {distance} m', {distance: showNumber(Math.min(...hits), 2)}) : t('nothing in range');
+    setText(this.#note, `${name}: ${nearest}, ${t('rim {distance} m', {distance: showNumber(reach, 1)})}`);
   }
 }
 
@@ -81,8 +82,8 @@ export class CameraTile {
 
   constructor(robot, name) {
     this.#url = `/camera.mjpg?robot=${encodeURIComponent(robot)}&camera=${encodeURIComponent(name)}`;
-    this.#image = make('img', {alt: `what ${name} sees`});
-    const choice = make('select', {title: 'View of the camera'},
+    this.#image = make('img', {alt: t('what {name} sees', {name})});
+    const choice = make('select', {title: t('View of the camera')},
                         ...VIEWS.map(([text, value]) => make('option', {value}, text)));
     choice.addEventListener('change', () => this.#show(choice.value));
     this.element = make('figure', {class: 'sensor'}, this.#image, make('figcaption', {}, `${name} `, choice));

@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: MIT
 // The strip at the top, legible from the back of a classroom: state, mode, time, real-time factor, awaited robots.
 import {byId, make, say, setText, showNumber} from './dom.js';
+import {t} from './words.js';
 
 const SHOWN_ROBOTS = 4;
-const HINT = 'Drag turns the view, the wheel zooms. A click selects, a double click follows.';
+const HINT = t('Drag turns the view, the wheel zooms. A click selects, a double click follows.');
 const AGAIN_MS = 10000;
 const MOST_TOLD = 50;
 const DEED = / by \S/;
 const SHORT_WAIT_S = 0.5;  // a lockstep world awaits its robots before every step; shorter waits are not shown
+
+const STATES = {running: t('running'), paused: t('paused'), waiting: t('waiting'), playing: t('playing'), ended: t('ended'), 'no answer': t('no answer')};
+
+/** Why a robot is awaited, in the daemon's words. */
+const whyText = (why) => (why === 'no client' ? t('no client') : why.replace(/^no command from (.*)$/, (_, client) => t('no command from {client}', {client})));
 
 /** Seconds that the longest-awaited robot has been awaited; 0 if none. */
 const longestWait = (status) => Math.max(0, ...(status.awaiting ?? []).map((entry) => entry.seconds ?? 0));
@@ -26,10 +32,10 @@ export function waitingText(status) {
   if (seconds < SHORT_WAIT_S) return '';
   const first = awaiting.slice(0, SHOWN_ROBOTS);
   const same = first.every(({why}) => why === first[0].why);
-  const names = first.map(({robot, why}) => (same ? robot : `${robot} (${why})`)).join(', ');
+  const names = first.map(({robot, why}) => (same ? robot : `${robot} (${whyText(why)})`)).join(', ');
   const more = (status.awaiting_count ?? awaiting.length) - first.length;
-  const others = more > 0 ? ` and ${more} more` : '';
-  return `waiting for ${names}${others}${same ? ` (${first[0].why})` : ''}, ${showNumber(seconds, 1)} s`;
+  const all = more > 0 ? t('{names} and {count} more', {names, count: more}) : names;
+  return t('waiting for {robots}, {seconds} s', {robots: same ? `${all} (${whyText(first[0].why)})` : all, seconds: showNumber(seconds, 1)});
 }
 
 /** How the world can continue without a robot that has no client; empty if all awaited robots have one. */
@@ -38,9 +44,9 @@ const cureText = (status) => (status.awaiting ?? []).find(({cure}) => cure)?.cur
 /** "of lesson1.run, 0.00 to 60.00 s, × −2"; empty in a live run. */
 export function playbackText(playback) {
   if (!playback) return '';
-  const ends = `${showNumber(playback.begin_s, 2)} to ${showNumber(playback.end_s, 2)} s`;
   const speed = playback.speed === 1 ? '' : `, × ${showNumber(playback.speed, 2)}`;
-  return `of ${playback.file}, ${ends}${playback.growing ? ' and growing' : ''}${speed}${playback.loop ? ', loop' : ''}`;
+  const of = t('of {file}, {begin} to {end} s', {file: playback.file, begin: showNumber(playback.begin_s, 2), end: showNumber(playback.end_s, 2)});
+  return `${of}${playback.growing ? ` ${t('and growing')}` : ''}${speed}${playback.loop ? `, ${t('loop')}` : ''}`;
 }
 
 export class Strip {
@@ -55,7 +61,7 @@ export class Strip {
   /** A null `status` leaves the last one, pale, under "no answer". */
   update(status) {
     const state = status ? stateText(status) : 'no answer';
-    setText(byId('state'), state === 'ended' && status.ended ? `ended: ${status.ended}` : state);
+    setText(byId('state'), state === 'ended' && status.ended ? t('ended: {reason}', {reason: status.ended}) : STATES[state] ?? state);
     byId('state').title = byId('state').textContent;
     byId('state').dataset.state = state;
     byId('strip').classList.toggle('stale', !status);
@@ -63,13 +69,13 @@ export class Strip {
     setText(byId('mode'), status.mode);
     setText(byId('time'), `${showNumber(status.time_s, 2)} s`);
     setText(byId('rtf'), `× ${showNumber(status.rtf, status.rtf < 100 ? 2 : 0)}`);
-    byId('rtf').title = 'real-time factor: simulated seconds per second';
+    byId('rtf').title = t('real-time factor: simulated seconds per second');
     this.#showName('scenario-name', status.scenario ?? '');
     this.#showName('playback', playbackText(status.playback));
     this.#followPlayback(status.playback?.file ?? null);
     const frozen = status.frozen ?? [];
     const waiting = waitingText(status);
-    const lines = [waiting, frozen.length > 0 ? `frozen: ${frozen.join(', ')}` : ''];
+    const lines = [waiting, frozen.length > 0 ? t('frozen: {robots}', {robots: frozen.join(', ')}) : ''];
     this.#showWaiting(lines.filter(Boolean).join(' · '), waiting && cureText(status));
     this.#showEvents(status.events ?? []);
   }
@@ -89,7 +95,7 @@ export class Strip {
 
   /** When a playback ends, by anybody, replaces messages about it such as "playing a recording". */
   #followPlayback(file) {
-    if (this.#played !== null && file === null) say(`${this.#played} is no longer played: the run is live`);
+    if (this.#played !== null && file === null) say(t('{name} is no longer played: the run is live', {name: this.#played}));
     this.#played = file;
   }
 
@@ -112,6 +118,6 @@ export class Strip {
     setText(byId('latest'), latest ? this.#tell(latest) : HINT);
     const items = events.toReversed().map((event) =>
       make('li', {class: event.level}, this.#tell(event)));
-    byId('events').replaceChildren(...(items.length > 0 ? items : [make('li', {class: 'quiet'}, 'none yet')]));
+    byId('events').replaceChildren(...(items.length > 0 ? items : [make('li', {class: 'quiet'}, t('none yet'))]));
   }
 }

@@ -2,6 +2,7 @@
 // A small line beside the real-time factor that shows its last minute. A click opens the plots.
 import {byId, make, showNumber} from './dom.js';
 import {showTab} from './layout.js';
+import {t} from './words.js';
 
 const SPAN_S = 60;
 const WIDTH = 90;
@@ -39,9 +40,9 @@ export class StripHistory {
     while (this.#rates[0].time < time - SPAN_S) this.#rates.shift();
     this.#line.setAttribute('points', lineOf(this.#rates));
     const all = this.#rates.map(({rtf}) => rtf), two = (value) => showNumber(value, value < 100 ? 2 : 0);
-    const title = `real-time factor of the last minute: ${two(Math.min(...all))} to ${two(Math.max(...all))}\n` +
-      `hash of the state after step ${status.step}: ${status.hash}\nClick for plots`;
-    this.#button.title = title;
-    this.#button.setAttribute('aria-label', title.replaceAll('\n', '. '));
+    const lines = [t('real-time factor of the last minute: {least} to {most}', {least: two(Math.min(...all)), most: two(Math.max(...all))}),
+      t('hash of the state after step {step}: {hash}', {step: status.step, hash: status.hash}), t('Click for plots')];
+    this.#button.title = lines.join('\n');
+    this.#button.setAttribute('aria-label', lines.join('. '));
   }
 }

@@ -3,6 +3,7 @@
 // Lesson and, while that is shown, above the editor of Program.
 import {byId, make, setText} from './dom.js';
 import {markdown} from './markdown.js';
+import {t} from './words.js';
 
 const HOMES = ['panel-robots', 'panel-program'];
 
@@ -32,7 +33,7 @@ export class Task {
     const box = byId('task-box');
     box.hidden = !task;
     if (!task) return;
-    setText(byId('task-title'), task.title || 'Task');
+    setText(byId('task-title'), task.title || t('Task'));
     const opened = byId('task-text').dataset.task === JSON.stringify(task) ? byId('task-hints').querySelectorAll('[open]').length : 0;
     byId('task-text').dataset.task = JSON.stringify(task);
     byId('task-text').replaceChildren(...markdown(task.text));
@@ -43,7 +44,7 @@ export class Task {
 
   /** A hint can be opened when the one before it has been. */
   #hint(text, i, opened) {
-    const hint = make('details', {hidden: i > opened, open: i < opened}, make('summary', {}, `Hint ${i + 1}`), ...markdown(text));
+    const hint = make('details', {hidden: i > opened, open: i < opened}, make('summary', {}, t('Hint {number}', {number: i + 1})), ...markdown(text));
     hint.addEventListener('toggle', () => {
       const next = hint.nextElementSibling;
       if (hint.open && next) next.hidden = false;

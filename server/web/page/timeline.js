@@ -2,6 +2,7 @@
 // The bar below the view during a playback: a time slider with events, notes and keyframes as marks; speed, loop and step
 // controls; and the way back to a live run.
 import {byId, make, say, setText, showNumber} from './dom.js';
+import {t} from './words.js';
 
 const SPEEDS = [-4, -2, -1, -0.5, 0.25, 0.5, 1, 2, 4, 8, 16, 32, 64];
 const MAX_MARKS = 400;
@@ -12,14 +13,14 @@ export class Timeline {
   #file = '';
   #wanted = null;     // the time requested by scrubbing
   #seeking = false;
-  #element = make('section', {id: 'timeline', hidden: true, 'aria-label': 'Playback'});
-  #track = make('input', {type: 'range', id: 'timeline-track', min: 0, max: 1, step: 'any', value: 0, 'aria-label': 'Time of the recording'});
+  #element = make('section', {id: 'timeline', hidden: true, 'aria-label': t('Playback')});
+  #track = make('input', {type: 'range', id: 'timeline-track', min: 0, max: 1, step: 'any', value: 0, 'aria-label': t('Time of the recording')});
   #marks = make('div', {id: 'timeline-marks'});
   #time = make('span', {id: 'timeline-time', class: 'number'});
-  #speed = make('select', {id: 'timeline-speed', 'aria-label': 'Speed of the playback', title: 'Below 0 it goes backwards'});
+  #speed = make('select', {id: 'timeline-speed', 'aria-label': t('Speed of the playback'), title: t('Below 0 it goes backwards')});
   #play = make('button', {type: 'button', id: 'timeline-play'});
-  #loop = make('button', {type: 'button', id: 'timeline-loop', title: 'Restart at the end', 'aria-pressed': 'false'}, '⟳ loop');
-  #back = make('button', {type: 'button', id: 'timeline-close', title: 'End the playback; the live run continues where it was left'}, 'Back to the live run');
+  #loop = make('button', {type: 'button', id: 'timeline-loop', title: t('Restart at the end'), 'aria-pressed': 'false'}, `⟳ ${t('loop')}`);
+  #back = make('button', {type: 'button', id: 'timeline-close', title: t('End the playback; the live run continues where it was left')}, t('Back to the live run'));
 
   constructor(connection) {
     this.#connection = connection;
@@ -37,13 +38,13 @@ export class Timeline {
     this.#track.addEventListener('input', () => this.seek(Number(this.#track.value)));
     this.#element.append(
       make('div', {class: 'timeline-row'},
-        button('timeline-first', '|◂', 'To the beginning', () => this.seek(this.#status.begin_s)),
-        button('timeline-step-back', '◂', 'One recorded step back', () => order('step -1')),
+        button('timeline-first', '|◂', t('To the beginning'), () => this.seek(this.#status.begin_s)),
+        button('timeline-step-back', '◂', t('One recorded step back'), () => order('step -1')),
         this.#play,
-        button('timeline-step', '▸', 'One recorded step forward', () => order('step 1')),
-        button('timeline-last', '▸|', 'To the end', () => this.seek(this.#status.end_s)),
+        button('timeline-step', '▸', t('One recorded step forward'), () => order('step 1')),
+        button('timeline-last', '▸|', t('To the end'), () => this.seek(this.#status.end_s)),
         this.#loop, this.#speed, this.#time,
-        button('timeline-branch', 'Go live from here', 'End the playback: the simulation goes on from what is shown', () => this.#branch()),
+        button('timeline-branch', t('Go live from here'), t('End the playback: the simulation goes on from what is shown'), () => this.#branch()),
         this.#back),
       make('div', {class: 'timeline-bar'}, this.#marks, this.#track));
     byId('view-frame').after(this.#element);
@@ -59,13 +60,13 @@ export class Timeline {
       return;
     }
     setText(this.#play, playback.playing ? '❚❚' : '▶');
-    this.#play.title = playback.playing ? 'Pause' : 'Play';
+    this.#play.title = playback.playing ? t('Pause') : t('Play');
     this.#play.setAttribute('aria-label', this.#play.title);
     this.#loop.setAttribute('aria-pressed', String(playback.loop));
     if (document.activeElement !== this.#speed) this.#showSpeed(playback.speed);
     Object.assign(this.#track, {min: playback.begin_s, max: playback.end_s});
     if (this.#wanted === null && !this.#seeking) this.#track.value = playback.time_s;
-    setText(this.#time, `${showNumber(playback.time_s, 2)} / ${showNumber(playback.end_s, 2)} s, step ${playback.step}`);
+    setText(this.#time, `${showNumber(playback.time_s, 2)} / ${showNumber(playback.end_s, 2)} s, ${t('step {step}', {step: playback.step})}`);
     if (playback.file !== this.#file) this.#load(playback.file);
   }
 
@@ -104,9 +105,9 @@ export class Timeline {
   }
 
   async #branch() {
-    say('going live: the steps since the last keyframe are repeated …');
+    say(t('going live: the steps since the last keyframe are repeated …'));
     const reply = await this.#connection.call({module: '/playback', command: 'branch'});
-    say(reply.error === 0 ? 'the run is live' : reply.text, reply.error !== 0);
+    say(reply.error === 0 ? t('the run is live') : reply.text, reply.error !== 0);
   }
 
   async #load(file) {
@@ -117,7 +118,7 @@ export class Timeline {
       if (!answer.ok || this.#file !== file) return;  // replaced or damaged: show no marks
       const {keyframes, events} = await answer.json();
       const few = (list) => list.filter((_, i) => i % Math.ceil(list.length / MAX_MARKS) === 0);
-      for (const time_s of few(keyframes)) this.#addMark({time_s, level: 'keyframe', text: 'keyframe'});
+      for (const time_s of few(keyframes)) this.#addMark({time_s, level: 'keyframe', text: t('keyframe')});
       for (const event of few(events)) this.#addMark(event);
     } catch { /* the banner shows that the daemon is gone */ }
   }

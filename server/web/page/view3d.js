@@ -8,6 +8,7 @@ import {Looks} from './looks.js';
 import {Interpolator, PoseReader} from './poses.js';
 import {Scene3d} from './scene3d.js';
 import {Stage} from './stage.js';
+import {t} from './words.js';
 
 const RATE_HZ = 30;
 const FOV_DEG = THREE.MathUtils.radToDeg(0.8);  // as in the daemon's pictures
@@ -361,6 +362,6 @@ export class View3d extends EventTarget {
       this.#stage.shadows = box.checked;
       this.#dirty = true;
     });
-    byId('show-list').append(make('label', {title: 'Shadows'}, box, ' shadows'));
+    byId('show-list').append(make('label', {title: t('Shadows')}, box, ` ${t('shadows')}`));
   }
 }

@@ -3,6 +3,7 @@
 import * as THREE from 'three';
 import {byId, make} from './dom.js';
 import {shownColor} from './palette.js';
+import {t} from './words.js';
 
 const TRAIL_POINTS = 600;
 const MOST_NAMED = 200;    // things with names, robots with trails
@@ -226,9 +227,9 @@ export class ViewMarks {
       bearings: new Asked(view, connection, {type: 'target', command: 'get_targets', color: 0xb23fb5, linesOf: bearingLines}),
       contacts: new Asked(view, connection, {type: 'contact', command: 'get_contacts', color: 0xd0342c, linesOf: contactLines}),
     };
-    const titles = {names: ['names', 'Names of robots and things'], trails: ['trails', 'Where robots have been'],
-      axes: ['joint axes', 'The axes of all joints'], bearings: ['target bearings', 'Lines to the targets that robots see: of the selected robot, or the first ones'],
-      contacts: ['contacts', 'Contacts at contact sensors and their forces: of the selected robot, or the first ones']};
+    const titles = {names: [t('names'), t('Names of robots and things')], trails: [t('trails'), t('Where robots have been')],
+      axes: [t('joint axes'), t('The axes of all joints')], bearings: [t('target bearings'), t('Lines to the targets that robots see: of the selected robot, or the first ones')],
+      contacts: [t('contacts'), t('Contacts at contact sensors and their forces: of the selected robot, or the first ones')]};
     for (const [key, [text, title]] of Object.entries(titles)) {
       const box = make('input', {type: 'checkbox', id: `show-${key}`});
       box.addEventListener('change', () => {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The teacher's wall: a tile for each seat, those that need help first.
-import {ORDERS} from './class_words.js';
+import {hostText, ORDERS, sentenceOf} from './class_words.js';
 import {byId, make, say, setText} from './dom.js';
 import {follow, post} from './host_events.js';
 import {listenToTheme} from './layout.js';
@@ -8,6 +8,7 @@ import {gridFor} from './wall_grid.js';
 import {order, scenariosOf} from './wall_orders.js';
 import {Panel} from './wall_panel.js';
 import {Tile} from './wall_tile.js';
+import {plural, t} from './words.js';
 
 const KEPT = 'coopdyn-wall';
 const HELD_MS = 6000;     // after the last touch of the pointer or a key among the tiles, their order stays so long
@@ -15,8 +16,11 @@ const TICK_MS = 1000;
 const MOVE_MS = 450;
 const FOR_ALL = ['freeze', 'thaw', 'message', 'lower_hand', 'reset', 'restart', 'push', 'take', 'give', 'aside'];
 const SHOWN_FOR_ALL = 3;  // the others are in a menu
-const COUNTED = [['hand', 'hand up', 'hands up'], ['crashed', 'crashed'], ['waiting', 'waiting'], ['running', 'running'], ['paused', 'paused'],
-  ['frozen', 'frozen'], ['ended', 'ended'], ['starting', 'starting'], ['asleep', 'asleep']];
+const COUNTED = {
+  hand: (count) => plural(count, 'hand up', 'hands up'), crashed: (count) => t('crashed', {count}), waiting: (count) => t('waiting', {count}),
+  running: (count) => t('running', {count}), paused: (count) => t('paused', {count}), frozen: (count) => t('frozen', {count}),
+  ended: (count) => t('ended', {count}), starting: (count) => t('starting', {count}), asleep: (count) => t('asleep', {count}),
+};
 
 class Wall {
   tiles = new Map();  // by seat
@@ -140,7 +144,7 @@ class Wall {
     if (select.dataset.key === key) return;
     select.dataset.key = key;
     const chosen = select.value;
-    select.replaceChildren(make('option', {value: ''}, 'all'), ...groups.map((group) => make('option', {value: group}, group)));
+    select.replaceChildren(make('option', {value: ''}, t('all')), ...groups.map((group) => make('option', {value: group}, group)));
     select.value = groups.includes(chosen) ? chosen : '';
   }
 
@@ -163,14 +167,14 @@ class Wall {
     const list = byId('counts');
     if (list.dataset.text === text) return;
     list.dataset.text = text;
-    list.replaceChildren(make('li', {}, make('b', {}, String(shown.length)), shown.length === 1 ? ' seat' : ' seats'),
-      ...COUNTED.filter(([key]) => counts.has(key)).map(([key, one, more = one]) => {
-        const item = make('li', {}, make('b', {}, String(counts.get(key))), ` ${counts.get(key) === 1 ? one : more}`);
+    list.replaceChildren(make('li', {}, make('b', {}, String(shown.length)), ` ${plural(shown.length, 'seat', 'seats')}`),
+      ...Object.entries(COUNTED).filter(([key]) => counts.has(key)).map(([key, text]) => {
+        const item = make('li', {}, make('b', {}, String(counts.get(key))), ` ${text(counts.get(key))}`);
         item.dataset.state = key;
         return item;
       }));
     const hands = counts.get('hand') ?? 0;
-    document.title = `${hands > 0 ? `(${hands}) ` : ''}Class wall – coopdyn`;
+    document.title = `${hands > 0 ? `(${hands}) ` : ''}${t('Class wall – coopdyn')}`;
   }
 
   #showLessons() {
@@ -186,9 +190,9 @@ class Wall {
     });
     nav.replaceChildren(make('ol', {}, ...steps));
     if (lesson + 1 >= lessons.length) return;
-    const next = make('button', {type: 'button', id: 'next', title: ORDERS.next.hint}, 'Next');
+    const next = make('button', {type: 'button', id: 'next', title: ORDERS.next.hint}, t('Next'));
     // The lesson plan is everybody's, whatever group is shown.
-    next.addEventListener('click', () => order('next', this.#said.seats, {all: true, about: `Everybody loads ${short(lessons[lesson + 1])}. ${ORDERS.next.asks}`}));
+    next.addEventListener('click', () => order('next', this.#said.seats, {all: true, about: `${t('Everybody loads {name}.', {name: short(lessons[lesson + 1])})} ${ORDERS.next.asks}`}));
     nav.append(next);
   }
 
@@ -199,13 +203,13 @@ class Wall {
       button.addEventListener('click', async () => {
         more.open = false;
         const seats = this.#shown.map(({seat}) => seat).filter(({hand}) => name !== 'lower_hand' || hand);
-        if (seats.length === 0) return say(name === 'lower_hand' ? 'no hand is up' : 'no seat is shown');
+        if (seats.length === 0) return say(name === 'lower_hand' ? t('no hand is up') : t('no seat is shown'));
         order(name, seats, {all: seats.length === this.#said.seats.length, scenarios: name === 'push' ? await scenariosOf(seats) : []});
       });
       return button;
     });
-    const more = make('details', {class: 'menu'}, make('summary', {class: 'button'}, 'More'), make('div', {}, ...made.slice(SHOWN_FOR_ALL)));
-    byId('all').append(make('span', {class: 'quiet'}, 'All'), ...made.slice(0, SHOWN_FOR_ALL), more);
+    const more = make('details', {class: 'menu'}, make('summary', {class: 'button'}, t('More')), make('div', {}, ...made.slice(SHOWN_FOR_ALL)));
+    byId('all').append(make('span', {class: 'quiet'}, t('All')), ...made.slice(0, SHOWN_FOR_ALL), more);
     document.addEventListener('pointerdown', ({target}) => { if (!more.contains(target)) more.open = false; });
     more.addEventListener('keydown', ({key}) => { if (key === 'Escape') { more.open = false; more.firstElementChild.focus(); } });
   }
@@ -236,7 +240,7 @@ function open() {
 
 async function unlock(token) {
   const {error} = await post('login', {token});
-  setText(byId('unlock-answer'), error && `${error[0].toUpperCase()}${error.slice(1)}.`);
+  setText(byId('unlock-answer'), sentenceOf(hostText(error)));
   if (error) return byId('token').select();
   try { localStorage.setItem(KEPT, 'yes'); } catch { /* the next visit asks the host */ }
   if (location.hash === '#to=sheet') return location.replace('class/sheet');  // its address leads here without the token

@@ -3,6 +3,7 @@
 import {namesText, ORDERS, studentsText} from './class_words.js';
 import {byId, make, say} from './dom.js';
 import {post} from './host_events.js';
+import {t} from './words.js';
 
 /** Asks in the dialog. Resolves to the text entered (empty if none is asked for), or null. */
 function ask({title, about, whom, field, value = '', options = [], act, danger}) {
@@ -17,7 +18,7 @@ function ask({title, about, whom, field, value = '', options = [], act, danger})
   form.replaceChildren(
     make('h2', {}, title), ...(about ? [make('p', {}, about)] : []), make('p', {class: 'whom'}, whom),
     ...(input ? [make('label', {}, field, input)] : []), ...(choices.length > 0 ? [make('div', {class: 'choices'}, ...choices)] : []),
-    make('div', {class: 'row'}, make('button', {value: 'no', formNoValidate: true}, 'Cancel'), go));
+    make('div', {class: 'row'}, make('button', {value: 'no', formNoValidate: true}, t('Cancel')), go));
   input?.addEventListener('keydown', (event) => {
     if (event.key === 'Enter' && (event.ctrlKey || event.metaKey)) form.requestSubmit(go);
   });
@@ -37,7 +38,7 @@ export async function order(name, seats, {all = false, text = null, about = '', 
   const names = namesText(seats.map((seat) => seat.name));
   if ((many && asks && text === null) || (field && text === null)) {
     text = await ask({title: many ? `${title}: ${studentsText(seats.length)}` : `${title}: ${names}`, about: about || (many ? asks : ''),
-      whom: many ? `It meets ${names}.` : '', field, options: scenarios, act: name === 'message' ? 'Send' : title, danger: many && Boolean(asks)});
+      whom: many ? t('It meets {names}.', {names}) : '', field, options: scenarios, act: name === 'message' ? t('Send') : title, danger: many && Boolean(asks)});
     if (text === null) return;
   }
   const {error} = await post('class/do', {do: name, ...(all ? {} : {seats: seats.map(({seat}) => seat)}), ...(text ? {text} : {})});

@@ -5,6 +5,7 @@ import {byId, make, setText, showNumber} from './dom.js';
 import {TopView} from './top_view.js';
 import {order, scenariosOf} from './wall_orders.js';
 import {handedIn, programText, scoreText} from './wall_tile.js';
+import {t} from './words.js';
 
 const ALWAYS = ['reset', 'restart', 'push', 'aside'];
 
@@ -18,18 +19,18 @@ export class Panel {
   #state = make('span', {class: 'state'});
   #why = make('p', {class: 'why'});
   #facts = make('dl');
-  #open = make('a', {class: 'button primary', target: '_blank', rel: 'noopener'}, 'Open the page');
+  #open = make('a', {class: 'button primary', target: '_blank', rel: 'noopener'}, t('Open the page'));
   #buttons = {};
-  #text = make('textarea', {rows: 2, placeholder: 'Message to this student', 'aria-label': 'Message to this student'});
+  #text = make('textarea', {rows: 2, placeholder: t('Message to this student'), 'aria-label': t('Message to this student')});
   #redraw = () => { this.#view.draw(); };
   #reshow = () => { this.#view.show(this.#tile.feed.scene); };
 
   constructor() {
     this.#view = new TopView(this.#canvas);
-    const close = make('button', {type: 'button', class: 'close', 'aria-label': 'Close', title: 'Close (Esc)'}, '×');
+    const close = make('button', {type: 'button', class: 'close', 'aria-label': t('Close'), title: t('Close (Esc)')}, '×');
     close.addEventListener('click', () => this.close());
     const orders = make('div', {class: 'orders'}, this.#open, this.#button('take'), this.#button('freeze'), this.#button('lower_hand'), ...ALWAYS.map((name) => this.#button(name)));
-    const send = make('button', {}, 'Send');
+    const send = make('button', {}, t('Send'));
     const form = make('form', {class: 'send'}, this.#text, send);
     form.addEventListener('submit', (event) => {
       event.preventDefault();
@@ -97,18 +98,18 @@ export class Panel {
     const {seat, why, state: [key, word]} = this.#tile;
     Object.assign(this.#box.dataset, {state: key, hand: seat.hand, need: Math.min(seat.need, 5)});
     setText(this.#title, seat.name);
-    setText(this.#place, [`seat ${seat.seat}`, seat.group && `group ${seat.group}`].filter(Boolean).join(' · '));
+    setText(this.#place, [t('seat {seat}', {seat: seat.seat}), seat.group && t('group {group}', {group: seat.group})].filter(Boolean).join(' · '));
     setText(this.#state, word);
     setText(this.#why, why);
     this.#set(this.#buttons.take, seat.taken && !seat.frozen ? 'give' : 'take');
     this.#set(this.#buttons.freeze, seat.frozen ? 'thaw' : 'freeze');
     this.#buttons.lower_hand.hidden = !seat.hand;
     const facts = [
-      ['Scenario', seat.scenario], ['Time', seat.time_s !== undefined && `${showNumber(seat.time_s, 1)} s · ${seat.mode} · × ${showNumber(seat.rtf, 2)}`],
-      ['Program', programText(seat)], ['Driven by', seat.driven_by], ['Connections', seat.clients], ['Idle', idleText(seat.idle_s + ago_s)],
-      ['Handed in', handedIn(seat) > 0 && `${handedIn(seat)} ×`],
+      [t('Scenario'), seat.scenario], [t('Time'), seat.time_s !== undefined && `${showNumber(seat.time_s, 1)} s · ${seat.mode} · × ${showNumber(seat.rtf, 2)}`],
+      [t('Program'), programText(seat)], [t('Driven by'), seat.driven_by], [t('Connections'), seat.clients], [t('Idle for'), idleText(seat.idle_s + ago_s)],
+      [t('Handed in'), handedIn(seat) > 0 && `${handedIn(seat)} ×`],
       ...(seat.scores ?? []).map((score) => [score.name, `${scoreText(score)}${score.met ? ' ✓' : ''}`]),
-      ['Last error', seat.error], ['Trouble', seat.trouble]].filter(([, value]) => value || value === 0);
+      [t('Last error'), seat.error], [t('Trouble'), seat.trouble]].filter(([, value]) => value || value === 0);
     const text = JSON.stringify(facts);
     if (this.#facts.dataset.text === text) return;
     this.#facts.dataset.text = text;

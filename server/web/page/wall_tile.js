@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 // A seat on the wall: its world from above, and what one must know of it at a glance.
-import {idleText, languageText, ORDERS, stateOf} from './class_words.js';
+import {hostText, idleText, languageText, ORDERS, stateOf} from './class_words.js';
 import {make, setText, showNumber} from './dom.js';
 import {unitText} from './scores.js';
 import {SeatFeed} from './seat_feed.js';
 import {TopView} from './top_view.js';
+import {t} from './words.js';
 
 const MOVES_MS = 2500;  // time that has gone on within this goes on
 const TROUBLE_MS = 60000;  // what has happened to a daemon that runs again is said so long
@@ -15,12 +16,12 @@ export const scoreText = ({value, unit}) => (unit ? `${showNumber(value, 2)} ${u
 
 /** What drives, or would: "Python drives", "MATLAB, not driving". */
 export function programText(seat) {
-  if (seat.program?.runs) return seat.driven_by ? 'a program of the page drives' : 'a program of the page runs';
+  if (seat.program?.runs) return seat.driven_by ? t('a program of the page drives') : t('a program of the page runs');
   const language = languageText(seat.language), drives = seat.driven_by ?? '';
-  if (language && drives) return `${language} drives`;
-  if (seat.program?.error && !drives) return 'a program of the page ended with an error';
-  if (drives) return drives.startsWith('page') ? 'the page drives' : `${drives} drives`;
-  return language ? `${language}, not driving` : 'nobody drives';
+  if (language && drives) return t('{name} drives', {name: language});
+  if (seat.program?.error && !drives) return t('a program of the page ended with an error');
+  if (drives) return drives.startsWith('page') ? t('the page drives') : t('{name} drives', {name: drives});
+  return language ? t('{name}, not driving', {name: language}) : t('nobody drives');
 }
 
 /** How often a student has handed in. */
@@ -29,7 +30,7 @@ export const handedIn = ({handed_in: given = 0}) => given.length ?? given;
 /** "ana · group 1"; without the seat if that is the name in other letters. */
 function placeText({seat, name, group}) {
   const plain = name.normalize('NFD').replace(/[^a-zA-Z0-9]/g, '').toLowerCase();
-  return [seat.replace(/[-_]/g, '') !== plain && seat, group && `group ${group}`].filter(Boolean).join(' · ');
+  return [seat.replace(/[-_]/g, '') !== plain && seat, group && t('group {group}', {group})].filter(Boolean).join(' · ');
 }
 
 export class Tile {
@@ -44,16 +45,16 @@ export class Tile {
   #note = make('span', {class: 'note'});
   #why = make('p', {class: 'why'});
   #program = make('span', {class: 'program'});
-  #idle = make('span', {class: 'idle', title: 'How long the student has done nothing'});
+  #idle = make('span', {class: 'idle', title: t('How long the student has done nothing')});
   #scores = make('span', {class: 'scores'});
-  #given = make('span', {class: 'given', title: 'How often the student has handed in'});
+  #given = make('span', {class: 'given', title: t('How often the student has handed in')});
   #quick;
   #time = 0;
   #movedAt = -Infinity;
   #dirty = false;
   #seen = false;
   #troubleAt = -Infinity;
-  state = ['asleep', 'asleep'];
+  state = ['asleep', t('asleep')];
   why = '';   // the seat needs help, or did
   drawn = 0;  // pictures
 
@@ -73,7 +74,7 @@ export class Tile {
       made.addEventListener('click', () => act(this, order));
       return made;
     };
-    this.#quick = make('div', {class: 'quick'}, quick('open', 'Open', 'The seat’s page, in a new tab'),
+    this.#quick = make('div', {class: 'quick'}, quick('open', t('Open'), t('The seat’s page, in a new tab')),
       ...QUICK.map((order) => quick(order, ORDERS[order].title, ORDERS[order].hint)));
     this.#name.addEventListener('click', () => act(this, 'choose'));
     this.element.append(
@@ -100,11 +101,11 @@ export class Tile {
     setText(this.#state, word.replace(/:.*/, ''));
     this.#state.title = word;
     Object.assign(this.element.dataset, {state: key, hand: seat.hand, need: Math.min(seat.need, 5), taken: seat.taken && !seat.frozen});
-    setText(this.#program, seat.taken && !seat.frozen ? 'you drive' : key === 'asleep' || !(seat.driven_by || seat.language || seat.program?.runs || seat.program?.error) ? '' : programText(seat));
+    setText(this.#program, seat.taken && !seat.frozen ? t('you drive') : key === 'asleep' || !(seat.driven_by || seat.language || seat.program?.runs || seat.program?.error) ? '' : programText(seat));
     const idle = seat.idle_s + ago_s;
-    setText(this.#idle, key === 'asleep' ? '' : idle < 10 ? 'active' : `idle ${idleText(idle)}`);
-    setText(this.#given, handedIn(seat) > 0 ? `handed in ${handedIn(seat)}` : '');
-    this.why = seat.why.replace(/ for 0 min$/, ' just now') || trouble || seat.error;
+    setText(this.#idle, key === 'asleep' ? '' : idle < 10 ? t('active') : t('idle {time}', {time: idleText(idle)}));
+    setText(this.#given, handedIn(seat) > 0 ? t('handed in {count}', {count: handedIn(seat)}) : '');
+    this.why = hostText(seat.why) || trouble || seat.error;
     const why = this.why || (key === 'ended' ? seat.ended ?? '' : '');
     setText(this.#why, why);
     this.#why.title = why;

@@ -3,6 +3,7 @@
 // change is an edit of /world, so that other pages and recordings see it.
 import {byId, icon, make, saveFile, say, setText, showNumber} from './dom.js';
 import {isShown, showTab, tab} from './layout.js';
+import {t} from './words.js';
 
 const MODULE = '/world';
 const SNAP_M = 0.05;
@@ -53,26 +54,26 @@ export class World {
   #asked = 0;
   #key = '';          // of the shown list
   #element = make('div', {id: 'world'});
-  #list = make('ul', {id: 'things', 'aria-label': 'What stands in the world'});
+  #list = make('ul', {id: 'things', 'aria-label': t('What stands in the world')});
   #form = make('form', {id: 'thing', hidden: true});
-  #undo = make('button', {type: 'button', title: 'Undo the last edit (Ctrl+Z)'}, icon('undo'), 'Undo');
-  #redo = make('button', {type: 'button', title: 'Redo the undone edit (Ctrl+Y)'}, icon('redo'), 'Redo');
+  #undo = make('button', {type: 'button', title: t('Undo the last edit (Ctrl+Z)')}, icon('undo'), t('Undo'));
+  #redo = make('button', {type: 'button', title: t('Redo the undone edit (Ctrl+Y)')}, icon('redo'), t('Redo'));
   #count = make('span', {class: 'quiet'});
-  #robotType = make('select', {'aria-label': 'Type of robot'});
-  #targetColor = make('select', {'aria-label': 'Colour of the target'}, ...COLORS.map((name) => make('option', {}, name)));
-  #search = make('input', {type: 'search', placeholder: 'find', 'aria-label': 'Find by name'});
+  #robotType = make('select', {'aria-label': t('Type of robot')});
+  #targetColor = make('select', {'aria-label': t('Colour of the target')}, ...COLORS.map((name) => make('option', {}, name)));
+  #search = make('input', {type: 'search', placeholder: t('find'), 'aria-label': t('Find by name')});
 
   constructor(connection, view) {
     this.#connection = connection;
     this.#view = view;
-    const save = make('button', {type: 'button', title: 'Save the current world as a scenario file'}, icon('save'), 'Save as file');
+    const save = make('button', {type: 'button', title: t('Save the current world as a scenario file')}, icon('save'), t('Save as file'));
     save.addEventListener('click', () => this.#save());
     this.#undo.addEventListener('click', () => this.#edit('undo'));
     this.#redo.addEventListener('click', () => this.#edit('redo'));
     this.#search.addEventListener('input', () => { this.#key = ''; this.#showList(); });
-    this.#element.append(make('div', {class: 'row', id: 'palette', role: 'group', 'aria-label': 'Insert: click, or drag onto the floor'}, ...this.#palette()),
+    this.#element.append(make('div', {class: 'row', id: 'palette', role: 'group', 'aria-label': t('Insert: click, or drag onto the floor')}, ...this.#palette()),
       make('div', {class: 'row'}, this.#undo, this.#redo, save, this.#search, this.#count), this.#list, this.#form);
-    tab('world', 'World').append(this.#element);
+    tab('world', t('World')).append(this.#element);
     this.#fillTypes();
     view.addEventListener?.('scene', () => this.#refresh());
     view.addEventListener?.('select', ({detail}) => this.select(detail?.name ?? '', true));
@@ -93,7 +94,7 @@ export class World {
 
   #palette() {
     const entry = (kind, text, title, choice) => {
-      const button = make('button', {type: 'button', draggable: true, title: `${title}: click, or drag it onto the floor`}, icon(kind), text);
+      const button = make('button', {type: 'button', draggable: true, title: t('{thing}: click, or drag it onto the floor', {thing: title})}, icon(kind), text);
       button.dataset.kind = kind;
       button.addEventListener('click', () => this.insertNear(kind, choice?.value));
       button.addEventListener('dragstart', (event) => {
@@ -101,9 +102,9 @@ export class World {
       });
       return choice ? make('span', {class: 'with-choice'}, button, choice) : button;
     };
-    return [entry('box', 'Box', 'A box'), entry('cylinder', 'Cylinder', 'A cylinder'), entry('sphere', 'Ball', 'A ball'),
-      entry('wall', 'Wall', 'A wall'), entry('light', 'Light', 'A lamp'), entry('robot', 'Robot', 'A robot', this.#robotType),
-      entry('target', 'Target', 'A target', this.#targetColor)];
+    return [entry('box', t('Box'), t('A box')), entry('cylinder', t('Cylinder'), t('A cylinder')), entry('sphere', t('Ball'), t('A ball')),
+      entry('wall', t('Wall'), t('A wall')), entry('light', t('Lamp'), t('A lamp')), entry('robot', t('Robot'), t('A robot'), this.#robotType),
+      entry('target', t('Target'), t('A target'), this.#targetColor)];
   }
 
   async #fillTypes() {
@@ -154,7 +155,7 @@ export class World {
       this.#refresh();
       return this.select(reply.text.split(/\s/)[0]);
     }
-    say('There is no free place in the middle of the view: look elsewhere, or drag it to a free place', true);
+    say(t('There is no free place in the middle of the view: look elsewhere, or drag it to a free place'), true);
   }
 
   /** Inserts a thing under a point of the window, or in the middle of the view if there is no floor. */
@@ -251,9 +252,9 @@ export class World {
     if (!thing || (!anew && this.#form.contains(document.activeElement))) return;
     const {name} = thing;
     const quoted = (text) => text.trim();
-    const field = (label, value, send, properties = {}) => {
+    const field = (label, key, value, send, properties = {}) => {
       const input = make('input', {type: 'text', value, ...properties});
-      input.name = label;
+      input.name = key;
       const act = async () => {
         if (input.value === value) return;
         const reply = await send(quoted(input.value));
@@ -270,28 +271,28 @@ export class World {
     };
     const fields = [];
     if (!thing.color_name) {
-      fields.push(field('name', name, async (value) => {
+      fields.push(field(t('name'), 'name', name, async (value) => {
         const reply = await this.#edit(`rename ${name} ${value}`);
         if (reply.error === 0) this.select(reply.text.split(/\s/)[0] || value);
         return reply;
       }));
     }
-    ['x', 'y', 'z'].forEach((axis, i) => fields.push(field(`${axis} m`, short(thing.position[i]), place(i), {inputMode: 'decimal'})));
+    ['x', 'y', 'z'].forEach((axis, i) => fields.push(field(`${axis} m`, `${axis} m`, short(thing.position[i]), place(i), {inputMode: 'decimal'})));
     if (thing.quaternion) {
-      fields.push(field('turn °', showNumber(yawOf(thing.quaternion), 1).replace('−', '-'), (value) => this.#edit(
+      fields.push(field(t('turn °'), 'turn °', showNumber(yawOf(thing.quaternion), 1).replace('−', '-'), (value) => this.#edit(
         `set_pose ${name} ${thing.position.map(short).join(' ')} ${short(Number(value) * Math.PI / 180)}`), {inputMode: 'decimal'}));
     }
-    if (thing.size) fields.push(field('size m', thing.size.map(short).join(' '), set('size')));
-    if (thing.mass !== undefined) fields.push(field('mass kg', short(thing.mass), set('mass'), {title: '0: it never moves'}));
-    if (thing.power !== undefined) fields.push(field('power', short(thing.power), set('power')));
-    if (thing.controller !== undefined) fields.push(field('controller', thing.controller, set('controller'), {title: 'A loaded controller and its options, for example: diffuse speed=0.2'}));
+    if (thing.size) fields.push(field(t('size m'), 'size m', thing.size.map(short).join(' '), set('size')));
+    if (thing.mass !== undefined) fields.push(field(t('mass kg'), 'mass kg', short(thing.mass), set('mass'), {title: t('0: it never moves')}));
+    if (thing.power !== undefined) fields.push(field(t('power'), 'power', short(thing.power), set('power')));
+    if (thing.controller !== undefined) fields.push(field(t('controller'), 'controller', thing.controller, set('controller'), {title: t('A loaded controller and its options, for example: diffuse speed=0.2')}));
     if (thing.color_name) {
-      fields.push(field('color', thing.color_name, set('color')));
+      fields.push(field(t('color'), 'color', thing.color_name, set('color')));
     } else {
       const color = make('input', {type: 'color', value: hex(thing.color)});
       color.name = 'color';
       color.addEventListener('change', () => this.#edit(`set ${name} color ${rgbOf(color.value)}`));
-      fields.push(make('label', {}, 'color ', color));
+      fields.push(make('label', {}, `${t('color')} `, color));
     }
     const button = (text, title, act) => {
       const made = make('button', {type: 'button', title}, text);
@@ -299,8 +300,8 @@ export class World {
       return made;
     };
     this.#form.replaceChildren(make('strong', {}, name), make('div', {class: 'fields'}, ...fields), make('div', {class: 'row'},
-      button('Duplicate', 'Add a copy beside it (Ctrl+D)', () => this.#duplicate(thing)),
-      button('Remove', 'Remove it from the world (Delete)', () => this.#edit(`remove ${name}`))));
+      button(t('Duplicate'), t('Add a copy beside it (Ctrl+D)'), () => this.#duplicate(thing)),
+      button(t('Remove'), t('Remove it from the world (Delete)'), () => this.#edit(`remove ${name}`))));
   }
 
   // --- mouse and keys
@@ -320,7 +321,7 @@ export class World {
       if (!data) return;
       event.preventDefault();
       const at = this.#view.floorAt?.(event.clientX, event.clientY);
-      if (!at || !this.#isOnFloor(at)) return say('There is no floor: drop it where the floor is', true);
+      if (!at || !this.#isOnFloor(at)) return say(t('There is no floor: drop it where the floor is'), true);
       const {kind, choice} = JSON.parse(data);
       this.#insert(kind, at.x, at.y, choice);
     });
