@@ -33,7 +33,7 @@ export class RobotMeshes {
   #levels = [];      // from near to tiny: {below_px, parts: [{mesh, shapes: [{body, X_BG}], painted}], robots: those shown so}
   #chosen = null;    // by robot: its level
 
-  /** `things`: robots of `model`, as in a scene. `meshOf(name)` resolves to {geometry, map} or null; `onLoaded` is called after each. */
+  /** `things`: robots of `model`, as in a scene. `meshOf(name)` resolves to parts {geometry, map, color}, or null; `onLoaded` is called after each. */
   constructor(model, things, {makeMaterial, meshOf, onLoaded}) {
     this.#model = model;
     this.#things = things;
@@ -58,7 +58,7 @@ export class RobotMeshes {
   #add(below_px, shapes, round, meshOf, onLoaded) {
     const level = {below_px, parts: [], robots: []};
     this.#levels.push(level);
-    const equal = Map.groupBy(shapes, ({type, size, mesh, color: own}) => JSON.stringify([type, size, mesh, own]));
+    const equal = Map.groupBy(shapes, ({type, size, mesh, skin, color: own}) => JSON.stringify([type, size, mesh, skin, own]));
     for (const group of equal.values()) {
       const geometry = geometryOf(group[0], round, BEVEL_M);
       if (geometry) {
@@ -67,15 +67,22 @@ export class RobotMeshes {
       }
       meshOf(group[0].mesh).then((loaded) => {
         if (!loaded) return;
-        this.#addPart(level, group, loaded.geometry, loaded.map);
+        for (const part of loaded) this.#addPart(level, group, part.geometry, group[0].skin ? part : {});
         onLoaded();
       });
     }
   }
 
-  #addPart(level, shapes, geometry, map = null) {
-    const [{color: own}] = shapes, vertexColors = geometry.hasAttribute('color'), painted = !own && !vertexColors && !map;
-    const material = this.#makeMaterial(own && !vertexColors && !map ? own : [1, 1, 1], {...surfaceOf(own), vertexColors, ...(map ? {map} : {})});
+  /** `skin`: of a mesh's part that is drawn in its own colours: {map, color}. */
+  #addPart(level, shapes, geometry, {map = null, color: tint = null} = {}) {
+    const [{color: own}] = shapes, vertexColors = Boolean(tint) && !map && geometry.hasAttribute('color');
+    const painted = !own && !tint;
+    const material = this.#makeMaterial(own ?? [1, 1, 1], {...surfaceOf(own), vertexColors, ...(map ? {map} : {})});
+    if (map || vertexColors || painted) material.color.set(0xffffff);
+    if (map) {
+      material.color.copy(tint);
+      if (!material.isPlain) map.colorSpace = THREE.SRGBColorSpace;
+    }
     const mesh = new THREE.InstancedMesh(geometry, material, this.#things.length * shapes.length);
     if (painted) mesh.setColorAt(0, color([1, 1, 1]));
     mesh.castShadow = mesh.receiveShadow = true;

@@ -55,7 +55,7 @@ export class Scene3d {
   #pickable = [];   // but robots
   #moving = [];   // {object, body}
   #loader = new GLTFLoader();
-  #geometries = new Map();
+  #meshes = new Map();  // promises of parts, by name
   #disposed = false;
   #makeMaterial;
   #floor;
@@ -250,18 +250,33 @@ export class Scene3d {
     this.root.add(meshes.root);
   }
 
+  /** The parts of a mesh: [{geometry, map, color}]; null if it did not come. A part's `map` is a picture's texture, or null. */
   #mesh(name) {
-    if (!this.#geometries.has(name)) {
-      this.#geometries.set(name, this.#loader.loadAsync(`api/mesh/${name}.glb`).then((gltf) => {
-        let found = null;
-        gltf.scene.traverse((object) => { found ??= object.geometry; });
-        // Flat faces: shared vertices would give smoothed ones.
-        const geometry = found.toNonIndexed();
-        geometry.computeVertexNormals();
-        return this.#disposed ? null : {geometry};
+    if (!this.#meshes.has(name)) {
+      this.#meshes.set(name, this.#loader.loadAsync(`api/mesh/${name}.glb`).then(async (gltf) => {
+        const parts = [];
+        gltf.scene.traverse(({geometry, material}) => {
+          if (!geometry) return;
+          // Flat faces: shared vertices would give smoothed ones.
+          const flat = geometry.toNonIndexed(), {texture} = material.userData;
+          flat.computeVertexNormals();
+          parts.push((texture ? this.#picture(texture) : Promise.resolve(null)).then((map) => ({geometry: flat, map, color: material.color})));
+        });
+        const all = await Promise.all(parts);
+        return this.#disposed ? null : all;
       }, () => null));
     }
-    return this.#geometries.get(name);
+    return this.#meshes.get(name);
+  }
+
+  /** The texture of a mesh; null if it did not come. */
+  #picture(name) {
+    return new THREE.TextureLoader().loadAsync(`api/texture/${encodeURIComponent(name)}`).then((map) => {
+      map.flipY = false;  // as glTF has it
+      map.wrapS = map.wrapT = THREE.RepeatWrapping;
+      map.anisotropy = 8;
+      return map;
+    }, () => null);
   }
 
   /** A flag on a pole, with a ring on the floor; the ball is at the target, or above it where that is low. */
