@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Optional marks in the view, each with its own box under Show: sensors, names, trails, joint axes, bearings of targets, contacts.
 import * as THREE from 'three';
+import {CornerCamera} from './corner_camera.js';
 import {byId, make} from './dom.js';
 import {shownColor} from './palette.js';
 import {SensorMarks} from './sensor_marks.js';
@@ -226,10 +227,12 @@ export class ViewMarks {
       sensors: new SensorMarks(view, connection), names: new Names(view), trails: new Trails(view), axes: new JointAxes(view),
       bearings: new Asked(view, connection, {type: 'target', command: 'get_targets', color: 0xb23fb5, linesOf: bearingLines}),
       contacts: new Asked(view, connection, {type: 'contact', command: 'get_contacts', color: 0xd0342c, linesOf: contactLines}),
+      camera: new CornerCamera(view, connection),
     };
     const titles = {names: ['names', 'Names of robots and things'], trails: ['trails', 'Where robots have been'],
       axes: ['joint axes', 'The axes of all joints'], bearings: ['target bearings', 'Lines to the targets that robots see: of the selected robot, or the first ones'],
-      contacts: ['contacts', 'Contacts at contact sensors and their forces: of the selected robot, or the first ones']};
+      contacts: ['contacts', 'Contacts at contact sensors and their forces: of the selected robot, or the first ones'],
+      camera: ['camera', 'What the camera of the selected robot sees, or of the first that has one, in the corner']};
     const listen = (key, box) => {
       const change = () => {
         this.#on[key] = box.checked;
