@@ -25,16 +25,17 @@ function surfaceOf(rgb) {
 }
 
 export class RobotMeshes {
-  root = new THREE.Group();
   meshes = [];       // userData.things: the robots by instance
   #model;
   #things;
+  #root;
   #makeMaterial;
   #levels = [];      // from near to tiny: {below_px, parts: [{mesh, shapes: [{body, X_BG}], painted}], robots: those shown so}
   #chosen = null;    // by robot: its level
 
-  /** `things`: robots of `model`, as in a scene. `meshOf(name)` resolves to parts {geometry, map, color}, or null; `onLoaded` is called after each. */
-  constructor(model, things, {makeMaterial, meshOf, onLoaded}) {
+  /** Adds meshes to `root`. `things`: robots of `model`, as in a scene. `meshOf(name)` resolves to parts {geometry, map, color}, or null; `onLoaded` is called after each. */
+  constructor(root, model, things, {makeMaterial, meshOf, onLoaded}) {
+    this.#root = root;
     this.#model = model;
     this.#things = things;
     this.#makeMaterial = makeMaterial;
@@ -92,7 +93,7 @@ export class RobotMeshes {
     level.parts.push({mesh, painted, shapes: shapes.map(({body, position, quaternion}) => ({body, X_BG: matrix(position, quaternion)}))});
     this.#chosen = null;
     this.meshes.push(mesh);
-    this.root.add(mesh);
+    this.#root.add(mesh);
   }
 
   /** Moves the robots. `X_WB`: by body; `pixels`: how many a metre at a point has in the picture; null: all are near. */

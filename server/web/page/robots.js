@@ -209,7 +209,7 @@ export class Robots {
   async #search() {
     const text = byId('robot-search').hidden ? '' : byId('robot-search').value.trim().toLowerCase(), run = this.#run;
     if (text) await this.#learnNames();
-    if (run !== this.#run) return;
+    if (run !== this.#run || (text && !this.#names)) return;  // the banner shows that the daemon is gone
     this.#found = text ? this.#names.flatMap((name, number) => (name.toLowerCase().includes(text) ? [number] : [])) : null;
     this.#list.reset(this.#found?.length ?? this.#status.robot_count);
     this.#place();
@@ -218,7 +218,7 @@ export class Robots {
   async #learnNames() {
     const {robots, robot_count: count} = this.#status;
     if (count <= robots.length) this.#names = robots.map(({name}) => name);
-    this.#names ??= (await (await fetch('api/scene')).json()).robots.map(({name}) => name);
+    this.#names ??= await fetch('api/scene').then((answer) => answer.json()).then((scene) => scene.robots.map(({name}) => name), () => null);
   }
 
   /** Opens the first card automatically until the user opens or closes one; then restores each card's last state. */
@@ -234,7 +234,7 @@ export class Robots {
   /** Opens a robot's card and scrolls it into view. */
   async reveal(name) {
     await this.#learnNames();
-    const number = this.#names.indexOf(name), row = this.#found ? this.#found.indexOf(number) : number;
+    const number = (this.#names ?? []).indexOf(name), row = this.#found ? this.#found.indexOf(number) : number;
     if (row < 0) return;
     if (!this.#cards.has(name)) {
       this.#touched = true;

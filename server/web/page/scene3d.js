@@ -242,12 +242,11 @@ export class Scene3d {
       return thing;
     });
     model.boxes = boxesOf(model);
-    const meshes = new RobotMeshes(model, things, {makeMaterial: this.#makeMaterial, meshOf: (name) => this.#mesh(name), onLoaded: () => {
+    const meshes = new RobotMeshes(this.root, model, things, {makeMaterial: this.#makeMaterial, meshOf: (name) => this.#mesh(name), onLoaded: () => {
       this.place();
       onLoaded();
     }});
     this.#robots.push(meshes);
-    this.root.add(meshes.root);
   }
 
   /** The parts of a mesh: [{geometry, map, color}]; null if it did not come. A part's `map` is a picture's texture, or null. */
