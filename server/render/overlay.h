@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/geometry/rgba.h"
 #include "server/render/camera.h"
 
 namespace coopdyn {
@@ -25,10 +26,6 @@ struct OverlayVertex {
   std::array<float, 2> uv;  // −1…1 across the mark
   std::array<float, 4> color;
   float kind = 0;  // 0: plain; 1: fades towards its rim; 2: disc with a ring; 3: disc
-};
-
-struct Rgba {
-  double r, g, b, a;
 };
 
 /// Collects marks as triangles of three corners.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "protocol/json_text.h"
+#include "server/web/mesh_glb.h"
 #include "server/web/scene_json.h"
 
 namespace coopdyn {

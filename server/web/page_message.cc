@@ -146,18 +146,21 @@ PageView ReadView(const json::object& object) {
   return PageView{std::move(request)};
 }
 
+double RateAt(const json::object& object, const std::string& type) {
+  const json::value* rate = object.if_contains("rate");
+  if (rate == nullptr || !rate->is_number() || !(rate->to_number<double>() >= 0))
+    throw Wrong{type + " need a rate per second, 0 for none: {\"type\":\"" + type + "\",\"rate\":30}"};
+  return std::min(rate->to_number<double>(), PagePoses::kMaxRate_hz);
+}
+
 PageMessage ReadObject(const json::object& object) {
   const std::string type = NameAt(object, "type");
   if (type.empty() || type == "call") return ReadCall(object);
   if (type == "hello") return PageHello{NameAt(object, "token")};
   if (type == "view") return ReadView(object);
   if (type == "shown") return PageShown{};
-  if (type == "poses") {
-    const json::value* rate = object.if_contains("rate");
-    if (rate == nullptr || !rate->is_number() || !(rate->to_number<double>() >= 0))
-      throw Wrong{"poses need a rate per second, 0 for none: {\"type\":\"poses\",\"rate\":30}"};
-    return PagePoses{std::min(rate->to_number<double>(), PagePoses::kMaxRate_hz)};
-  }
+  if (type == "poses") return PagePoses{RateAt(object, type)};
+  if (type == "sensors") return PageSensors{RateAt(object, type)};
   if (type == "close") return PageClose{ModuleAt(object), NameAt(object, "channel")};
   if (type == "me") {
     PageMe me{NameAt(object, "name"), NameAt(object, "selected")};
@@ -166,7 +169,7 @@ PageMessage ReadObject(const json::object& object) {
     if (!fits) throw Wrong{"a name has at most 40 bytes, what is selected 63"};
     return me;
   }
-  throw Wrong{"unknown type: write call, hello, view, shown, poses, close or me"};
+  throw Wrong{"unknown type: write call, hello, view, shown, poses, sensors, close or me"};
 }
 
 json::value NumberOrWord(double value) {

@@ -48,13 +48,19 @@ struct PagePoses {
   double rate_hz = 0;
 };
 
+/// {"type":"sensors","rate":15}: likewise starts what sensors show (sensor_message.h).
+struct PageSensors {
+  double rate_hz = 0;
+};
+
 /// {"type":"close","module":"/robot1/motors","channel":""}: closes that connection, which frees the robot.
 struct PageClose {
   std::string module;
   std::string channel;
 };
 
-using PageMessage = std::variant<PageCall, PageHello, PageView, PageShown, PagePoses, PageClose, PageMe>;
+using PageMessage =
+    std::variant<PageCall, PageHello, PageView, PageShown, PagePoses, PageSensors, PageClose, PageMe>;
 
 /// A message, or the error in it.
 struct PageRead {

@@ -10,6 +10,7 @@
 #include "protocol/json_text.h"
 #include "server/web/access.h"
 #include "server/web/http_routes.h"
+#include "server/web/sensor_message.h"
 
 namespace coopdyn {
 
@@ -21,6 +22,8 @@ using boost::system::error_code;
 namespace {
 
 constexpr std::size_t kLeastCompressed = 1000;  // bytes
+// 2 MB a second: crowds' sensors come less often, which leaves time for the rest.
+constexpr std::chrono::nanoseconds kTimePerSensorByte{500};
 
 boost::json::array PointOf(const Vector3& point) {
   return {point.x(), point.y(), point.z()};
@@ -54,7 +57,8 @@ PageSocket::PageSocket(beast::tcp_stream stream, WebContext& context, PeerInfo p
       bridge_(context.io, context.names, context.frames, PageOf(std::move(peer)),
               [this](const PageReply& reply) { OnReply(reply); }),
       view_(context.io, context.pictures, [this](const ImageResult& result) { OnPicture(result); }),
-      pose_timer_(context.io) {}
+      pose_cadence_(context.io, [this] { WriteNext(); }),
+      sensor_cadence_(context.io, [this] { WriteNext(); }) {}
 
 void PageSocket::Start(http::request<http::string_body> upgrade) {
   upgrade_ = std::move(upgrade);
@@ -93,7 +97,8 @@ void PageSocket::Close() {
   if (open_) context_.people.Leave(person_);
   open_ = false;
   view_.Set(std::nullopt);
-  SendPoses(0);
+  pose_cadence_.Set(0);
+  sensor_cadence_.Set(0);
   beast::get_lowest_layer(socket_).close();
 }
 
@@ -128,7 +133,11 @@ void PageSocket::OnMessage(std::string_view text) {
   } else if (std::holds_alternative<PageShown>(*read.message)) {
     view_.Shown();
   } else if (const auto* poses = std::get_if<PagePoses>(&*read.message)) {
-    SendPoses(poses->rate_hz);
+    poses_.Restart();
+    pose_cadence_.Set(poses->rate_hz);
+  } else if (const auto* sensors = std::get_if<PageSensors>(&*read.message)) {
+    sensors_.clear();
+    sensor_cadence_.Set(sensors->rate_hz);
   } else if (const auto* close = std::get_if<PageClose>(&*read.message)) {
     bridge_.CloseLink(close->module, close->channel);
   } else if (const auto* me = std::get_if<PageMe>(&*read.message)) {
@@ -183,35 +192,18 @@ void PageSocket::OnPicture(const ImageResult& result) {
   WriteNext();
 }
 
-void PageSocket::SendPoses(double rate_hz) {
-  pose_timer_.cancel();
-  pose_every_ = std::chrono::nanoseconds(rate_hz > 0 ? std::llround(1e9 / rate_hz) : 0);
-  poses_due_ = rate_hz > 0;
-  posed_ = nullptr;
-  poses_.Restart();
-  if (rate_hz <= 0) return;
-  AwaitPoses();
-  WriteNext();
-}
-
-void PageSocket::AwaitPoses() {
-  pose_timer_.expires_after(pose_every_);
-  pose_timer_.async_wait([self = weak_from_this()](error_code cancelled) {
-    const auto socket = self.lock();
-    if (cancelled || !socket || !socket->open_ || socket->pose_every_.count() == 0) return;
-    socket->poses_due_ = true;
-    socket->WriteNext();
-    socket->AwaitPoses();
-  });
-}
-
 std::string PageSocket::TakePoses() {
-  if (!poses_due_) return {};
-  poses_due_ = false;
-  const FramePtr frame = context_.frames.Latest();
-  if (frame == nullptr || frame == posed_) return {};
-  posed_ = frame;
-  return poses_.Next(*frame, context_.scenes.Of(frame->scene));
+  const FramePtr frame = pose_cadence_.Take(context_.frames);
+  return frame == nullptr ? "" : poses_.Next(*frame, context_.scenes.Of(frame->scene));
+}
+
+std::string PageSocket::TakeSensors() {
+  const FramePtr frame = sensor_cadence_.Take(context_.frames);
+  if (frame == nullptr) return {};
+  std::string message = SensorMessage(*frame);
+  sensor_cadence_.Pause(message.size() * kTimePerSensorByte);
+  if (message == sensors_) return {};
+  return sensors_ = std::move(message);
 }
 
 void PageSocket::Send(std::string text, bool push) {
@@ -247,6 +239,9 @@ void PageSocket::WriteNext() {
     people_ = nullptr;
   } else if (std::string poses = TakePoses(); !poses.empty()) {
     written_ = std::move(poses);
+    binary = true;
+  } else if (std::string sensors = TakeSensors(); !sensors.empty()) {
+    written_ = std::move(sensors);
     binary = true;
   } else if (!picture_.empty()) {
     written_.swap(picture_);

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 // One open page: a WebSocket that carries calls to modules, the status, poses and pictures. A slow page
 // receives only the newest status, poses and picture. Text messages are JSON; a binary one starts with its
-// type: byte 2 for poses (pose_stream.h); byte 1 for a picture, followed by the uint32 (little-endian) length
-// of a JSON object, that object {"time_s":…,"step":…,"eye":[x,y,z],"look":[x,y,z]} or {"error":"…"}, and a
-// JPEG. UI thread.
+// type: byte 2 for poses (pose_stream.h); byte 3 for sensors (sensor_message.h); byte 1 for a picture,
+// followed by the uint32 (little-endian) length of a JSON object, that object
+// {"time_s":…,"step":…,"eye":[x,y,z],"look":[x,y,z]} or {"error":"…"}, and a JPEG. UI thread.
 #pragma once
 
 #include <utility>
 
-#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/message.hpp>
@@ -20,6 +19,7 @@
 #include <memory>
 #include <string>
 
+#include "server/web/frame_cadence.h"
 #include "server/web/live_view.h"
 #include "server/web/page_bridge.h"
 #include "server/web/pose_stream.h"
@@ -62,11 +62,10 @@ class PageSocket : public WebConnection,
   void OnHello(const PageHello& hello);
   void OnReply(PageReply reply);
   void OnPicture(const ImageResult& result);
-  /// Sends poses at this rate from now on; 0 stops them.
-  void SendPoses(double rate_hz);
-  void AwaitPoses();
   /// The pose message of the newest frame; empty if none is due or nothing changed.
   std::string TakePoses();
+  /// Likewise of what its sensors show.
+  std::string TakeSensors();
   void Send(std::string text, bool push = false);
   void WriteNext();
   bool overfull() const { return queue_.size() > kMaxQueuedReplies || queued_bytes_ > kMaxQueuedBytes; }
@@ -90,10 +89,8 @@ class PageSocket : public WebConnection,
   std::string picture_;                        // the newest; empty once written
   std::uint64_t person_ = 0;                   // this page in context_.people
   PoseStream poses_;
-  boost::asio::steady_timer pose_timer_;
-  std::chrono::nanoseconds pose_every_{0};  // 0: no poses
-  bool poses_due_ = false;
-  FramePtr posed_;  // frame of the last pose message
+  FrameCadence pose_cadence_, sensor_cadence_;
+  std::string sensors_;  // as sent last
 };
 
 }  // namespace coopdyn

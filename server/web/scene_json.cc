@@ -12,6 +12,7 @@
 #include "protocol/json_text.h"
 #include "server/geometry/mesh.h"
 #include "server/state/world_change.h"
+#include "server/web/mesh_glb.h"
 
 namespace coopdyn {
 
@@ -35,12 +36,8 @@ json::array Numbers(const Color& color) {
   return {Short(color.r), Short(color.g), Short(color.b)};
 }
 
-std::string MeshName(const MeshData& mesh) {
-  return HashText(mesh.id);
-}
-
-/// Adds the `type` and `size` (or `mesh`) of a shape.
-void AddShape(json::object& to, const Shape& shape) {
+/// Adds the `type` and `size` (or `mesh`) of a shape of this colour.
+void AddShape(json::object& to, const Shape& shape, const Color& color) {
   if (const auto* box = std::get_if<Box>(&shape)) {
     to["type"] = "box";
     to["size"] = Numbers(box->size_m);
@@ -54,8 +51,10 @@ void AddShape(json::object& to, const Shape& shape) {
     to["type"] = "capsule";
     to["size"] = json::array{Short(capsule->radius_m), Short(capsule->length_m)};
   } else {
+    const MeshData& mesh = *std::get<Mesh>(shape).data;
     to["type"] = "mesh";
-    to["mesh"] = MeshName(*std::get<Mesh>(shape).data);
+    to["mesh"] = HashText(mesh.id);
+    if (mesh.skin != nullptr) to["skin"] = mesh.color == std::array<double, 3>{color.r, color.g, color.b};
   }
 }
 
@@ -83,7 +82,7 @@ json::object ModelJson(const SceneRobot& robot) {
           {"position", Numbers(X_BG.p)},
           {"quaternion", Numbers(X_BG.q)},
           {"color", shape.takes_robot_color ? json::value(nullptr) : json::value(Numbers(shape.color))}};
-      AddShape(one, shape.shape);
+      AddShape(one, shape.shape, shape.color);
       shapes.push_back(std::move(one));
     }
   }
@@ -112,72 +111,6 @@ void Append(std::string& bytes, Number number) {
   bytes.append(reinterpret_cast<const char*>(&number), sizeof(number));
 }
 
-/// Appends a chunk of a glb file, padded to 4 bytes.
-void AppendChunk(std::string& glb, std::uint32_t kind, std::string bytes, char filler) {
-  while (bytes.size() % 4 != 0) bytes += filler;
-  Append(glb, static_cast<std::uint32_t>(bytes.size()));
-  Append(glb, kind);
-  glb += bytes;
-}
-
-std::string Glb(const MeshData& mesh) {
-  const auto count = static_cast<std::uint32_t>(mesh.vertices.size());
-  std::string binary;
-  for (const Vector3& v : mesh.vertices) {
-    for (int i = 0; i < 3; ++i) Append(binary, static_cast<float>(v[i]));
-  }
-  const std::size_t colors_at = binary.size();
-  const bool has_skin = mesh.skin != nullptr && mesh.skin->corners.size() == mesh.vertices.size();
-  if (has_skin) {
-    for (const MeshSkin::Corner& corner : mesh.skin->corners) {
-      for (const double part : mesh.skin->materials[corner.material].color)
-        Append(binary, static_cast<float>(part));
-    }
-  }
-  const std::size_t indices_at = binary.size();
-  for (const MeshData::Triangle& triangle : mesh.triangles) {
-    for (const auto vertex : triangle) Append(binary, static_cast<std::uint32_t>(vertex));
-  }
-  constexpr int kFloat = 5126, kUint = 5125;
-  json::array views{{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", colors_at}}};
-  json::array accessors{{{"bufferView", 0},
-                         {"componentType", kFloat},
-                         {"count", count},
-                         {"type", "VEC3"},
-                         {"min", Numbers(Vector3(-mesh.half_m))},
-                         {"max", Numbers(mesh.half_m)}}};
-  json::object attributes{{"POSITION", 0}};
-  if (has_skin) {
-    attributes["COLOR_0"] = accessors.size();
-    accessors.push_back(
-        {{"bufferView", views.size()}, {"componentType", kFloat}, {"count", count}, {"type", "VEC3"}});
-    views.push_back({{"buffer", 0}, {"byteOffset", colors_at}, {"byteLength", indices_at - colors_at}});
-  }
-  const std::size_t indices = accessors.size();
-  accessors.push_back({{"bufferView", views.size()},
-                       {"componentType", kUint},
-                       {"count", 3 * mesh.triangles.size()},
-                       {"type", "SCALAR"}});
-  views.push_back({{"buffer", 0}, {"byteOffset", indices_at}, {"byteLength", binary.size() - indices_at}});
-  const json::object gltf{
-      {"asset", {{"version", "2.0"}}},
-      {"scene", 0},
-      {"scenes", json::array{{{"nodes", json::array{0}}}}},
-      {"nodes", json::array{{{"mesh", 0}}}},
-      {"meshes", json::array{{{"primitives",
-                               json::array{{{"attributes", std::move(attributes)}, {"indices", indices}}}}}}},
-      {"accessors", std::move(accessors)},
-      {"bufferViews", std::move(views)},
-      {"buffers", json::array{{{"byteLength", binary.size()}}}}};
-  std::string chunks;
-  AppendChunk(chunks, 0x4E4F534A, JsonText(gltf), ' ');
-  AppendChunk(chunks, 0x004E4942, std::move(binary), '\0');
-  std::string glb = "glTF";
-  Append(glb, std::uint32_t{2});
-  Append(glb, static_cast<std::uint32_t>(12 + chunks.size()));
-  return glb + chunks;
-}
-
 json::value TaskJson(const Task& task) {
   if (task.empty()) return nullptr;
   const auto list = [](const std::vector<std::string>& texts) {
@@ -200,7 +133,7 @@ std::string SceneJson(const Frame& frame, std::uint32_t number) {
                      {"body", thing.body},           {"position", Numbers(X.p)},
                      {"quaternion", Numbers(X.q)},   {"color", Numbers(thing.object.color)},
                      {"mass", thing.object.mass_kg}, {"texture", TextureJson(thing.object.texture)}};
-    AddShape(one, thing.object.shape);
+    AddShape(one, thing.object.shape, thing.object.color);
     things.push_back(std::move(one));
   }
   std::map<std::pair<const RobotModel*, Fidelity>, std::size_t> known;
@@ -247,23 +180,6 @@ std::string SceneJson(const Frame& frame, std::uint32_t number) {
                                {"lights", std::move(lights)}});
 }
 
-std::string MeshGlb(const Scene& scene, std::uint64_t id) {
-  const RobotModel* looked_at = nullptr;
-  for (const SceneRobot& robot : scene.robots) {
-    if (robot.entry.model.get() == looked_at) continue;
-    looked_at = robot.entry.model.get();
-    for (const LinkModel& link : looked_at->links) {
-      for (const auto* shapes : {&link.visuals, &link.collisions}) {
-        for (const LinkShape& shape : *shapes) {
-          const auto* mesh = std::get_if<Mesh>(&shape.shape);
-          if (mesh != nullptr && mesh->data->id == id) return Glb(*mesh->data);
-        }
-      }
-    }
-  }
-  return {};
-}
-
 std::string BitmapOf(const Image& image) {
   constexpr std::uint32_t kHeader = 14 + 40;
   const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
@@ -290,6 +206,7 @@ std::string BitmapOf(const Image& image) {
 }
 
 std::shared_ptr<const Image> FindTextureImage(const Scene& scene, const std::string& name) {
+  if (name.starts_with(kMeshTexture)) return MeshTexture(scene, name);
   if (scene.floor.texture.name == name) return scene.floor.texture.image;
   for (const SceneObject& thing : scene.objects) {
     if (thing.object.texture.name == name) return thing.object.texture.image;

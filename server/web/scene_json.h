@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Encodes a scene for the page's 3D view: as JSON, with meshes and textures (docs/protocol.md). Pure; any
+// Encodes a scene for the page's 3D view: as JSON, with textures (docs/protocol.md). Pure; any
 // thread.
 #pragma once
 
@@ -16,10 +16,7 @@ namespace coopdyn {
 /// Robots of one model and fidelity share a description. `number` identifies this scene in pose messages.
 std::string SceneJson(const Frame& frame, std::uint32_t number);
 
-/// The mesh `id` of a robot in the scene, as binary glTF; empty if unknown.
-std::string MeshGlb(const Scene& scene, std::uint64_t id);
-
-/// A texture of a thing or the floor, by its name; null if unknown.
+/// A texture of a thing, the floor or a mesh (mesh_glb.h), by its name; null if unknown.
 std::shared_ptr<const Image> FindTextureImage(const Scene& scene, const std::string& name);
 
 /// The picture as a BMP file.

@@ -22,6 +22,39 @@ afterEach(endAll);
 const upload = (page, name, text) => page.setInputFiles('#upload', {name, mimeType: 'text/plain', buffer: Buffer.from(text)});
 const things = async (url) => JSON.parse((await call(url, {module: '/world', line: 'list'})).text).things.map(({name}) => name);
 
+const CROWD = '[SIMULATION]\nmode realtime\n[FLOOR]\nsize 40 40 0.1\n[SWARM_1]\ntype minibot\ncount 600\nname bot\n';
+const cards = (page) => page.locator('#robots > .card summary strong').allTextContents();
+
+test('all robots of a crowd are reached by scrolling, and few are in the page at a time', async () => {
+  const {page} = await openScenario(CROWD);
+  await hasText(page, '#robot-count', /^600$/);
+  await eventually(async () => (await cards(page)).includes('bot_1'));
+  assert.ok((await cards(page)).length < 80, 'only those near the visible part');
+  await eventually(async () => {  // the end of the list moves while heights become known
+    await page.evaluate(() => document.getElementById('robots').lastElementChild.scrollIntoView());
+    return (await cards(page)).includes('bot_600');
+  });
+  assert.ok((await cards(page)).length < 80);
+  const last = page.locator('.card[data-robot="bot_600"]');
+  await last.locator('summary strong').click();
+  await hasText(page, '.card[data-robot="bot_600"] .readings-place', /position/);
+  await page.evaluate(() => document.getElementById('robots').firstElementChild.scrollIntoView());
+  await page.evaluate(() => { document.getElementById('robots').closest('.tab-panel').scrollTop = 0; });
+  await eventually(async () => (await cards(page)).includes('bot_1') && !(await cards(page)).includes('bot_600'));
+});
+
+test('a robot of a crowd is found by its name', async () => {
+  const {page} = await openScenario(CROWD);
+  await page.fill('#robot-search', 'T_59');
+  await hasText(page, '#robot-count', /^11 of 600$/);
+  await eventually(async () => (await cards(page)).join() === ['bot_59', ...Array.from({length: 10}, (_, i) => `bot_59${i}`)].join());
+  await page.fill('#robot-search', 'nobody');
+  await hasText(page, '#robot-count', /^0 of 600$/);
+  await eventually(async () => (await cards(page)).length === 0);
+  await page.fill('#robot-search', '');
+  await eventually(async () => (await cards(page)).includes('bot_1'));
+});
+
 test('a loaded scenario that ends stands, and Reset starts it again', async () => {
   const {daemon, page} = await openClassroom();
   await upload(page, 'short.scenario', scenario('duration 0.5'));

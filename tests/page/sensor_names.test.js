@@ -33,12 +33,10 @@ test('each camera has a tile and each lidar a plot, by its name', async () => {
 test('the view shows what sensors see while the box is checked', async () => {
   await page.click('#show > summary');
   await page.check('#rays');
-  await page.waitForFunction(() => {
-    const drawn = document.getElementById('sensors');
-    return drawn.checkVisibility() && drawn.width > 400;
-  });
+  // Of the lidars and cameras: areas, outlines and the ends of rays, though the world stands still.
+  await page.waitForFunction(() => window.coopdyn.marks.of.sensors.counts.every((count) => count > 10));
   await page.uncheck('#rays');
-  await page.waitForFunction(() => !document.getElementById('sensors').checkVisibility());
+  await page.waitForFunction(() => window.coopdyn.marks.of.sensors.counts.every((count) => count === 0));
 });
 
 test('so do the pictures of the daemon', async () => {

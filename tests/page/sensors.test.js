@@ -2,7 +2,7 @@
 // A robot's sensors on the page: the picture of its camera and the scan of its lidar.
 import assert from 'node:assert/strict';
 import {afterEach, beforeEach, test} from 'node:test';
-import {call, endAll, eventually, hasText, openScenario} from './harness.js';
+import {call, endAll, eventually, hasText, openPage, openScenario} from './harness.js';
 
 const WALLS = [[1.05, 0, 0.1, 2], [-1.05, 0, 0.1, 2], [0, 1.05, 2, 0.1], [0, -1.05, 2, 0.1]]
   .map(([x, y, length, width], i) => `[WALL_${i + 1}]\ntype box\nsize ${length} ${width} 0.5\nposition ${x} ${y}\n`).join('');
@@ -66,6 +66,18 @@ test('depth and segments can be chosen', async () => {
   await untilTile(({grey}) => grey);
   await page.selectOption(`${TILE} select`, 'segmentation');
   await untilTile(({grey}) => !grey);
+});
+
+test('the view shows the picture of a camera in its corner', async () => {
+  const other = await openPage(daemon.url, {webgl: true});
+  await other.waitForFunction(() => window.coopdyn?.marks && window.coopdyn.view.scene);
+  await other.click('#show > summary');
+  await other.check('#show-camera');
+  await other.waitForFunction(() => document.querySelector('#corner-camera img')?.naturalWidth === 320);
+  assert.equal(await other.textContent('#corner-camera p'), 'robot1');
+  await other.uncheck('#show-camera');
+  assert.equal(await other.locator('#corner-camera img').count(), 0, 'a hidden picture is not asked for');
+  await other.close();
 });
 
 test('the scan of a lidar is drawn, with the distance of the nearest thing', async () => {

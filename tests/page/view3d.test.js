@@ -181,6 +181,34 @@ test('meshes come, and nothing is asked of other hosts', async () => {
   assert.deepEqual(page.mistakes, []);
 });
 
+const SQUARE = `v -0.5 -0.5 0\nv 0.5 -0.5 0\nv 0.5 0.5 0\nv -0.5 0.5 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nmtllib square.mtl\nusemtl picture\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n`;
+const CARPET = `<sdf version="1.9"><model name="carpet"><link name="body"><inertial><mass>1</mass></inertial>
+<collision name="c"><geometry><box><size>1 1 0.02</size></box></geometry></collision>
+<visual name="v"><pose>0 0 0.02 0 0 0</pose><geometry><mesh><uri>square.obj</uri></mesh></geometry></visual></link></model></sdf>`;
+// 2 x 2 pixels: red, green; below them blue, white.
+const PICTURE = Buffer.from('iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAIAAAD91JpzAAAAFUlEQVR4nGO4w8DAcAKIGe48e/YMABsWBTMkorh9AAAAAElFTkSuQmCC', 'base64');
+
+test('a texture lies on its mesh the right way up', async () => {
+  const other = await openScenario('[SIMULATION]\nmode realtime\n[ROBOT_1]\ntype carpet\nname rug\nposition 0 0\n', {webgl: true,
+    files: {'robots/carpet/model.sdf': CARPET, 'robots/carpet/square.obj': SQUARE, 'robots/carpet/square.mtl': 'newmtl picture\nKd 1 1 1\nmap_Kd picture.png\n',
+      'robots/carpet/picture.png': PICTURE}});
+  await other.page.waitForFunction(() => window.coopdyn?.view.scene);
+  const colorAt = (x, y) => other.page.evaluate(([left, ahead]) => {
+    const {view} = window.coopdyn;
+    view.fit('top');
+    view.renderNow();
+    const gl = view.canvas.getContext('webgl2'), p = view.scene.pose(view.scene.find('rug'))[0];
+    p.set(p.x + left, p.y + ahead, 0.02).project(view.camera);
+    const pixel = new Uint8Array(4);
+    gl.readPixels(Math.round((p.x + 1) / 2 * gl.drawingBufferWidth), Math.round((p.y + 1) / 2 * gl.drawingBufferHeight), 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+    return [...pixel];
+  }, [x, y]);
+  const most = ([r, g, b]) => (Math.min(r, g, b) > 120 ? 'white' : r > g + 60 && r > b + 60 ? 'red' : g > r + 60 && g > b + 60 ? 'green' : b > r + 60 ? 'blue' : '');
+  for (const [x, y, color] of [[-0.25, 0.25, 'red'], [0.25, 0.25, 'green'], [-0.25, -0.25, 'blue'], [0.25, -0.25, 'white']]) {
+    await eventually(async () => most(await colorAt(x, y)) === color);
+  }
+});
+
 test('without WebGL the daemon draws', async () => {
   const other = await openPage(daemon.url);
   await other.waitForFunction(() => Number(document.getElementById('view').dataset.shown ?? 0) > 0);

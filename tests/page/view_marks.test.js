@@ -35,6 +35,25 @@ test('names stand at their robots and things', async () => {
   await eventually(async () => await page.locator('#labels span').count() === 0);
 });
 
+test('rays of sensors end at what they meet, beside other marks', async () => {
+  await call(daemon.url, {module: '/world', command: 'insert', text: '[BOX_5]\ntype box\nsize 0.2 4 1\nposition 1.1 0'});
+  await page.check('#show-names');
+  await page.check('#rays');
+  // The coopbot at the origin looks along x.
+  const ends = () => page.evaluate(() => {
+    const {geometry} = window.coopdyn.view.scene.root.parent.children.find((child) => child.isPoints);
+    return [...geometry.getAttribute('position')?.array ?? []].filter((_, i) => i % 3 === 0);
+  });
+  await eventually(async () => (await ends()).some((x) => Math.abs(x - 1) < 0.005));
+  assert.ok((await ends()).every((x) => x < 1.005 || x > 1.195), 'nothing is inside the box');
+  assert.ok((await page.evaluate(() => window.coopdyn.marks.of.sensors.counts))[1] >= 11, 'lines of a coopbot');
+  assert.ok(await page.locator('#labels span').count() > 0, 'the names are still there');
+  await page.uncheck('#rays');
+  await eventually(async () => (await page.evaluate(() => window.coopdyn.marks.of.sensors.counts)).every((count) => count === 0));
+  await page.uncheck('#show-names');
+  await call(daemon.url, {module: '/world', command: 'remove', text: 'BOX_5'});
+});
+
 test('each joint of the arm and each wheel has an axis', async () => {
   await page.check('#show-axes');
   const joints = await page.evaluate(() => window.coopdyn.view.scene.things.filter(({kind}) => kind === 'robot')

@@ -25,7 +25,7 @@ export class Connection extends EventTarget {
   /** `mayOpen`: asked before each try to reconnect; resolves to whether to try now.
    *  Events: open, lost, hello (detail: {trusted, pictures, version}; wrong_token: true if the token sent is wrong;
    *  token_wait: after too many wrong ones, how long tokens are ignored), status (detail: object or null),
-   *  silence (no status for two seconds), picture (detail: {about, jpeg}), poses (detail: the message), push (detail: message). */
+   *  silence (no status for two seconds), picture (detail: {about, jpeg}), poses and sensors (detail: the message), push (detail: message). */
   constructor(token, mayOpen = async () => true) {
     super();
     this.#token = token;
@@ -124,7 +124,7 @@ export class Connection extends EventTarget {
     this.#silence = setTimeout(() => this.dispatchEvent(new Event('silence')), SILENCE_MS);
   }
 
-  /** The first byte is the type: 1 a picture, 2 poses. */
+  /** The first byte is the type: 1 a picture, 2 poses, 3 what sensors show. */
   #onBytes(buffer) {
     const view = new DataView(buffer);
     if (view.getUint8(0) === 2) {
@@ -132,6 +132,7 @@ export class Connection extends EventTarget {
       this.dispatchEvent(new CustomEvent('poses', {detail: buffer}));
       return;
     }
+    if (view.getUint8(0) === 3) return void this.dispatchEvent(new CustomEvent('sensors', {detail: buffer}));
     const length = view.getUint32(1, true);
     const about = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 5, length)));
     const jpeg = new Blob([new Uint8Array(buffer, 5 + length)], {type: 'image/jpeg'});

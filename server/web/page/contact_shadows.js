@@ -4,6 +4,7 @@ import * as THREE from 'three';
 
 const STRENGTH = 0.42;
 const LIFT_M = 0.0015;
+const LEAST_PX = 8;  // half a side; smaller ones are not seen
 
 const VERTEX = `
 attribute vec4 outline;  // half sides, radius of the corners, width of the soft edge
@@ -54,9 +55,9 @@ export class ContactShadows {
 
   #softness(half) { return Math.min(0.3, 0.15 + 0.25 * Math.min(...half)) * Math.min(1, 4 * Math.max(...half)); }
 
-  /** Moves the spots to where their bodies are: x y z and a quaternion x y z w for each. */
-  place(bodies) {
-    const X = new THREE.Matrix4(), p = new THREE.Vector3(), q = new THREE.Quaternion(), one = new THREE.Vector3(1, 1, 1);
+  /** Moves the spots to where their bodies are: x y z and a quaternion x y z w for each. `pixels`: of a metre at a point; null: very many. */
+  place(bodies, pixels) {
+    const X = new THREE.Matrix4(), p = new THREE.Vector3(), q = new THREE.Quaternion(), one = new THREE.Vector3(1, 1, 1), none = new THREE.Vector3();
     const middle = new THREE.Vector3(), flat = new THREE.Quaternion();
     this.#spots.forEach((spot, i) => {
       if (spot.body >= 0) {
@@ -71,7 +72,8 @@ export class ContactShadows {
       const reach = Math.max(0.05, Math.max(...spot.half));
       this.#strengths.setX(i, p.z < 0 ? 0 : STRENGTH * Math.max(0, 1 - height / reach) ** 2);
       flat.set(0, 0, q.z, q.w).normalize();  // the yaw
-      this.mesh.setMatrixAt(i, X.compose(p.setZ(LIFT_M), flat, one));
+      const seen = !pixels || reach * pixels(p) >= LEAST_PX;
+      this.mesh.setMatrixAt(i, X.compose(p.setZ(LIFT_M), flat, seen ? one : none));
     });
     this.#strengths.needsUpdate = true;
     this.mesh.instanceMatrix.needsUpdate = true;

@@ -16,7 +16,7 @@ float lines(vec2 p, vec2 pixel, float width) {
   vec2 cover = clamp((drawn + pixel - away) / (2.0 * pixel), 0.0, 1.0) * width / drawn;
   return max(cover.x, cover.y);
 }
-vec3 tiled(vec3 base, vec2 p) {
+vec3 tiled(vec3 base, vec3 ink, vec2 p) {
   vec2 pixel = max(fwidth(p), vec2(1e-5));
   float coarse = max(pixel.x, pixel.y);
   vec2 cell = floor(p);
@@ -25,19 +25,33 @@ vec3 tiled(vec3 base, vec2 p) {
 #ifdef STANDARD  // physically based materials: there is a graphics card
   mark += 0.14 * lines(10.0 * p, 10.0 * pixel, 0.05) * (1.0 - smoothstep(0.003, 0.009, coarse));
 #endif
-  return mix(base, tileInk, min(mark, 0.6));
+  return mix(base, ink, min(mark, 0.6));
 }
 `;
 
 /** Adds tiles to a material; a texture of the floor takes their place. */
 function addTiles(material, ink) {
+  const compile = material.onBeforeCompile;
   material.onBeforeCompile = (shader) => {
+    compile.call(material, shader);
     shader.uniforms.tileInk = ink;
-    shader.vertexShader = shader.vertexShader.replace('#include <common>', '#include <common>\nvarying vec2 onFloor;')
-      .replace('#include <begin_vertex>', '#include <begin_vertex>\nonFloor = position.xy;');
-    shader.fragmentShader = shader.fragmentShader.replace('#include <common>', `#include <common>\nvarying vec2 onFloor;\nuniform vec3 tileInk;\n${TILES}`)
-      .replace('#include <color_fragment>', '#include <color_fragment>\n#ifndef USE_MAP\ndiffuseColor.rgb = tiled(diffuseColor.rgb, onFloor);\n#endif');
+    const add = (stage, declared, ...places) => {
+      shader[stage] = shader[stage].replace('#include <common>', `#include <common>\n${declared}`);
+      for (const [place, more] of places) shader[stage] = shader[stage].replace(place, `${place}\n${more}`);
+    };
+    const onFloor = ['#include <begin_vertex>', 'onFloor = position.xy;'];
+    if (material.isPlain) {  // squares instead of sRGB's curve, which is dear; the light on the ink is that on the floor
+      add('vertexShader', 'varying vec2 onFloor;\nvarying vec3 ink;\nuniform vec3 tileInk;', onFloor,
+        ['// marks', 'ink = shown(RECIPROCAL_PI * tileInk * (sky + sun)) / max(sunny, 0.01);']);
+      add('fragmentShader', `varying vec2 onFloor;\nvarying vec3 ink;\n${TILES}`,
+        ['// marks', `#ifndef USE_MAP\ndiffuseColor.rgb *= sqrt(tiled(vec3(1.0), ink * ink, onFloor));\n#endif`]);
+    } else {
+      add('vertexShader', 'varying vec2 onFloor;', onFloor);
+      add('fragmentShader', `varying vec2 onFloor;\nuniform vec3 tileInk;\n${TILES}`,
+        ['#include <color_fragment>', '#ifndef USE_MAP\ndiffuseColor.rgb = tiled(diffuseColor.rgb, tileInk, onFloor);\n#endif']);
+    }
   };
+  material.customProgramCacheKey = () => `tiles ${material.isPlain}`;
 }
 
 /** Quads with the numbers of whole metres, just outside the floor. */
@@ -92,6 +106,7 @@ export class FloorMesh {
     this.top = new THREE.Mesh(new THREE.PlaneGeometry(length, width), material);
     this.top.position.z = -0.0005;
     this.top.receiveShadow = true;
+    this.top.renderOrder = 50;  // after what hides it
     const thick = Math.min(height, SLAB_M);
     const sides = new THREE.BoxGeometry(length, width, thick);
     sides.setIndex([...sides.index.array].filter((_, i) => i < 24 || i >= 30));  // its upper side is never seen

@@ -61,7 +61,7 @@ export class Ghost {
       if (this.name !== name) return '';
       this.#moments = readMoments(bytes, description.bodies);
       const moving = {...description, targets: [], lights: [], things: description.things.filter(({body}) => body >= 0)};
-      this.#scene = new Scene3d(moving, {makeMaterial: this.#view.makeMaterial, onLoaded: () => { this.#fade(); this.#shown = -1; this.#view.redraw(); }});
+      this.#scene = new Scene3d(moving, {makeMaterial: this.#view.materialsFor(moving), onLoaded: () => { this.#fade(); this.#shown = -1; this.#view.redraw(); }});
       this.#scene.root.userData.ghost = true;
       this.#fade();
       this.#view.add(this.#scene.root);

@@ -3,10 +3,14 @@
 import {connectionLines} from './lines.js';
 import {byId, icon, make, say, setOff, setText} from './dom.js';
 import {Readings} from './readings.js';
+import {VirtualList} from './virtual_list.js';
 import {t} from './words.js';
 
 const MAX_OPEN = 6;  // robots whose readings are shown at once
 const ROBOTS_AT_ONCE = 256;
+const FEW = 20;         // more robots have rows of equal height, and a search
+const MOST_ASKED = 64;  // robots in an answer
+const ASK_MS = 500;
 
 /** The last word of "/robot1/motors". */
 const lastWord = (name) => name.slice(name.lastIndexOf('/') + 1);
@@ -108,65 +112,154 @@ class Card {
 
 export class Robots {
   #connection;
-  #cards = new Map();
+  #list;
+  #cards = new Map();  // those in the page, by name
   #namePort = 0;
   #open = new Map();  // by robot, even a removed one: whether its card was left open
   #byItself = '';  // the robot whose card was opened automatically
   #touched = false;  // the user has opened or closed a card
+  #status = null;
+  #others = new Map();  // robots that the status does not list, by number
+  #asking = false;
+  #names = null;  // of all robots, for the search
+  #found = null;  // the numbers of the robots that match the search; null: all
+  #run = '';      // the world, in which robots keep their numbers
 
   constructor(connection) {
     this.#connection = connection;
+    this.#list = new VirtualList(byId('robots'), (row) => this.#row(row));
     for (const id of ['only-connected', 'go-on']) byId(id).addEventListener('click', () => this.#waitOnlyForConnected());
     byId('all-participants').addEventListener('click', () => this.#setParticipants(''));
+    byId('robot-search').addEventListener('input', () => this.#search());
+    document.addEventListener('scroll', () => this.#place(), {capture: true, passive: true});
+    addEventListener('resize', () => this.#place());
   }
 
   setNamePort(port) { this.#namePort = port; }
 
   update(status) {
-    const {robots, robot_count: count} = status;
-    setText(byId('robot-count'), robots.length < count ? t('{all} (first {count} listed)', {all: count, count: robots.length}) : `${count}`);
-    const names = new Set(robots.map((robot) => robot.name));
-    for (const [name, card] of this.#cards) {
-      if (names.has(name)) continue;
-      card.stopReadings();
-      card.element.remove();
-      this.#cards.delete(name);
+    const {robot_count: count, scenario, revision} = status, run = JSON.stringify([scenario, count, revision]);
+    this.#status = status;
+    byId('robot-search').hidden = count < FEW;
+    byId('robots').classList.toggle('many', count >= FEW);
+    if (this.#run !== run) {
+      this.#run = run;
+      this.#names = null;
+      this.#others.clear();
+      this.#list.reset(count);
+      if (this.#found || count < FEW) this.#search();
     }
-    for (const robot of robots) {
-      if (!this.#cards.has(robot.name)) this.#add(robot.name);
-      this.#cards.get(robot.name).update(robot, this.#namePort, status.playback ? t('A recording is played: nothing drives it') : '');
-    }
+    this.#list.count = this.#found?.length ?? count;
+    this.#place();
     byId('participants').hidden = status.mode !== 'lockstep';
     const off = status.playback ? t('A recording has nobody to wait for') : '';
     setOff('only-connected', off, t('Only robots that a client drives now take part'));
     setOff('all-participants', off, t('As the scenario says'));
   }
 
+  #robotAt(number) { return this.#status.robots[number] ?? this.#others.get(number); }
+
+  /** Shows and updates the cards near the visible part; asks for robots that the status does not list. */
+  #place() {
+    if (!this.#status) return;
+    const {robot_count: count} = this.#status;
+    setText(byId('robot-count'), this.#found ? t('{n} of {all}', {n: this.#found.length, all: count}) : `${count}`);
+    const [first, end] = this.#list.place();
+    const shown = new Set(), missing = [];
+    for (let row = first; row < end; ++row) {
+      const number = this.#found ? this.#found[row] : row, robot = this.#robotAt(number);
+      if (number >= this.#status.robots.length) missing.push(number);
+      if (!robot) continue;
+      shown.add(robot.name);
+      this.#cards.get(robot.name)?.update(robot, this.#namePort, this.#status.playback ? t('A recording is played: nothing drives it') : '');
+    }
+    for (const [name, card] of this.#cards) {
+      if (shown.has(name)) continue;
+      card.stopReadings();
+      this.#cards.delete(name);
+    }
+    if (missing.length > 0) this.#ask(missing);
+  }
+
+  /** The card of a row; a place for it as long as the robot is unknown. */
+  #row(row) {
+    const number = this.#found ? this.#found[row] : row, robot = this.#robotAt(number);
+    if (!robot) return make('div', {class: 'card'}, make('div', {class: 'summary'}, this.#names?.[number] ?? '…'));
+    if (!this.#cards.has(robot.name)) this.#add(robot.name, number);
+    return this.#cards.get(robot.name).element;
+  }
+
+  /** Asks for these robots (ascending numbers), neighbours at once. */
+  async #ask(numbers) {
+    if (this.#asking) return;
+    this.#asking = true;
+    const run = this.#run;
+    for (let at = 0; at < numbers.length;) {
+      let end = at + 1;
+      while (end < numbers.length && numbers[end] - numbers[at] < MOST_ASKED) ++end;
+      const first = numbers[at] + 1, reply = await this.#connection.call(
+        {module: '/simulation', command: 'get_status', params: [first, numbers[end - 1] - numbers[at] + 1]});
+      if (reply.error === 0 && run === this.#run) JSON.parse(reply.text).robots.forEach((robot, i) => this.#others.set(numbers[at] + i, robot));
+      at = end;
+    }
+    setTimeout(() => { this.#asking = false; }, ASK_MS);
+    this.#place();
+  }
+
+  /** Shows the robots whose names contain the text. */
+  async #search() {
+    const text = byId('robot-search').hidden ? '' : byId('robot-search').value.trim().toLowerCase(), run = this.#run;
+    if (text) await this.#learnNames();
+    if (run !== this.#run || (text && !this.#names)) return;  // the banner shows that the daemon is gone
+    this.#found = text ? this.#names.flatMap((name, number) => (name.toLowerCase().includes(text) ? [number] : [])) : null;
+    this.#list.reset(this.#found?.length ?? this.#status.robot_count);
+    this.#place();
+  }
+
+  async #learnNames() {
+    const {robots, robot_count: count} = this.#status;
+    if (count <= robots.length) this.#names = robots.map(({name}) => name);
+    this.#names ??= await fetch('api/scene').then((answer) => answer.json()).then((scene) => scene.robots.map(({name}) => name), () => null);
+  }
+
   /** Opens the first card automatically until the user opens or closes one; then restores each card's last state. */
-  #add(name) {
+  #add(name, number) {
     const card = new Card(this.#connection, name, (toggled) => this.#toggled(name, toggled));
-    if (!this.#touched && this.#cards.size === 0) this.#byItself = name;
+    if (!this.#touched && number === 0) this.#byItself = name;
     card.element.open = this.#touched ? this.#open.get(name) ?? false : name === this.#byItself;
     this.#cards.set(name, card);
-    byId('robots').append(card.element);
+    const robot = this.#robotAt(number);
+    card.update(robot, this.#namePort, this.#status.playback ? t('A recording is played: nothing drives it') : '');
   }
 
   /** Opens a robot's card and scrolls it into view. */
-  reveal(name) {
-    const card = this.#cards.get(name);
-    if (!card) return;
-    card.element.open = true;
-    card.element.scrollIntoView({block: 'nearest'});
+  async reveal(name) {
+    await this.#learnNames();
+    const number = (this.#names ?? []).indexOf(name), row = this.#found ? this.#found.indexOf(number) : number;
+    if (row < 0) return;
+    if (!this.#cards.has(name)) {
+      this.#touched = true;
+      this.#open.set(name, true);
+      this.#list.reveal(row);
+      return this.#place();
+    }
+    const {element} = this.#cards.get(name);
+    element.open = true;
+    element.scrollIntoView({block: 'nearest'});
   }
 
   #toggled(name, card) {
     if (this.#cards.get(name) !== card) return;  // removed meanwhile
     if (!card.isOpen || name !== this.#byItself) this.#touched = true;
     this.#open.set(name, card.isOpen);
-    if (!card.isOpen) return card.stopReadings();
-    const others = [...this.#cards.values()].filter((other) => other.isOpen && other !== card);
-    if (others.length >= MAX_OPEN) others[0].element.open = false;
-    card.fill();
+    if (card.isOpen) {
+      const others = [...this.#cards.values()].filter((other) => other.isOpen && other !== card);
+      if (others.length >= MAX_OPEN) others[0].element.open = false;
+      card.fill();
+    } else {
+      card.stopReadings();
+    }
+    this.#place();
   }
 
   async #waitOnlyForConnected() {

@@ -5,29 +5,17 @@ import * as THREE from 'three';
 import {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
 import {ContactShadows} from './contact_shadows.js';
 import {FloorMesh} from './floor.js';
-import {shownColor} from './palette.js';
+import {RobotMeshes, color} from './robot_meshes.js';
 import {geometryOf} from './shapes.js';
 
 const ROUND = 32;  // segments of round shapes
-const ROUND_OF_MANY = [[20, 24], [100, 16], [Infinity, 8]];  // [maximum robots of a kind, segments of their round shapes]
-
 const CROWD = 60;  // robots
-const BEVEL_M = {thing: 0.02, robot: 0.006};
+const BEVEL_M = {thing: 0.02, flag: 0.006};
 const LEAST_SEEN_M = 3;  // shows some floor around a single small thing
 const FLAG = {pole: 0.012, ball: 0.03, foot: 0.09, ring: 0.22, height: 0.55, cloth: [0.30, 0.19]};
-const GREY = 0.08;       // of a robot's parts: the largest difference of red, green and blue of bare metal
 
-const color = (rgb) => new THREE.Color().setRGB(...shownColor(rgb), THREE.SRGBColorSpace);
 const vector = (xyz) => new THREE.Vector3(xyz[0], xyz[1], xyz[2]);
 const turn = (xyzw) => new THREE.Quaternion(xyzw[0], xyzw[1], xyzw[2], xyzw[3]);
-
-/** How the surface of a robot's part shines, judged by its colour: rubber is black, metal grey. */
-function surfaceOf(rgb) {
-  if (!rgb) return {roughness: 0.42};
-  const most = Math.max(...rgb), grey = most - Math.min(...rgb) < GREY;
-  if (!grey) return {roughness: 0.42};
-  return most < 0.2 ? {roughness: 0.75} : most < 0.9 ? {roughness: 0.38, metalness: 0.55} : {roughness: 0.5};
-}
 
 /** Half the sides of a shape's bounding box in its own frame; null for a mesh. */
 function halfOf({type, size = []}) {
@@ -62,17 +50,17 @@ function boxesOf(model) {
 export class Scene3d {
   root = new THREE.Group();
   things = [];    // {kind, name, id, description, object?, body}
-  pickable = [];  // meshes; userData.things: the things by instance
-  #instances = [];  // {mesh, first, bodies, X_BG}: the instances of a mesh from `first` on
+  #robots = [];     // RobotMeshes, by model
   #X_WB = [];       // by body
+  #pickable = [];   // but robots
   #moving = [];   // {object, body}
   #loader = new GLTFLoader();
-  #geometries = new Map();
+  #meshes = new Map();  // promises of parts, by name
   #disposed = false;
   #makeMaterial;
   #floor;
   #contacts;
-  #small = [];  // meshes of small parts of crowds
+  #pixels = null;  // see lookFrom()
 
   /** `makeMaterial(rgb, options)`: materials for the light of the view. */
   constructor(scene, {onLoaded, makeMaterial}) {
@@ -96,6 +84,9 @@ export class Scene3d {
     this.things.forEach((thing) => { if (thing.object) thing.object.userData.thing = thing; });
   }
 
+  /** Meshes; userData.things: the things by instance. */
+  get pickable() { return [...this.#pickable, ...this.#robots.flatMap(({meshes}) => meshes.filter(({visible}) => visible))]; }
+
   dispose() {
     this.#disposed = true;
     this.root.traverse((object) => {
@@ -109,11 +100,10 @@ export class Scene3d {
   /** Colours what depends on the theme. */
   paint(dark) { this.#floor.paint(dark); }
 
-  /** Whether the small parts of large crowds are drawn. */
-  showDetails(on) {
-    const shown = this.#small.some(({visible}) => visible !== on);
-    for (const mesh of this.#small) mesh.visible = on;
-    if (shown && on) this.place();
+  /** From the next place() on, robots are as detailed as `camera` sees them in a picture with so many pixels in its height. */
+  lookFrom(camera, height_px) {
+    const eye = camera.position, at_1m = height_px / (2 * Math.tan(THREE.MathUtils.degToRad(camera.fov) / 2));
+    this.#pixels = (p_W) => at_1m / p_W.distanceTo(eye);
   }
 
   find(name) { return this.things.find((thing) => thing.name === name); }
@@ -151,20 +141,14 @@ export class Scene3d {
       object.position.set(b[at], b[at + 1], b[at + 2]);
       object.quaternion.set(b[at + 3], b[at + 4], b[at + 5], b[at + 6]);
     }
-    const X = new THREE.Matrix4(), p = new THREE.Vector3(), q = new THREE.Quaternion(), one = new THREE.Vector3(1, 1, 1);
+    const p = new THREE.Vector3(), q = new THREE.Quaternion(), one = new THREE.Vector3(1, 1, 1);
     for (let body = 0, at = 0; at < b.length; ++body, at += 7) {
       p.set(b[at], b[at + 1], b[at + 2]);
       q.set(b[at + 3], b[at + 4], b[at + 5], b[at + 6]);
       (this.#X_WB[body] ??= new THREE.Matrix4()).compose(p, q, one);
     }
-    for (const {mesh, first, bodies, X_BG} of this.#instances) {
-      if (!mesh.visible) continue;
-      const {array} = mesh.instanceMatrix;
-      for (let i = 0; i < bodies.length; ++i) X.multiplyMatrices(this.#X_WB[bodies[i]], X_BG).toArray(array, 16 * (first + i));
-      mesh.instanceMatrix.needsUpdate = true;
-      mesh.boundingSphere = null;
-    }
-    this.#contacts.place(b);
+    for (const robots of this.#robots) robots.place(this.#X_WB, this.#pixels);
+    this.#contacts.place(b, this.#pixels);
   }
 
   /** Points that enclose everything but lamps, and some floor. */
@@ -220,7 +204,7 @@ export class Scene3d {
   #texture(material, texture, [width, height]) {
     new THREE.TextureLoader().load(`api/texture/${encodeURIComponent(texture.name)}`, (map) => {
       if (this.#disposed) return map.dispose();
-      map.colorSpace = THREE.SRGBColorSpace;
+      if (!material.isPlain) map.colorSpace = THREE.SRGBColorSpace;
       map.wrapS = map.wrapT = THREE.RepeatWrapping;
       map.repeat.set(width / texture.size[0], height / texture.size[1]);
       map.anisotropy = 8;
@@ -247,66 +231,51 @@ export class Scene3d {
 
   #add(thing, object) {
     this.things.push(thing);
-    this.pickable.push(object);
+    this.#pickable.push(object);
     this.root.add(object);
   }
 
   #addRobots(model, robots, onLoaded) {
-    const round = robots.length < 3 ? ROUND : ROUND_OF_MANY.find(([most]) => robots.length <= most)[1];
     const things = robots.map((description) => {
       const thing = {kind: 'robot', name: description.name, id: description.id, description, model, body: description.body};
       this.things.push(thing);
       return thing;
     });
-    const extent = (shape) => Math.max(...(shape.size ?? [model.radius]));
-    const least = robots.length > CROWD ? 0.5 * Math.max(...model.shapes.map(extent)) : 0;
     model.boxes = boxesOf(model);
-    // Equal shapes, as of wheels, are instances of one mesh.
-    const equal = Map.groupBy(model.shapes, ({type, size, mesh, color: own}) => JSON.stringify([type, size, mesh, own]));
-    for (const shapes of equal.values()) {
-      const [shape] = shapes;
-      const put = (geometry, vertexColors) => {
-        const material = this.#makeMaterial(shape.color ?? [1, 1, 1], {...surfaceOf(shape.color), vertexColors});
-        if (vertexColors || !shape.color) material.color.set(0xffffff);
-        const mesh = new THREE.InstancedMesh(geometry, material, robots.length * shapes.length);
-        if (!shape.color && !vertexColors) for (let i = 0; i < mesh.count; ++i) mesh.setColorAt(i, color(robots[i % robots.length].color));
-        mesh.castShadow = mesh.receiveShadow = true;
-        mesh.frustumCulled = false;
-        mesh.userData.things = shapes.flatMap(() => things);
-        shapes.forEach(({body, position, quaternion}, k) => {
-          const X_BG = new THREE.Matrix4().compose(vector(position), turn(quaternion), new THREE.Vector3(1, 1, 1));
-          this.#instances.push({mesh, first: k * robots.length, bodies: robots.map((robot) => robot.body + body), X_BG});
-        });
-        this.pickable.push(mesh);
-        this.root.add(mesh);
-        if (extent(shape) < least) this.#small.push(mesh);
-      };
-      const geometry = geometryOf(shape, round, BEVEL_M.robot);
-      if (geometry) {
-        put(geometry, false);
-      } else {
-        this.#mesh(shape.mesh).then((loaded) => {
-          if (this.#disposed || !loaded) return;
-          put(loaded, loaded.hasAttribute('color'));
-          this.place();
-          onLoaded();
-        });
-      }
-    }
+    const meshes = new RobotMeshes(this.root, model, things, {makeMaterial: this.#makeMaterial, meshOf: (name) => this.#mesh(name), onLoaded: () => {
+      this.place();
+      onLoaded();
+    }});
+    this.#robots.push(meshes);
   }
 
+  /** The parts of a mesh: [{geometry, map, color}]; null if it did not come. A part's `map` is a picture's texture, or null. */
   #mesh(name) {
-    if (!this.#geometries.has(name)) {
-      this.#geometries.set(name, this.#loader.loadAsync(`api/mesh/${name}.glb`).then((gltf) => {
-        let found = null;
-        gltf.scene.traverse((object) => { found ??= object.geometry; });
-        // Flat faces: shared vertices would give smoothed ones.
-        const flat = found.toNonIndexed();
-        flat.computeVertexNormals();
-        return flat;
+    if (!this.#meshes.has(name)) {
+      this.#meshes.set(name, this.#loader.loadAsync(`api/mesh/${name}.glb`).then(async (gltf) => {
+        const parts = [];
+        gltf.scene.traverse(({geometry, material}) => {
+          if (!geometry) return;
+          // Flat faces: shared vertices would give smoothed ones.
+          const flat = geometry.toNonIndexed(), {texture} = material.userData;
+          flat.computeVertexNormals();
+          parts.push((texture ? this.#picture(texture) : Promise.resolve(null)).then((map) => ({geometry: flat, map, color: material.color})));
+        });
+        const all = await Promise.all(parts);
+        return this.#disposed ? null : all;
       }, () => null));
     }
-    return this.#geometries.get(name);
+    return this.#meshes.get(name);
+  }
+
+  /** The texture of a mesh; null if it did not come. */
+  #picture(name) {
+    return new THREE.TextureLoader().loadAsync(`api/texture/${encodeURIComponent(name)}`).then((map) => {
+      map.flipY = false;  // as glTF has it
+      map.wrapS = map.wrapT = THREE.RepeatWrapping;
+      map.anisotropy = 8;
+      return map;
+    }, () => null);
   }
 
   /** A flag on a pole, with a ring on the floor; the ball is at the target, or above it where that is low. */
@@ -320,11 +289,11 @@ export class Scene3d {
       mesh.castShadow = true;
       mesh.userData.things = [thing];
       object.add(mesh);
-      this.pickable.push(mesh);
+      this.#pickable.push(mesh);
       return mesh;
     };
     const own = this.#makeMaterial(description.color, {roughness: 0.6, side: THREE.DoubleSide, emissive: color(description.color), emissiveIntensity: 0.3}), metal = this.#makeMaterial([0.75, 0.76, 0.78], {roughness: 0.35, metalness: 0.6});
-    const cylinder = (radius, length) => geometryOf({type: 'cylinder', size: [radius, length]}, ROUND, BEVEL_M.robot);
+    const cylinder = (radius, length) => geometryOf({type: 'cylinder', size: [radius, length]}, ROUND, BEVEL_M.flag);
     add(cylinder(FLAG.pole, z), metal, -z / 2);
     add(cylinder(FLAG.foot, 0.02), own, 0.01 - z);
     add(new THREE.SphereGeometry(FLAG.ball, ROUND, ROUND / 2), own, 0);

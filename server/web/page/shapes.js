@@ -47,8 +47,8 @@ function bevelledBox(size, bevel) {
   return fromArrays(positions, normals, triangles);
 }
 
-/** A cylinder along z whose rims are cut by `bevel`. */
-function bevelledCylinder(radius, length, round, bevel) {
+/** A cylinder along z whose rims are cut by `bevel`; 0: sharp. `open`: at its lower end. */
+function bevelledCylinder(radius, length, round, bevel, open = false) {
   const positions = [], normals = [], triangles = [], half = length / 2;
   // Radius, height; the normal outwards, along z.
   const rings = [[radius - bevel, -half, 0, -1], [radius, bevel - half, 1, 0], [radius, half - bevel, 1, 0], [radius - bevel, half, 0, 1]];
@@ -61,22 +61,23 @@ function bevelledCylinder(radius, length, round, bevel) {
   }
   for (let i = 0; i < round; ++i) {
     const next = (i + 1) % round;
-    for (let ring = 0; ring < 3; ++ring) {
+    for (const ring of bevel > 0 ? [0, 1, 2] : [1]) {
       const a = ring * round + i, b = ring * round + next;
       triangles.push(a, b, b + round, a, b + round, a + round);
     }
     if (i === 0 || next === 0) continue;
-    triangles.push(0, next, i, 3 * round, 3 * round + i, 3 * round + next);
+    if (!open) triangles.push(0, next, i);
+    triangles.push(3 * round, 3 * round + i, 3 * round + next);
   }
   return fromArrays(positions, normals, triangles);
 }
 
 /** The geometry of a shape of /api/scene; null for a mesh. `round`: segments of round shapes. `most`: the widest bevel. */
-export function geometryOf({type, size = []}, round, most) {
+export function geometryOf({type, size = [], open}, round, most) {
   const [a, b] = size, fine = round >= FINE;
   switch (type) {
     case 'box': return fine ? bevelledBox(size, Math.min(most, 0.15 * Math.min(...size))) : new THREE.BoxGeometry(...size);
-    case 'cylinder': return fine ? bevelledCylinder(a, b, round, Math.min(most, 0.15 * b, 0.2 * a)) : new THREE.CylinderGeometry(a, a, b, round).applyMatrix4(UP);
+    case 'cylinder': return bevelledCylinder(a, b, round, fine ? Math.min(most, 0.15 * b, 0.2 * a) : 0, open);
     case 'sphere': return new THREE.SphereGeometry(a, round, round / 2).applyMatrix4(UP);
     case 'capsule': return new THREE.CapsuleGeometry(a, b, Math.ceil(round / 4), round).applyMatrix4(UP);
     default: return null;

@@ -2,14 +2,15 @@
 // What lights the view, and what that costs. A graphics card draws physically based materials in the light of a sky, soft shadows and
 // smooth edges. Without one, a slow view first loses shadows and small parts, then a few pixels; once nothing moves, it is drawn finely.
 import * as THREE from 'three';
+import {PlainMaterial} from './plain.js';
 
 /** Towards the sun: over the left shoulder of the first view. The same as in the daemon's pictures (server/render/draw_list.h). */
 const SUN_W = new THREE.Vector3(-0.66, -0.56, 1);
 const SUN = {light: 2.5, dark: 2.3}, SKY = {light: 1, dark: 0.78};  // intensities
 const SHADOW_ROBOTS = {software: 10, hardware: 600};  // beyond this, shadows cost more than they show
 const SLOW_MS = [60, 60, 120, 120];  // between two pictures, by level: then the next
-const CROWD = 60;     // robots beyond which small parts are left out from the start
-const RATIOS = [1, 0.8, 0.65];  // drawn pixels per screen pixel along a side; fewer would show
+const DETAIL = {fine: 3, usual: 1, coarse: 0.6};  // pixels that count as one, where robots are small
+const RATIOS = [1, 0.85, 0.75];  // drawn pixels per screen pixel along a side; fewer would show
 const FINE_MS = 300;  // without motion, until the view is drawn finely
 const FINE_RATIO = 1.5, FINE_PIXELS = 2.5e6;
 
@@ -67,6 +68,7 @@ export class Stage {
   #drawnAt = 0;
   #fine = false;     // the last picture was a fine one
   #ratio = 0;
+  #detail = 'usual';
 
   /** `quality`: 'software' or 'hardware'. Draws into `canvas`, as large as `frame`. */
   constructor(canvas, frame, quality, root) {
@@ -76,6 +78,7 @@ export class Stage {
     this.renderer = new THREE.WebGLRenderer({canvas, antialias: !this.#software, preserveDrawingBuffer: true});
     this.renderer.toneMapping = THREE.NeutralToneMapping;
     this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.autoUpdate = !this.#software;  // otherwise only after changes, also if the camera moves
     this.renderer.shadowMap.type = this.#software ? THREE.BasicShadowMap : THREE.PCFShadowMap;
     this.#sun.shadow.mapSize.setScalar(this.#software ? 1024 : 2048);
     Object.assign(this.#sun.shadow, {bias: -0.0003, normalBias: 0.015, radius: this.#software ? 1.5 : 2.5});
@@ -90,9 +93,11 @@ export class Stage {
   /** Whether a slow view has become coarser, and how far. */
   get level() { return this.#level; }
 
-  /** A material in this light. `rgb`: sRGB. */
-  makeMaterial(color, {roughness = 0.5, metalness = 0, ...more} = {}) {
-    return this.#software ? new THREE.MeshLambertMaterial({color, ...more}) : new THREE.MeshStandardMaterial({color, roughness, metalness, ...more});
+  /** A function (color, options) that makes materials in this light, and that of `lamps`. */
+  materialsFor(lamps) {
+    const Kind = lamps.length > 0 ? THREE.MeshLambertMaterial : PlainMaterial;
+    return (color, {roughness = 0.5, metalness = 0, ...more} = {}) =>
+      (this.#software ? new Kind({color, ...more}) : new THREE.MeshStandardMaterial({color, roughness, metalness, ...more}));
   }
 
   /** Suits the theme, whose ground the view's frame has. */
@@ -119,8 +124,11 @@ export class Stage {
     const {camera} = this.#sun.shadow;
     Object.assign(camera, {left: -radius, right: radius, top: radius, bottom: -radius, near: 0.1, far: 5 * radius});
     camera.updateProjectionMatrix();
-    this.#useLevel(this.#software && scene.description.robots.length > CROWD ? Math.max(2, this.#level) : this.#level);
+    this.#useLevel(this.#level);
   }
+
+  /** Shadows have changed. */
+  changed() { this.renderer.shadowMap.needsUpdate = true; }
 
   /** Another scenario may be cheaper than the last. */
   startAnew() { this.#level = 0; }
@@ -135,8 +143,9 @@ export class Stage {
   #useLevel(level, anew = false) {
     this.#level = level;
     this.#fine = false;
+    this.changed();
     this.#sun.castShadow = this.#shadows && !this.#many && level < 1;
-    this.#scene?.showDetails(level < 2);
+    this.#detail = level < 2 ? 'usual' : 'coarse';
     this.#setRatio(this.#software ? RATIOS[Math.max(0, level - 2)] : Math.min(2, devicePixelRatio), anew);
   }
 
@@ -151,6 +160,8 @@ export class Stage {
   /** Draws, and notes how long pictures take. `moves`: the next picture follows at once. */
   draw(camera, now, moves) {
     if (this.#fine) this.#useLevel(this.#level);
+    if (moves) this.changed();
+    this.place(camera);
     this.render(camera);
     const pause = now - this.#drawnAt;
     this.#drawnAt = now;
@@ -168,10 +179,18 @@ export class Stage {
   drawFine(camera) {
     const {clientWidth: width, clientHeight: height} = this.#frame;
     this.#sun.castShadow = this.#shadows;
-    this.#scene?.showDetails(true);
+    this.changed();
+    this.#detail = 'fine';
     this.#setRatio(Math.min(FINE_RATIO, Math.sqrt(FINE_PIXELS / (width * height))));
+    this.place(camera);
     this.render(camera);
     this.#fine = true;
+  }
+
+  /** Moves the scene's things to where they are, as detailed as the next picture needs. */
+  place(camera) {
+    if (this.#software) this.#scene.lookFrom(camera, DETAIL[this.#detail] * this.#frame.clientHeight);
+    this.#scene.place();
   }
 
   render(camera) { this.renderer.render(this.#root, camera); }

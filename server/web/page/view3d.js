@@ -3,7 +3,7 @@
 // zooms to the pointer; one finger turns, two move and zoom. A click selects, a double click follows.
 import * as THREE from 'three';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
-import {byId, make, setText} from './dom.js';
+import {byId, make} from './dom.js';
 import {Looks} from './looks.js';
 import {Interpolator, PoseReader} from './poses.js';
 import {Scene3d} from './scene3d.js';
@@ -12,7 +12,6 @@ import {t} from './words.js';
 
 const RATE_HZ = 30;
 const FOV_DEG = THREE.MathUtils.radToDeg(0.8);  // as in the daemon's pictures
-const MAX_WIDTH = 1280;  // of the daemon's pictures
 const NEAR = 0.004;      // near plane, as a share of the distance to the camera's target
 
 /** This browser's WebGL: 'none', 'software' or 'hardware'. */
@@ -70,14 +69,10 @@ export class View3d extends EventTarget {
     this.#controls.addEventListener('change', () => { this.#dirty = true; });
     this.#controls.addEventListener('start', () => { this.#canvas.focus({preventScroll: true}); });
     this.#root.add(this.#outline);
-    this.#sensors = make('canvas', {id: 'sensors', hidden: true, 'aria-hidden': 'true'});
-    this.#canvas.after(this.#sensors);
-    byId('rays').addEventListener('change', () => { this.#askSensors(); this.#dirty = true; });
     // A new daemon restarts the numbers of scenes.
     connection.addEventListener('open', () => { this.#stale = true; });
     connection.addEventListener('hello', () => this.#ask());
     connection.addEventListener('poses', ({detail}) => this.#onPoses(detail));
-    connection.addEventListener('picture', ({detail}) => this.#onPicture(detail));
     document.addEventListener('visibilitychange', () => this.#ask());
     document.addEventListener('theme', () => this.#paint());
     new ResizeObserver(() => this.#fitCanvas()).observe(this.#frame);
@@ -88,9 +83,7 @@ export class View3d extends EventTarget {
     byId('view-note').hidden = true;
     this.#ask();
   }
-  #sensors;
   #wanted = '';  // name of a thing to select once it appears
-  #askedSensors = '';
 
   // --- for other parts of the page
   get scene() { return this.#scene; }
@@ -103,7 +96,8 @@ export class View3d extends EventTarget {
   get framesDrawn() { return this.#drawn; }
   /** Whether the camera moves to a named view. */
   get flies() { return this.#looks.flies; }
-  get makeMaterial() { return (rgb, options) => this.#stage.makeMaterial(rgb, options); }
+  /** Makes materials for the light of a scene of /api/scene: a function (rgb, options). */
+  materialsFor({lights}) { return this.#stage.materialsFor(lights); }
   redraw() { this.#dirty = true; }
   /** A button among the view's tools. */
   addTool(text, title, act) {
@@ -157,8 +151,6 @@ export class View3d extends EventTarget {
 
   // --- the wire
   #ask() {
-    this.#askedSensors = '';
-    this.#askSensors();
     this.#connection.send({type: 'poses', rate: document.hidden ? 0 : RATE_HZ});
   }
 
@@ -187,7 +179,7 @@ export class View3d extends EventTarget {
     const wanted = this.#wanted, selected = this.#selected?.name;
     this.#drop?.();
     this.#retire(this.#scene);
-    this.#scene = new Scene3d(description, {onLoaded: () => { this.#dirty = true; }, makeMaterial: this.makeMaterial});
+    this.#scene = new Scene3d(description, {onLoaded: () => { this.#stage.changed(); this.#dirty = true; }, makeMaterial: this.materialsFor(description)});
     this.#root.add(this.#scene.root);
     this.#between.reset(description.bodies);
     if (this.#reader.scene === description.scene) this.#between.push(this.#reader, performance.now());
@@ -213,40 +205,6 @@ export class View3d extends EventTarget {
   #retire(last) {
     last?.root.removeFromParent();
     this.#drop = () => { last?.dispose(); this.#drop = null; };
-  }
-
-  // --- sensors' rays: the daemon draws them, from the same camera, over the view
-  #askSensors() {
-    const shown = byId('rays').checked && !document.hidden;
-    this.#sensors.hidden = !shown;
-    if (!shown) {
-      if (this.#askedSensors) this.#connection.send({type: 'view'});
-      this.#askedSensors = '';
-      return;
-    }
-    const scale = Math.min(1, MAX_WIDTH / this.#frame.clientWidth);
-    const view = {type: 'view', rays: true, width: Math.max(64, Math.round(scale * this.#frame.clientWidth)),
-      height: Math.max(48, Math.min(1080, Math.round(scale * this.#frame.clientHeight))),
-      eye: this.#camera.position.toArray(), look: this.#controls.target.toArray()};
-    const text = JSON.stringify(view);
-    if (text === this.#askedSensors) return;
-    this.#askedSensors = text;
-    this.#connection.send(view);
-  }
-
-  async #onPicture({about, jpeg}) {
-    if (!about.error && !this.#sensors.hidden) {
-      try {
-        const bitmap = await createImageBitmap(jpeg);
-        Object.assign(this.#sensors, {width: bitmap.width, height: bitmap.height});
-        this.#sensors.getContext('2d').drawImage(bitmap, 0, 0);
-        bitmap.close();
-      } catch { /* skip an unreadable picture */ }
-    } else if (about.error) {
-      setText(byId('view-note'), about.error);
-      byId('view-note').hidden = this.#sensors.hidden;
-    }
-    this.#connection.send({type: 'shown'});
   }
 
   // --- drawing
@@ -276,14 +234,12 @@ export class View3d extends EventTarget {
     }
     if (now < this.#pause) return;
     this.#between.write(this.#scene.bodies, now);
-    this.#scene.place();
     const turns = this.#looks.step(performance.now());
     this.dispatchEvent(new Event('drawing'));
     this.#placeOutline();
     this.#dirty = moves || turns;  // draw once more at rest
     this.#render(now, moves);
     this.#drop?.();
-    this.#askSensors();
     // After a slow drawing, leave time for the rest of the page.
     const took = Math.max(performance.now() - now, 0);
     this.#pause = took > 40 ? performance.now() + 0.5 * took : 0;

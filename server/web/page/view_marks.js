@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Optional marks in the view, each with its own box under Show: names, trails, joint axes, bearings of targets, contacts.
+// Optional marks in the view, each with its own box under Show: sensors, names, trails, joint axes, bearings of targets, contacts.
 import * as THREE from 'three';
+import {CornerCamera} from './corner_camera.js';
 import {byId, make} from './dom.js';
 import {shownColor} from './palette.js';
+import {SensorMarks} from './sensor_marks.js';
 import {t} from './words.js';
 
 const TRAIL_POINTS = 600;
@@ -223,20 +225,28 @@ export class ViewMarks {
 
   constructor(view, connection) {
     this.of = {
-      names: new Names(view), trails: new Trails(view), axes: new JointAxes(view),
+      sensors: new SensorMarks(view, connection), names: new Names(view), trails: new Trails(view), axes: new JointAxes(view),
       bearings: new Asked(view, connection, {type: 'target', command: 'get_targets', color: 0xb23fb5, linesOf: bearingLines}),
       contacts: new Asked(view, connection, {type: 'contact', command: 'get_contacts', color: 0xd0342c, linesOf: contactLines}),
+      camera: new CornerCamera(view, connection),
     };
     const titles = {names: [t('names'), t('Names of robots and things')], trails: [t('trails'), t('Where robots have been')],
       axes: [t('joint axes'), t('The axes of all joints')], bearings: [t('target bearings'), t('Lines to the targets that robots see: of the selected robot, or the first ones')],
-      contacts: [t('contacts'), t('Contacts at contact sensors and their forces: of the selected robot, or the first ones')]};
-    for (const [key, [text, title]] of Object.entries(titles)) {
-      const box = make('input', {type: 'checkbox', id: `show-${key}`});
-      box.addEventListener('change', () => {
+      contacts: [t('contacts'), t('Contacts at contact sensors and their forces: of the selected robot, or the first ones')],
+      camera: [t('camera'), t('What the camera of the selected robot sees, or of the first that has one, in the corner')]};
+    const listen = (key, box) => {
+      const change = () => {
         this.#on[key] = box.checked;
         this.of[key].begin(box.checked);
         view.redraw();
-      });
+      };
+      box.addEventListener('change', change);
+      if (box.checked) change();  // before this was loaded
+    };
+    listen('sensors', byId('rays'));
+    for (const [key, [text, title]] of Object.entries(titles)) {
+      const box = make('input', {type: 'checkbox', id: `show-${key}`});
+      listen(key, box);
       byId('show-list').append(make('label', {title}, box, ` ${text}`));
     }
     const each = (act) => { for (const key of Object.keys(this.of)) if (this.#on[key]) act(this.of[key]); };

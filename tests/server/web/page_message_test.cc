@@ -130,5 +130,12 @@ TEST(PageReply, APushHasNoId) {
   EXPECT_THAT(WritePageReply(push), testing::StartsWith(R"({"push":true,"module":"/m")"));
 }
 
+TEST(PageSensors, HaveARate) {
+  const PageRead read = ReadPageMessage(R"({"type":"sensors","rate":15})");
+  ASSERT_TRUE(read.message);
+  EXPECT_EQ(std::get<PageSensors>(*read.message).rate_hz, 15);
+  EXPECT_THAT(ReadPageMessage(R"({"type":"sensors"})").error, HasSubstr(R"({"type":"sensors","rate":30})"));
+}
+
 }  // namespace
 }  // namespace coopdyn

@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/server/sensing/sample_frame.h"
 #include "web_fixture.h"
 
 namespace coopdyn {
@@ -121,6 +122,37 @@ TEST(PageSocket, AChannelIsAConnectionOfItsOwn) {
   ASSERT_TRUE(Eventually([&] { return world.motors.waiting == 1; }));
   world.modules.Call([&] { world.motors.Release(); });
   EXPECT_THAT(page.Next(), StartsWith(R"({"id":1,)"));
+}
+
+TEST(PageSocket, WhatSensorsShowComesWhileItIsWanted) {
+  WebWorld world;
+  Page page(world.port);
+  world.frames.Publish(SampleWorld().Robot(At(0, 0)).MakeFrame());
+  page.Send(R"({"type":"sensors","rate":60})");
+  EXPECT_THAT(page.Next(), StartsWith("\3"));
+  world.frames.Publish(SampleWorld().Robot(At(1, 0)).MakeFrame());
+  EXPECT_THAT(page.Next(), StartsWith("\3"));
+  page.Send(R"({"type":"sensors","rate":0})");
+  const char* ping = R"({"id":1,"module":"/robot1/motors","command":"ping"})";
+  page.Call(ping);  // read after the request
+  world.frames.Publish(SampleWorld().Robot(At(2, 0)).MakeFrame());
+  page.Send(R"({"type":"poses","rate":60})");
+  EXPECT_THAT(page.Next(), StartsWith("\2"));
+  EXPECT_THAT(page.Call(ping), StartsWith(R"({"id":1)"));
+}
+
+TEST(PageSocket, SensorsThatShowTheSameAreNotSentAgain) {
+  WebWorld world;
+  Page page(world.port);
+  world.frames.Publish(SampleWorld().Robot(At(0, 0)).MakeFrame());
+  page.Send(R"({"type":"sensors","rate":60})");
+  const std::string first = page.Next();
+  for (int i = 0; i < 5; ++i) {
+    world.frames.Publish(SampleWorld().Robot(At(0, 0)).MakeFrame());
+    page.Call(R"({"id":1,"module":"/robot1/motors","command":"ping"})");
+  }
+  world.frames.Publish(SampleWorld().Robot(At(1, 0)).MakeFrame());
+  EXPECT_NE(page.Next(), first);
 }
 
 TEST(PageSocket, ClosingAConnectionAnswersWhatWaits) {

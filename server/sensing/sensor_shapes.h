@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// What a view draws of robots' sensors: rays, lidar scans, sonar cones, cameras' fields of view, at the
+// ranges that robots read, computed on demand. World frame, m. Pure; any thread.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "server/geometry/rgba.h"
+#include "server/state/frame.h"
+
+namespace coopdyn {
+
+struct SensorShapes {
+  struct Line {
+    Vector3 from_W, to_W;
+    Rgba color;
+    double width_px;  // in a view 480 pixels high
+  };
+  struct Dot {
+    Vector3 p_W;
+    Rgba color;
+    double radius_px;   // likewise
+    double lift_m = 0;  // seen through surfaces up to so far in front of it
+  };
+  struct Triangle {
+    std::array<Vector3, 3> corners_W;
+    Rgba color;
+  };
+
+  std::vector<Line> lines;
+  std::vector<Dot> dots;
+  std::vector<Triangle> triangles;
+};
+
+/// Whether a ball of this radius (m) about a point of the world may be seen.
+using SeesBall = std::function<bool(const Vector3& p_W, double radius_m)>;
+
+/// The shapes of the sensors of all robots; those out of sight are not read.
+SensorShapes ShapesOfSensors(const Frame& frame, const SeesBall& sees);
+
+}  // namespace coopdyn
