@@ -74,6 +74,9 @@ std::string WorldText(const Frame& frame, const RunStatus& status) {
   std::string text = "# The world of " + Printable(scene.scenario->name) + " at " +
                      ExactNumber(frame.time_s()) + " s\n" + WriteSimulation(simulation, scene.ambient_light) +
                      "\n" + WriteFloor(scene.floor);
+  for (const std::string& section : {WriteTask(scene.scenario->task), WriteView(scene.scenario->view)}) {
+    if (!section.empty()) text += "\n" + section;
+  }
   for (const SceneObject& thing : scene.objects) text += "\n" + WriteObject(ObjectNow(frame, thing));
   for (const PointLight& light : scene.lights) text += "\n" + WriteLight(light);
   if (!scene.targets.empty()) text += "\n" + WriteTargets(scene.targets);

@@ -127,6 +127,18 @@ struct Task {
   bool empty() const { return title.empty() && text.empty() && hints.empty() && counts.empty(); }
 };
 
+/// [VIEW]: where pictures of the whole scene are taken from, and the page begins. In the world frame.
+struct View {
+  /// From where everything is seen: from the right of a robot that faces x and a little behind it, from
+  /// above, against x, or along y.
+  enum class From { kWhole, kTop, kFront, kSide };
+  static inline const std::array<std::string, 4> kWords = {"whole", "top", "front", "side"};
+
+  From from = From::kWhole;
+  Vector3 eye_W = Vector3::Zero();  // the camera's place
+  std::optional<Vector3> look_W;    // if there: what a camera at eye_W looks at, instead of `from`
+};
+
 struct Scenario {
   std::string name;                  // file name without folder and extension; "(text)" if unknown
   std::string file;                  // path as found; empty if by socket, kPipe if by pipe
@@ -141,6 +153,7 @@ struct Scenario {
   std::vector<SwarmEntry> swarms;  // in file order
   std::vector<ScoreEntry> scores;  // in file order
   Task task;
+  View view;
   SimulationOptions simulation;
   std::vector<RandomKey> random;    // in file order; drawn anew for each seed
   std::vector<SourceText> sources;  // all other texts, each once

@@ -402,16 +402,41 @@ class ScenarioReader {
     }
   }
 
+  void ReadView(SectionReader& reader) {
+    View& view = scenario_->view;
+    const auto point = [&](const char* key) -> std::optional<Vector3> {
+      const auto p =
+          reader.Numbers(key, Quantity::kLength, {3}, "x y z", -kMaxFileLength_m, kMaxFileLength_m);
+      return p ? std::optional(Vector3((*p)[0], (*p)[1], (*p)[2])) : std::nullopt;
+    };
+    const bool has_from = reader.Has("from"), has_eye = reader.Has("eye"), has_look = reader.Has("look");
+    if (has_from == (has_eye || has_look) || has_eye != has_look) {
+      reader.Error(
+          "[VIEW] says either 'from' (whole, top, front or side), or 'eye' and 'look', for example: eye 3 -2 "
+          "2 "
+          "and look 0 0 0.2");
+    }
+    if (const auto from = reader.Choice<View::From>("from", View::kWords)) view.from = *from;
+    const std::optional<Vector3> eye_W = point("eye"), look_W = point("look");
+    if (eye_W && look_W && (*eye_W - *look_W).norm() < 0.01)
+      reader.ErrorAt("eye", "'eye' must be at least 1 cm away from 'look'");
+    if (eye_W) view.eye_W = *eye_W;
+    view.look_W = look_W;
+    reader.Finish();
+  }
+
   /// Reads robots and objects.
   void ReadPlain(const Section& section) {
-    static const std::vector<std::string> kOwn = {"WORLD",   "SIMULATION", "TARGET",  "FLOOR",  "ROBOT_1",
-                                                  "SWARM_1", "LIGHT_1",    "SCORE_1", "RANDOM", "TASK"};
+    static const std::vector<std::string> kOwn = {"WORLD",   "SIMULATION", "TARGET",  "FLOOR",
+                                                  "ROBOT_1", "SWARM_1",    "LIGHT_1", "SCORE_1",
+                                                  "RANDOM",  "TASK",       "VIEW"};
     for (const char* word : {"world", "simulation", "target", "floor"}) {
       if (section.word == word) return;
     }
     if (IsNumbered(section.word, "swarm")) return;
     if (section.word == "task") return ReadTask(section);
     SectionReader reader(section, label_, degrees_, diagnostics_);
+    if (section.word == "view") return ReadView(reader);
     if (IsNumbered(section.word, "robot")) {
       if (const std::optional<WorldObject> bar = robots_.ReadRobot(reader)) {
         bars_.insert(ToLower(bar->name));
@@ -485,7 +510,7 @@ std::shared_ptr<const Scenario> ReadInsertion(const std::string& text, RobotLibr
   Diagnostics found(label);
   for (const Section& section : ReadSections(text, label, found)) {
     const std::string word = IsNumbered(section.word, "random") ? "random" : section.word;
-    for (const char* whole : {"world", "simulation", "floor", "random", "task"}) {
+    for (const char* whole : {"world", "simulation", "floor", "random", "task", "view"}) {
       if (word != whole) continue;
       found.Error({label, section.line}, "[" + section.name +
                                              "] cannot be inserted, only things, robots, swarms, targets and "

@@ -5,6 +5,8 @@
 #include <charconv>
 #include <cmath>
 #include <initializer_list>
+#include <sstream>
+#include <vector>
 
 #include "server/model/values.h"
 
@@ -141,6 +143,34 @@ std::string WriteTargets(std::span<const Target> targets) {
   Lines lines("TARGET");
   for (const Target& target : targets) {
     lines.Add(target.color_name, {target.p_WT.x(), target.p_WT.y(), target.p_WT.z()});
+  }
+  return lines.Take();
+}
+
+std::string WriteTask(const Task& task) {
+  if (task.empty()) return {};
+  Lines lines("TASK");
+  const auto add = [&](const char* key, const std::vector<std::string>& values) {
+    for (const std::string& value : values) lines.Add(key, value);
+  };
+  if (!task.title.empty()) lines.Add("title", task.title);
+  std::istringstream text(task.text);
+  for (std::string line; std::getline(text, line);) {
+    if (!line.empty()) lines.Add("text", line);
+  }
+  add("hint", task.hints);
+  add("counts", task.counts);
+  return lines.Take();
+}
+
+std::string WriteView(const View& view) {
+  if (!view.look_W && view.from == View::From::kWhole) return {};
+  Lines lines("VIEW");
+  if (view.look_W) {
+    lines.Add("eye", {view.eye_W.x(), view.eye_W.y(), view.eye_W.z()});
+    lines.Add("look", {view.look_W->x(), view.look_W->y(), view.look_W->z()});
+  } else {
+    lines.Add("from", View::kWords[static_cast<std::size_t>(view.from)]);
   }
   return lines.Take();
 }

@@ -20,6 +20,10 @@ std::string WriteLight(const PointLight& light);
 std::string WriteRobot(const RobotEntry& robot, std::size_t number, const std::string& type);
 /// One [TARGET]; empty without targets.
 std::string WriteTargets(std::span<const Target> targets);
+/// Empty without a task.
+std::string WriteTask(const Task& task);
+/// Empty if pictures show the whole scene.
+std::string WriteView(const View& view);
 /// Includes `ambient_light` if above 0.
 std::string WriteSimulation(const SimulationOptions& simulation, double ambient_light);
 

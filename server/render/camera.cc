@@ -86,6 +86,23 @@ Vector3 FitEye(const Points& points, const Matrix3& axes, double tan_x, double t
   return axes.transpose() * Vector3(across[0], across[1], distance);
 }
 
+/// The unit vector from what is seen towards the camera. The page has the same: server/web/page/framing.js.
+Vector3 Backward(View::From from) {
+  constexpr double kElevation_rad = 0.72, kAzimuth_rad = -1.85;
+  switch (from) {
+    case View::From::kTop:
+      return Vector3(0, -0.001, 1).normalized();
+    case View::From::kFront:
+      return Vector3(1, 0, 0.22).normalized();
+    case View::From::kSide:
+      return Vector3(0, -1, 0.22).normalized();
+    case View::From::kWhole:
+      break;
+  }
+  return {std::cos(kElevation_rad) * std::cos(kAzimuth_rad),
+          std::cos(kElevation_rad) * std::sin(kAzimuth_rad), std::sin(kElevation_rad)};
+}
+
 }  // namespace
 
 Matrix4 ViewMatrix(const Camera& camera) {
@@ -144,12 +161,17 @@ ProjectedPoint Frustum::Pixel(const Vector3& p_W) const {
 }
 
 Camera DefaultCamera(const Scene& scene, double fov_rad, int width, int height) {
-  constexpr double kElevation_rad = 0.72;
-  constexpr double kAzimuth_rad = -1.85;  // right of a robot that faces x, and a little behind it
-  constexpr double kAir = 1.06;           // margin around the contents
+  constexpr double kAir = 1.06;  // margin around the contents
+  const View view = scene.scenario != nullptr ? scene.scenario->view : View();
+  if (view.look_W) {
+    Camera camera;
+    camera.fov_rad = fov_rad;
+    camera.eye_W = view.eye_W;
+    camera.look_W = *view.look_W;
+    return camera;
+  }
   const Points points = ContentPoints(scene);
-  const Vector3 backward(std::cos(kElevation_rad) * std::cos(kAzimuth_rad),
-                         std::cos(kElevation_rad) * std::sin(kAzimuth_rad), std::sin(kElevation_rad));
+  const Vector3 backward = Backward(view.from);
   const double tan_y = std::tan(fov_rad / 2) / kAir;
   Camera camera;
   camera.fov_rad = fov_rad;

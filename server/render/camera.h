@@ -62,8 +62,8 @@ class Frustum {
   int width_, height_;
 };
 
-/// A fixed camera that shows everything in `scene` at its start (the floor if the scene is empty), from
-/// obliquely above.
+/// The camera of the scenario's [VIEW]; without one, a fixed camera that shows everything in `scene` at its
+/// start (the floor if the scene is empty), from obliquely above.
 Camera DefaultCamera(const Scene& scene, double fov_rad, int width, int height);
 /// Camera `sensor` (index into the model's sensors) of a robot.
 Camera CameraOf(const Frame& frame, int robot, std::size_t sensor);

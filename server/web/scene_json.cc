@@ -122,6 +122,11 @@ json::value TaskJson(const Task& task) {
       {"title", task.title}, {"text", task.text}, {"hints", list(task.hints)}, {"counts", list(task.counts)}};
 }
 
+json::value ViewJson(const View& view) {
+  if (view.look_W) return json::object{{"eye", Numbers(view.eye_W)}, {"look", Numbers(*view.look_W)}};
+  return json::object{{"from", View::kWords[static_cast<std::size_t>(view.from)]}};
+}
+
 }  // namespace
 
 std::string SceneJson(const Frame& frame, std::uint32_t number) {
@@ -168,6 +173,7 @@ std::string SceneJson(const Frame& frame, std::uint32_t number) {
   return JsonText(json::object{{"scene", number},
                                {"scenario", scene.scenario->name},
                                {"task", TaskJson(scene.scenario->task)},
+                               {"view", ViewJson(scene.scenario->view)},
                                {"floor",
                                 {{"size", {scene.floor.length_m, scene.floor.width_m, scene.floor.height_m}},
                                  {"color", Numbers(scene.floor.color)},

@@ -228,6 +228,15 @@ class SaveTest(unittest.TestCase):
             self.assertEqual(daemon.status()["hash"], edited)
             self.assertEqual(world.must("save").text.split("\n", 1)[1], saved.split("\n", 1)[1])
 
+    def test_the_saved_text_keeps_the_task_and_the_view(self):
+        task = "[TASK]\ntitle Go\ntext Drive.\ntext - slowly\ntext - gently\nhint Look.\ncounts 2 points\n"
+        for view in ("[VIEW]\nfrom top\n", "[VIEW]\neye 3 -2 2\nlook 0 0 0.5\n"):
+            with paused("[FLOOR]\nsize 4 4\n" + task + view) as daemon:
+                saved = daemon.text("/world").must("save").text
+                self.assertIn("\n" + task + "\n" + view, saved)
+                self.assertEqual(daemon.binary("/simulation").ask(108, text=saved).error, 0)
+                self.assertEqual(daemon.text("/world").must("save").text.split("\n", 1)[1], saved.split("\n", 1)[1])
+
     def test_the_saved_text_finds_models_of_files_and_of_sdf_worlds_from_anywhere(self):
         with tempfile.TemporaryDirectory(prefix="my robots; #1 ") as folder:
             model = (ROOT / "robots" / "minibot" / "model.sdf").read_text()

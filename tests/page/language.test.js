@@ -12,7 +12,7 @@ const places = (text) => [...text.matchAll(/\{\w+\}/g)].map(([place]) => place).
 /** What looks like a text and is none: names of products, keys and colours, text of scenarios, shaders, styles. By file. */
 const NO_TEXTS = {
   'class_words.js': /^(Python|Octave|its daemon crashed.*|Your simulation)$/, 'console.js': /^(Tab|MATLAB|Python|telnet)$/, 'console_copy.js': /^(Inf|Python)$/, 'lines.js': /^Python$/,
-  'code_look.js': /(solid|wavy) var\(|^\.cm-/, 'contact_shadows.js': /^\nvarying|^\nattribute/, 'floor.js': /^\nfloat/, 'stage.js': /^(varying|uniform) /,
+  'code_look.js': /(solid|wavy) var\(|^\.cm-/, 'contact_shadows.js': /^\nvarying|^\nattribute/, 'floor.js': /^\nfloat/, 'stage.js': /^(varying|uniform) /, 'plain.js': /^\nuniform/,
   'grammar.js': /^(title Reach|text Do not|hint Turn|counts 2 points|controller diffuse|supervisor referee)/, 'gallery.js': /^\[WORLD\]/,
   'plots.js': /^(CSV|PNG)$/, 'controls.js': /^coopdyn $/, 'dropped.js': /^(Files|robot)$/, 'recordings.js': /^(Bearer |Enter|Escape)$/, 'strip.js': /^ended$/,
   'wall.js': /^(Escape|lower_hand)$/, 'wall_tile.js': /^(asleep|thaw|freeze)$/, 'world.js': /^insert: $/, 'handles.js': /^translate$/,

@@ -214,3 +214,17 @@ test('without WebGL the daemon draws', async () => {
   await other.waitForFunction(() => Number(document.getElementById('view').dataset.shown ?? 0) > 0);
   assert.equal(await other.evaluate(() => Boolean(window.coopdyn.view.scene)), false);
 });
+
+test('the scenario says where the view begins', async () => {
+  const {page: placed} = await openScenario(`${SCENARIO}[VIEW]\neye 3 -2 2\nlook 0 0 0.2\n`, {webgl: true});
+  await placed.waitForFunction(() => window.coopdyn.view.scene);
+  const seen = await placed.evaluate(() => [window.coopdyn.view.camera.position.toArray(), window.coopdyn.view.controls.target.toArray()]);
+  assert.ok(near(seen[0], [3, -2, 2]) && near(seen[1], [0, 0, 0.2]), JSON.stringify(seen));
+  const {page: above} = await openScenario(`${SCENARIO}[VIEW]\nfrom top\n`, {webgl: true});
+  await above.waitForFunction(() => window.coopdyn.view.scene);
+  const [x, y, z] = await above.evaluate(() => {
+    const {camera, controls} = window.coopdyn.view;
+    return camera.position.clone().sub(controls.target).toArray();
+  });
+  assert.ok(Math.hypot(x, y) < 0.02 * z, `${x} ${y} ${z}`);
+});

@@ -48,6 +48,11 @@ export const GRAMMAR = {
     hint: [t('opened by the student, one after the other; may be repeated'), 'hint Turn towards the target first.'],
     counts: [t('what is worth points; may be repeated'), 'counts 2 points: the target is reached within 20 s'],
   },
+  VIEW: {
+    from: [t('everything is seen from there'), 'from top', ['whole', 'top', 'front', 'side']],
+    eye: [t('the place of the camera, x y z, m; instead of from'), 'eye 3 -2 2'],
+    look: [t('what it looks at, x y z, m'), 'look 0 0 0.2'],
+  },
   FLOOR: {
     size: [t('length width [height], m'), 'size 10 8'],
     color: [t('a colour word, or R G B'), 'color lightgray', COLORS],
@@ -99,7 +104,7 @@ export const GRAMMAR = {
 
 /** Section templates: the name in brackets, and the first lines. */
 export const TEMPLATES = [
-  ['WORLD', 'file arena.world'], ['TASK', 'title Reach the red target\ntext Do not touch the **walls**.'], ['SIMULATION', 'mode realtime'], ['FLOOR', 'size 10 8'], ['TARGET', 'red 2 0'],
+  ['WORLD', 'file arena.world'], ['TASK', 'title Reach the red target\ntext Do not touch the **walls**.'], ['VIEW', 'from top'], ['SIMULATION', 'mode realtime'], ['FLOOR', 'size 10 8'], ['TARGET', 'red 2 0'],
   ['ROBOT_1', 'type coopbot\nposition 0 0'], ['SWARM_1', 'type minibot\ncount 20'], ['LIGHT_1', 'position 0 0 2.5'],
   ['BOX_1', 'type box\nsize 0.5 0.5 0.5\nposition 1 1\nmass 2'], ['WALL_1', 'type box\nsize 4 0.1 0.5\nposition 0 2'],
   ['BALL_1', 'type sphere\nsize 0.3\nposition 1 0\nmass 0.5'], ['CYLINDER_1', 'type cylinder\nsize 0.4 0.4 0.5\nposition -1 0'],

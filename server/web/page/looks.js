@@ -64,6 +64,13 @@ export class Looks {
     if (robot) this.follow(robot, true);
   }
 
+  /** The first view of a scene: {from: a named view} or {eye, look: points}, as the scenario says. */
+  start(view) {
+    if (view.from) return this.fit(view.from, true);
+    this.follow(null);
+    this.#go({eye: new THREE.Vector3(...view.eye), target: new THREE.Vector3(...view.look)}, true);
+  }
+
   /** Shows everything. `atOnce`: without a smooth move. */
   fit(from = 'whole', atOnce = false) {
     const {scene} = this.#view;

@@ -191,7 +191,7 @@ export class View3d extends EventTarget {
     if (anew) {
       this.#framed = description.scenario;
       const look = new URLSearchParams(location.search).get('view');
-      this.#looks.fit(['top', 'front', 'side'].includes(look) ? look : 'whole', true);
+      this.#looks.start(['top', 'front', 'side'].includes(look) ? {from: look} : description.view);
     }
     this.select(this.#scene.find(wanted) ?? this.#scene.find(selected) ?? null);
     if (this.#selected?.name !== wanted) this.#wanted = wanted;  // still not in the scene

@@ -182,6 +182,26 @@ TEST(TaskTest, UnknownKeysAreGuessedAndTooMuchTextIsRefused) {
   EXPECT_THAT(Read(hints).messages, HasSubstr("at most 20000 bytes of text, 20 hints"));
 }
 
+TEST(ViewTest, ItIsANamedOneOrACameraAndWhatItLooksAt) {
+  EXPECT_EQ(Good("[FLOOR]\n")->view.from, View::From::kWhole);
+  const auto named = Good("[VIEW]\nfrom Top\n");
+  EXPECT_EQ(named->view.from, View::From::kTop);
+  EXPECT_FALSE(named->view.look_W);
+  const auto placed = Good("[VIEW]\neye 3 -200cm 2\nlook 0 0 0.2\n");
+  EXPECT_EQ(placed->view.eye_W, Vector3(3, -2, 2));
+  EXPECT_EQ(placed->view.look_W, Vector3(0, 0, 0.2));
+}
+
+TEST(ViewTest, HalfAViewIsRefused) {
+  for (const char* keys :
+       {"", "eye 3 -2 2\n", "look 0 0 0\n", "from top\neye 3 -2 2\nlook 0 0 0\n", "from top\nlook 0 0 0\n"})
+    EXPECT_THAT(Read(std::string("[VIEW]\n") + keys).messages, HasSubstr("says either 'from' (whole, top"))
+        << keys;
+  EXPECT_THAT(Read("[VIEW]\neye 1 1 1\nlook 1 1 1\n").messages,
+              HasSubstr("'eye' must be at least 1 cm away from 'look'"));
+  EXPECT_THAT(Read("[VIEW]\nfrom topp\n").messages, HasSubstr("top"));
+}
+
 TEST(TargetTest, ColoursRepeatAndNumbersTakeAPalette) {
   const auto scenario = Good("[TARGET]\nred 1 0 0\nred 2 0 0\ncolor_3 3 0 0\n");
   ASSERT_EQ(scenario->targets.size(), 3u);

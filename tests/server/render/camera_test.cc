@@ -86,6 +86,25 @@ TEST(CameraTest, AnEmptyWorldShowsItsFloor) {
   }
 }
 
+TEST(CameraTest, TheScenarioMaySayTheView) {
+  const auto frame_of = [](const View& view) {
+    auto frame = SampleWorld().Floor(6, 4).MakeFrame();
+    auto scene = std::make_shared<Scene>(*frame->scene);
+    auto scenario = scene->scenario == nullptr ? std::make_shared<Scenario>()
+                                               : std::make_shared<Scenario>(*scene->scenario);
+    scenario->view = view;
+    scene->scenario = scenario;
+    return DefaultCamera(*scene, 0.8, 640, 480);
+  };
+  const Camera placed = frame_of({View::From::kWhole, Vector3(3, -2, 2), Vector3(0, 0, 0.2)});
+  EXPECT_EQ(placed.eye_W, Vector3(3, -2, 2));
+  EXPECT_EQ(placed.look_W, Vector3(0, 0, 0.2));
+  const Camera top = frame_of({View::From::kTop, {}, {}}), front = frame_of({View::From::kFront, {}, {}});
+  EXPECT_LT((top.eye_W - top.look_W).head<2>().norm(), 0.01 * top.eye_W.z());
+  EXPECT_GT(front.eye_W.x() - front.look_W.x(), 3 * front.eye_W.z());
+  EXPECT_NEAR(front.eye_W.y(), 0, 1e-9);
+}
+
 TEST(CameraTest, TheDefaultDoesNotFollowTheRobots) {
   const auto before = SampleWorld().Robot(coopdyn::At(0, 0)).Mark(3, 0).MakeFrame();
   auto after = SampleWorld().Robot(coopdyn::At(0, 0)).Mark(3, 0).MakeFrame();
