@@ -6,10 +6,12 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <type_traits>
 #include <utility>
 
 #include "server/base/portable_math.h"
 #include "server/sensing/readings.h"
+#include "server/sensing/sensing_cache.h"
 
 namespace coopdyn {
 
@@ -35,18 +37,50 @@ Rgba RowColor(int row, int rows) {
   return {bump(0.85), 0.85 * bump(0.5), bump(0.15), 0.95};
 }
 
+/// About how many vertices a sensor's shapes have; a ray of a lidar takes the time of three.
+std::size_t CostOf(const SensorModel& sensor) {
+  constexpr std::size_t kRay = 3, kCone = 24 * 3 + 48 * 2, kPyramid = 25;
+  return std::visit(
+      [](const auto& kind) -> std::size_t {
+        using Kind = std::remove_cvref_t<decltype(kind)>;
+        if constexpr (std::is_same_v<Kind, SonarModel>) return ValueCount(kind) * (kRay + kCone);
+        if constexpr (std::is_same_v<Kind, CameraModel>) return kPyramid;
+        if constexpr (IsKept<Kind>) return ValueCount(kind) * kRay;
+        return 0;
+      },
+      sensor.kind);
+}
+
+/// Each so manieth robot is shown.
+std::size_t RobotStride(const Scene& scene, std::size_t most) {
+  std::size_t cost = 0;
+  for (const SceneRobot& robot : scene.robots) {
+    for (const SensorModel& sensor : robot.entry.model->sensors) cost += CostOf(sensor);
+  }
+  return cost / most + 1;
+}
+
 class Marker {
  public:
-  Marker(const Frame& frame, const SeesBall& sees) : frame_(frame), sees_(sees) {
+  Marker(const Frame& frame, const SeesBall& sees, std::size_t most)
+      : frame_(frame), sees_(sees), robot_stride_(RobotStride(*frame.scene, most)) {
     std::size_t points = 0;
-    for (const SceneRobot& robot : frame.scene->robots) {
-      for (const SensorModel& sensor : robot.entry.model->sensors) {
+    for (std::size_t i = 0; i < frame.scene->robots.size(); i += robot_stride_) {
+      for (const SensorModel& sensor : frame.scene->robots[i].entry.model->sensors) {
         if (const auto* lidar = std::get_if<LidarModel>(&sensor.kind)) points += lidar->rays();
       }
     }
     stride_ = points / kMostPoints + 1;
   }
 
+  void AddRobots() {
+    for (std::size_t i = 0; i < frame_.scene->robots.size(); i += robot_stride_)
+      AddRobot(static_cast<int>(i));
+  }
+
+  SensorShapes Take() { return std::move(shapes_); }
+
+ private:
   void AddRobot(int robot) {
     const RobotModel& model = ModelOf(frame_, robot);
     if (model.Find<DistanceModel>() != nullptr) AddRays(DistanceRays(frame_, robot));
@@ -56,9 +90,6 @@ class Marker {
     }
   }
 
-  SensorShapes Take() { return std::move(shapes_); }
-
- private:
   /// A sensor with the frame that it shows and its index within its kind.
   struct Sensor {
     const Frame& frame;
@@ -182,14 +213,15 @@ class Marker {
   const Frame& frame_;
   const SeesBall& sees_;
   SensorShapes shapes_;
+  std::size_t robot_stride_;
   std::size_t stride_ = 1;  // of the points of lidars
 };
 
 }  // namespace
 
-SensorShapes ShapesOfSensors(const Frame& frame, const SeesBall& sees) {
-  Marker marker(frame, sees);
-  for (std::size_t i = 0; i < frame.scene->robots.size(); ++i) marker.AddRobot(static_cast<int>(i));
+SensorShapes ShapesOfSensors(const Frame& frame, const SeesBall& sees, std::size_t most) {
+  Marker marker(frame, sees, most);
+  marker.AddRobots();
   return marker.Take();
 }
 

@@ -4,7 +4,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "server/geometry/rgba.h"
@@ -37,7 +39,10 @@ struct SensorShapes {
 /// Whether a ball of this radius (m) about a point of the world may be seen.
 using SeesBall = std::function<bool(const Vector3& p_W, double radius_m)>;
 
-/// The shapes of the sensors of all robots; those out of sight are not read.
-SensorShapes ShapesOfSensors(const Frame& frame, const SeesBall& sees);
+/// The shapes of the sensors of all robots; those out of sight are not read. If the shapes of all might have
+/// more than about `most` vertices (or need the third of so many rays of lidars), only those of each n-th
+/// robot.
+SensorShapes ShapesOfSensors(const Frame& frame, const SeesBall& sees,
+                             std::size_t most = std::numeric_limits<std::size_t>::max());
 
 }  // namespace coopdyn

@@ -6,13 +6,17 @@
 
 namespace coopdyn {
 
+namespace {
+constexpr double kLeastRate_hz = 1e-6;  // whose period still is a number of nanoseconds
+}
+
 FrameCadence::FrameCadence(boost::asio::io_context& context, std::function<void()> on_due)
     : on_due_(std::move(on_due)), timer_(context) {}
 
 void FrameCadence::Set(double rate_hz) {
   timer_.cancel();
   ++wait_;
-  every_ = std::chrono::nanoseconds(rate_hz > 0 ? std::llround(1e9 / rate_hz) : 0);
+  every_ = std::chrono::nanoseconds(rate_hz > 0 ? std::llround(1e9 / std::max(rate_hz, kLeastRate_hz)) : 0);
   due_ = rate_hz > 0;
   taken_ = nullptr;
   if (!due_) return;
@@ -24,6 +28,11 @@ void FrameCadence::Pause(std::chrono::nanoseconds pause) {
   if (every_.count() == 0) return;
   due_ = false;
   Await(std::max(every_, pause));
+}
+
+void FrameCadence::Postpone(std::chrono::nanoseconds pause) {
+  taken_ = nullptr;
+  Pause(pause);
 }
 
 FramePtr FrameCadence::Take(const FrameBoard& frames) {

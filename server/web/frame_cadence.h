@@ -24,6 +24,8 @@ class FrameCadence {
   void Set(double rate_hz);
   /// Delays the next frame by this much, if that is longer than the period.
   void Pause(std::chrono::nanoseconds pause);
+  /// Likewise, and what was taken last counts as not taken.
+  void Postpone(std::chrono::nanoseconds pause);
   /// The newest frame; null if none is due, or it was taken before.
   FramePtr Take(const FrameBoard& frames);
 

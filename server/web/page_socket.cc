@@ -10,7 +10,6 @@
 #include "protocol/json_text.h"
 #include "server/web/access.h"
 #include "server/web/http_routes.h"
-#include "server/web/sensor_message.h"
 
 namespace coopdyn {
 
@@ -136,7 +135,7 @@ void PageSocket::OnMessage(std::string_view text) {
     poses_.Restart();
     pose_cadence_.Set(poses->rate_hz);
   } else if (const auto* sensors = std::get_if<PageSensors>(&*read.message)) {
-    sensors_.clear();
+    sensors_ = nullptr;
     sensor_cadence_.Set(sensors->rate_hz);
   } else if (const auto* close = std::get_if<PageClose>(&*read.message)) {
     bridge_.CloseLink(close->module, close->channel);
@@ -197,13 +196,17 @@ std::string PageSocket::TakePoses() {
   return frame == nullptr ? "" : poses_.Next(*frame, context_.scenes.Of(frame->scene));
 }
 
-std::string PageSocket::TakeSensors() {
+SensorFeed::Message PageSocket::TakeSensors() {
   const FramePtr frame = sensor_cadence_.Take(context_.frames);
-  if (frame == nullptr) return {};
-  std::string message = SensorMessage(*frame);
-  sensor_cadence_.Pause(message.size() * kTimePerSensorByte);
-  if (message == sensors_) return {};
-  return sensors_ = std::move(message);
+  if (frame == nullptr) return nullptr;
+  const auto [message, wait] = context_.sensors.Take(frame, context_.services.clock());
+  const std::chrono::nanoseconds pause = message->size() * kTimePerSensorByte;
+  if (wait > 0)
+    sensor_cadence_.Postpone(std::max(pause, std::chrono::nanoseconds(wait)));
+  else
+    sensor_cadence_.Pause(pause);
+  if (sensors_ != nullptr && *message == *sensors_) return nullptr;
+  return sensors_ = message;
 }
 
 void PageSocket::Send(std::string text, bool push) {
@@ -224,37 +227,39 @@ void PageSocket::Send(std::string text, bool push) {
 
 void PageSocket::WriteNext() {
   if (writing_ || !open_) return;
-  bool binary = false;
   if (!queue_.empty()) {
     Outgoing& next = queue_.front();
     queued_bytes_ -= next.text.size();
     queued_pushes_ -= next.push ? 1 : 0;
     written_ = std::move(next.text);
     queue_.pop_front();
+    Write(written_, false);
   } else if (status_) {
     written_ = R"({"type":"status","status":)" + *status_ + "}";
     status_ = nullptr;
+    Write(written_, false);
   } else if (people_) {
     written_ = *people_;
     people_ = nullptr;
+    Write(written_, false);
   } else if (std::string poses = TakePoses(); !poses.empty()) {
     written_ = std::move(poses);
-    binary = true;
-  } else if (std::string sensors = TakeSensors(); !sensors.empty()) {
-    written_ = std::move(sensors);
-    binary = true;
+    Write(written_, true);
+  } else if (const SensorFeed::Message sensors = TakeSensors(); sensors != nullptr) {
+    Write(*sensors, true, sensors);
   } else if (!picture_.empty()) {
     written_.swap(picture_);
     picture_.clear();
-    binary = true;
-  } else {
-    return;
+    Write(written_, true);
   }
+}
+
+void PageSocket::Write(std::string_view bytes, bool binary, SensorFeed::Message keep) {
   writing_ = true;
   socket_.binary(binary);
   socket_.compress(!binary);  // poses and pictures are compact already
-  socket_.async_write(boost::asio::buffer(written_),
-                      [self = shared_from_this()](error_code failed, std::size_t) {
+  socket_.async_write(boost::asio::buffer(bytes),
+                      [self = shared_from_this(), keep = std::move(keep)](error_code failed, std::size_t) {
                         self->writing_ = false;
                         if (failed) return self->Close();
                         self->WriteNext();

@@ -64,10 +64,12 @@ class PageSocket : public WebConnection,
   void OnPicture(const ImageResult& result);
   /// The pose message of the newest frame; empty if none is due or nothing changed.
   std::string TakePoses();
-  /// Likewise of what its sensors show.
-  std::string TakeSensors();
+  /// Likewise of what its sensors show; null if none.
+  SensorFeed::Message TakeSensors();
   void Send(std::string text, bool push = false);
   void WriteNext();
+  /// Sends `bytes`, which `keep` owns, or this.
+  void Write(std::string_view bytes, bool binary, SensorFeed::Message keep = nullptr);
   bool overfull() const { return queue_.size() > kMaxQueuedReplies || queued_bytes_ > kMaxQueuedBytes; }
 
   boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
@@ -90,7 +92,7 @@ class PageSocket : public WebConnection,
   std::uint64_t person_ = 0;                   // this page in context_.people
   PoseStream poses_;
   FrameCadence pose_cadence_, sensor_cadence_;
-  std::string sensors_;  // as sent last
+  SensorFeed::Message sensors_;  // as sent last
 };
 
 }  // namespace coopdyn

@@ -58,9 +58,30 @@ void AddShape(json::object& to, const Shape& shape, const Color& color) {
   }
 }
 
-json::value TextureJson(const Texture& texture) {
+/// The names by which a page asks for textures: a further picture of the same name (a checker in another
+/// colour, a file of another folder) is NAME#2, in the order of the floor and the things.
+class TextureNames {
+ public:
+  std::string Of(const Texture& texture) {
+    std::vector<std::shared_ptr<const Image>>& images = images_[texture.name];
+    const auto same = std::ranges::find_if(images, [&texture](const auto& image) {
+      return image == texture.image ||
+             (image->width == texture.image->width && image->height == texture.image->height &&
+              image->rgb == texture.image->rgb);
+    });
+    const auto number = same - images.begin() + 1;
+    if (same == images.end()) images.push_back(texture.image);
+    return number == 1 ? texture.name : texture.name + "#" + std::to_string(number);
+  }
+
+ private:
+  std::map<std::string, std::vector<std::shared_ptr<const Image>>> images_;
+};
+
+json::value TextureJson(const Texture& texture, TextureNames& names) {
   if (texture.image == nullptr) return nullptr;
-  return json::object{{"name", texture.name}, {"size", {Short(texture.width_m), Short(texture.height_m)}}};
+  return json::object{{"name", names.Of(texture)},
+                      {"size", {Short(texture.width_m), Short(texture.height_m)}}};
 }
 
 /// The pose of `link` in the body with which it is drawn.
@@ -132,12 +153,15 @@ json::value ViewJson(const View& view) {
 std::string SceneJson(const Frame& frame, std::uint32_t number) {
   const Scene& scene = *frame.scene;
   json::array things, models, robots, targets, lights;
+  TextureNames textures;
+  json::value floor_texture = TextureJson(scene.floor.texture, textures);
   for (const SceneObject& thing : scene.objects) {
     const Pose X = ObjectPose(frame, thing);
-    json::object one{{"id", thing.id.value},         {"name", thing.object.name},
-                     {"body", thing.body},           {"position", Numbers(X.p)},
-                     {"quaternion", Numbers(X.q)},   {"color", Numbers(thing.object.color)},
-                     {"mass", thing.object.mass_kg}, {"texture", TextureJson(thing.object.texture)}};
+    json::object one{
+        {"id", thing.id.value},         {"name", thing.object.name},
+        {"body", thing.body},           {"position", Numbers(X.p)},
+        {"quaternion", Numbers(X.q)},   {"color", Numbers(thing.object.color)},
+        {"mass", thing.object.mass_kg}, {"texture", TextureJson(thing.object.texture, textures)}};
     AddShape(one, thing.object.shape, thing.object.color);
     things.push_back(std::move(one));
   }
@@ -177,7 +201,7 @@ std::string SceneJson(const Frame& frame, std::uint32_t number) {
                                {"floor",
                                 {{"size", {scene.floor.length_m, scene.floor.width_m, scene.floor.height_m}},
                                  {"color", Numbers(scene.floor.color)},
-                                 {"texture", TextureJson(scene.floor.texture)}}},
+                                 {"texture", std::move(floor_texture)}}},
                                {"bodies", frame.bodies.size()},
                                {"things", std::move(things)},
                                {"models", std::move(models)},
@@ -213,9 +237,11 @@ std::string BitmapOf(const Image& image) {
 
 std::shared_ptr<const Image> FindTextureImage(const Scene& scene, const std::string& name) {
   if (name.starts_with(kMeshTexture)) return MeshTexture(scene, name);
-  if (scene.floor.texture.name == name) return scene.floor.texture.image;
+  TextureNames names;
+  const auto is_it = [&](const Texture& texture) { return texture.image && names.Of(texture) == name; };
+  if (is_it(scene.floor.texture)) return scene.floor.texture.image;
   for (const SceneObject& thing : scene.objects) {
-    if (thing.object.texture.name == name) return thing.object.texture.image;
+    if (is_it(thing.object.texture)) return thing.object.texture.image;
   }
   return nullptr;
 }

@@ -32,8 +32,9 @@ class Vertices {
 
 }  // namespace
 
-std::string SensorMessage(const Frame& frame) {
-  const SensorShapes shapes = ShapesOfSensors(frame, [](const Vector3&, double) { return true; });
+std::string SensorMessage(const Frame& frame, std::size_t most) {
+  const SensorShapes shapes = ShapesOfSensors(
+      frame, [](const Vector3&, double) { return true; }, most);
   Vertices vertices;
   for (const auto& [corners_W, color] : shapes.triangles) {
     for (const Vector3& corner_W : corners_W) vertices.Add(corner_W, color);

@@ -3,6 +3,7 @@
 // Pure; any thread.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "server/state/frame.h"
@@ -11,7 +12,10 @@ namespace coopdyn {
 
 inline constexpr char kSensorMessageType = 3;  // first byte of the message
 
-/// The shapes of all sensors of all robots.
-std::string SensorMessage(const Frame& frame);
+/// About 8 MB.
+inline constexpr std::size_t kMostSensorVertices = 500'000;
+
+/// The shapes of the sensors of all robots; of each n-th robot if there are more vertices than about `most`.
+std::string SensorMessage(const Frame& frame, std::size_t most = kMostSensorVertices);
 
 }  // namespace coopdyn

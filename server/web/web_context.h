@@ -15,6 +15,7 @@
 #include "server/web/people.h"
 #include "server/web/pictures.h"
 #include "server/web/run_files.h"
+#include "server/web/sensor_feed.h"
 #include "server/web/status_feed.h"
 #include "server/web/web_connections.h"
 #include "server/web/web_options.h"
@@ -62,6 +63,7 @@ struct WebContext {
   StatusFeed status;
   WebConnections connections;
   SceneNumbers scenes;
+  SensorFeed sensors;
   People people;
   CostBook costs;
 

@@ -5,6 +5,7 @@ import {readFileSync} from 'node:fs';
 import {join} from 'node:path';
 import {before, test} from 'node:test';
 import {TopScene} from '../../server/web/page/top_view.js';
+import {languageText} from '../../server/web/page/class_words.js';
 import {gridFor} from '../../server/web/page/wall_grid.js';
 import {eventually, hasText, newPage, startClass} from './harness.js';
 import {seatDaemon} from './seat_daemon.js';
@@ -31,6 +32,11 @@ before(async () => {
   host = await startClass(SEATS, 'classroom', 'corridor');
   ana = await newPage();
   wall = await newPage();
+});
+
+test('a language is called as the program calls it, whatever the word', () => {
+  assert.equal(languageText('Python'), 'Python');
+  for (const word of ['constructor', '__proto__', 'toString']) assert.equal(languageText(word), word);
 });
 
 test('a wrong PIN is refused with words, and the field waits for another', async () => {

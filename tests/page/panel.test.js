@@ -10,7 +10,7 @@ import {programOf, inLanguages} from '../../server/web/page/console_copy.js';
 import {stateVerdict} from '../../server/web/page/costs.js';
 import {partingText} from '../../server/web/page/recordings.js';
 import {liveName} from '../../server/web/page/series.js';
-import {call, endAll, eventually, hasText, newFolder, openClassroom, openPage, openScenario, order, startDaemon} from './harness.js';
+import {call, endAll, eventually, hasText, moreStatuses, newFolder, openClassroom, openPage, openScenario, order, startDaemon} from './harness.js';
 
 const run = promisify(execFile);
 const SOURCE = new URL('../..', import.meta.url).pathname;
@@ -53,6 +53,44 @@ test('a robot of a crowd is found by its name', async () => {
   await eventually(async () => (await cards(page)).length === 0);
   await page.fill('#robot-search', '');
   await eventually(async () => (await cards(page)).includes('bot_1'));
+});
+
+test('the search of a crowd shows what stands in its field, in whatever order the names come', async () => {
+  const {page} = await openScenario(CROWD);
+  await hasText(page, '#robot-count', /^600$/);
+  const held = [];
+  await page.route('**/api/scene', (route) => { held.push(route); });
+  await page.fill('#robot-search', 't_5');
+  await eventually(async () => held.length === 1);
+  await page.fill('#robot-search', 't_59');
+  await eventually(async () => held.length === 2);
+  await held[1].continue();
+  await hasText(page, '#robot-count', /^11 of 600$/);
+  await Promise.all([page.waitForResponse('**/api/scene'), held[0].continue()]);
+  await moreStatuses(page, 2);
+  await hasText(page, '#robot-count', /^11 of 600$/);
+});
+
+test('a search that waits for names is of the robots of the world loaded meanwhile', async () => {
+  const {daemon, page} = await openScenario(CROWD);
+  await hasText(page, '#robot-count', /^600$/);
+  let answered = 0, letGo;
+  const released = new Promise((done) => { letGo = done; });
+  await page.route('**/api/scene', async (route) => {
+    const response = await route.fetch();
+    ++answered;
+    await released;
+    await route.fulfill({response});
+  });
+  await page.fill('#robot-search', 't_59');
+  await eventually(async () => answered === 1);
+  const {error, text} = await call(daemon.url, {module: '/simulation', command: 'load_scenario', text: CROWD.replace('600', '400')});
+  assert.equal(error, 0, text);
+  await hasText(page, '#robot-count', /400$/);
+  letGo();
+  await hasText(page, '#robot-count', /^1 of 400$/);
+  await page.fill('#robot-search', 't_599');
+  await hasText(page, '#robot-count', /^0 of 400$/);
 });
 
 test('a loaded scenario that ends stands, and Reset starts it again', async () => {

@@ -2,7 +2,7 @@
 // What the pages of a class say: states of seats, orders of the teacher, and what students read.
 import {plural, t} from './words.js';
 
-const LANGUAGES = {python: 'Python', matlab: 'MATLAB', octave: 'Octave', cpp: 'C++', telnet: 'telnet', page: t('the page')};
+const LANGUAGES = {__proto__: null, python: 'Python', matlab: 'MATLAB', octave: 'Octave', cpp: 'C++', telnet: 'telnet', page: t('the page')};
 export const languageText = (language) => LANGUAGES[language?.toLowerCase()] ?? language ?? '';
 
 /** [key, text]: the state of a seat in the wall's events. `moves`: its time goes on. The key chooses the colour. */

@@ -146,8 +146,9 @@ export class Robots {
       this.#run = run;
       this.#names = null;
       this.#others.clear();
+      this.#found = null;  // its numbers are those of the other world
       this.#list.reset(count);
-      if (this.#found || count < FEW) this.#search();
+      this.#search();
     }
     this.#list.count = this.#found?.length ?? count;
     this.#place();
@@ -206,10 +207,13 @@ export class Robots {
     this.#place();
   }
 
+  #searched() { return byId('robot-search').hidden ? '' : byId('robot-search').value.trim().toLowerCase(); }
+
   /** Shows the robots whose names contain the text. */
   async #search() {
-    const text = byId('robot-search').hidden ? '' : byId('robot-search').value.trim().toLowerCase(), run = this.#run;
-    if (text) await this.#learnNames();
+    const run = this.#run;
+    if (this.#searched()) await this.#learnNames();
+    const text = this.#searched();  // it may have changed meanwhile
     if (run !== this.#run || (text && !this.#names)) return;  // the banner shows that the daemon is gone
     this.#found = text ? this.#names.flatMap((name, number) => (name.toLowerCase().includes(text) ? [number] : [])) : null;
     this.#list.reset(this.#found?.length ?? this.#status.robot_count);
@@ -217,9 +221,11 @@ export class Robots {
   }
 
   async #learnNames() {
-    const {robots, robot_count: count} = this.#status;
+    const {robots, robot_count: count} = this.#status, run = this.#run;
     if (count <= robots.length) this.#names = robots.map(({name}) => name);
-    this.#names ??= await fetch('api/scene').then((answer) => answer.json()).then((scene) => scene.robots.map(({name}) => name), () => null);
+    if (this.#names) return;
+    const names = await fetch('api/scene').then((answer) => answer.json()).then((scene) => scene.robots.map(({name}) => name), () => null);
+    if (run === this.#run) this.#names = names;  // else another world was loaded meanwhile
   }
 
   /** Opens the first card automatically until the user opens or closes one; then restores each card's last state. */

@@ -45,6 +45,16 @@ TEST(SensorMessageTest, ARayThatMeetsNothingIsALineAsLongAsItsRange) {
   EXPECT_NEAR(Coordinate(bytes, 3), kSampleRadius_m + kSampleRange_m, 1e-6);
 }
 
+TEST(SensorMessageTest, OfTooManySensorsThoseOfEachNthRobotAreShown) {
+  SampleWorld world;
+  for (int i = 0; i < 4; ++i) world.Robot(At(10 * i, 0), SampleRobot(1));
+  const auto frame = world.MakeFrame();  // 12 vertices at most
+  EXPECT_EQ(U32(SensorMessage(*frame, 13), kLines), 4U);
+  const std::string bytes = SensorMessage(*frame, 6);
+  ASSERT_EQ(U32(bytes, kLines), 2U);
+  EXPECT_NEAR(Coordinate(bytes, 6), 30 + kSampleRadius_m, 1e-5);
+}
+
 TEST(SensorMessageTest, ColoursFollowThePlaces) {
   SampleWorld world;
   world.Robot(At(0, 0), SampleRobot(1));

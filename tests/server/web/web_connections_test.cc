@@ -8,7 +8,7 @@
 namespace coopdyn {
 namespace {
 
-using Verdict = WebConnections::Verdict;
+using Answered = WebConnections::Verdict;  // coopdyn::Verdict is another
 
 struct FakeConnection : WebConnection {
   void Close() override { closed = true; }
@@ -24,10 +24,10 @@ class Visitors {
  public:
   explicit Visitors(WebLimits limits) : connections_(limits) {}
 
-  Verdict Come(const std::string& peer) {
-    const Verdict verdict = connections_.Admit(Peer(peer));
+  Answered Come(const std::string& peer) {
+    const Answered verdict = connections_.Admit(Peer(peer));
     std::erase_if(alive_, [](const auto& connection) { return connection->closed; });
-    if (verdict == Verdict::kDrop) return verdict;
+    if (verdict == Answered::kDrop) return verdict;
     alive_.push_back(std::make_shared<FakeConnection>());
     connections_.Add(alive_.back(), Peer(peer));
     return verdict;
@@ -35,7 +35,7 @@ class Visitors {
   /// How many of `count` connections are served.
   int Come(const std::string& peer, int count) {
     int served = 0;
-    for (int i = 0; i < count; ++i) served += Come(peer) == Verdict::kServe ? 1 : 0;
+    for (int i = 0; i < count; ++i) served += Come(peer) == Answered::kServe ? 1 : 0;
     return served;
   }
   void AllLeave() { alive_.clear(); }
@@ -71,16 +71,16 @@ TEST(WebConnections, NobodyMakesRoomForWhoHasAsMuch) {
   Visitors visitors({.loopback = 50, .per_address = 10, .others = 10});
   EXPECT_EQ(visitors.Come("10.0.0.1:1", 5), 5);
   EXPECT_EQ(visitors.Come("10.0.0.2:1", 5), 5);
-  EXPECT_EQ(visitors.Come("10.0.0.1:1"), Verdict::kRefuse);
+  EXPECT_EQ(visitors.Come("10.0.0.1:1"), Answered::kRefuse);
 }
 
 TEST(WebConnections, RefusalsAreBoundedToo) {
   Visitors visitors(kLimits);
   visitors.Come("10.0.0.9:1", 10);
   for (std::size_t i = 0; i < WebConnections::kRefusedAtOnce; ++i) {
-    EXPECT_EQ(visitors.Come("10.0.0.9:1"), Verdict::kRefuse);
+    EXPECT_EQ(visitors.Come("10.0.0.9:1"), Answered::kRefuse);
   }
-  EXPECT_EQ(visitors.Come("10.0.0.9:1"), Verdict::kDrop);
+  EXPECT_EQ(visitors.Come("10.0.0.9:1"), Answered::kDrop);
 }
 
 TEST(WebConnections, WhoHasGoneDoesNotCount) {
