@@ -156,6 +156,27 @@ test('in no language a text is cut off, on a phone and on a projector', async ()
   await page.evaluate(() => localStorage.removeItem('coopdyn-language'));
 });
 
+for (const locale of ['de-DE', 'en-US', 'es-ES', 'pt-BR']) {
+  test(`the run's buttons are in one row on a projector, ${locale}`, async () => {
+    const {page} = await openClassroom({locale});
+    const [first, last] = [await page.locator('#run').boundingBox(), await page.locator('#stop-all').boundingBox()];
+    assert.ok(Math.abs(first.y - last.y) < 5, `${first.y} ${last.y}`);
+  });
+
+  test(`on a phone the list Show is whole, and the strip cuts no word, ${locale}`, async () => {
+    const {page} = await openClassroom({locale, webgl: true});
+    await page.setViewportSize({width: 390, height: 844});
+    await page.waitForSelector('#show-list label:nth-child(8)', {state: 'attached'});
+    await page.click('#show > summary');
+    const [frame, list] = [await page.locator('#view-frame').boundingBox(), await page.locator('#show-list').boundingBox()];
+    assert.ok(list.x >= frame.x && list.y >= frame.y && list.x + list.width <= frame.x + frame.width, JSON.stringify([frame, list]));
+    const cut = await page.$$eval('#mode, #time, #rtf, #state', (parts) =>
+      parts.filter((part) => part.checkVisibility() && part.scrollWidth > part.clientWidth + 1).map(({id}) => id));
+    assert.deepEqual(cut, []);
+    await page.click('#show > summary');
+  });
+}
+
 test('a chosen language is kept when the page is opened again', async () => {
   const {daemon, page} = await openClassroom();
   assert.equal(await page.textContent('#tab-world'), 'World');
