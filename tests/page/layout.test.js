@@ -79,6 +79,35 @@ test('on a phone the view stays above the tabs, and nothing is wider than the wi
   assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
 });
 
+test('on a phone a message does not cover the tools of the view', async () => {
+  await page.setViewportSize({width: 390, height: 844});
+  await page.evaluate(() => { document.getElementById('message').textContent = 'playing a recording of the last lesson'; });
+  const message = await box('#toast'), tools = await box('#view-tools');
+  assert.ok(message.y + message.height <= tools.y, JSON.stringify([message, tools]));
+  await page.evaluate(() => { document.getElementById('message').textContent = ''; });
+});
+
+test('on a phone a Stop all that can stop nothing does not shine over other buttons', async () => {
+  await page.setViewportSize({width: 390, height: 844});
+  assert.equal(await page.$eval('#stop-all', (button) => {
+    button.disabled = true;
+    const isSeen = button.checkVisibility();
+    button.disabled = false;
+    return isSeen;
+  }), false);
+  assert.equal(await page.isVisible('#stop-all'), true);
+});
+
+test('the page moves nothing while it opens', async () => {
+  await page.reload();
+  await page.waitForSelector('.instrument figcaption:not(:empty)');
+  const moved = await page.evaluate(() => new Promise((done) => {
+    new PerformanceObserver((list) => done(list.getEntries().map(({value}) => value))).observe({type: 'layout-shift', buffered: true});
+    setTimeout(() => done([]), 3000);
+  }));
+  assert.ok(moved.reduce((sum, value) => sum + value, 0) < 0.02, String(moved));
+});
+
 test('what is written can be read: its contrast is at least 4.5, light and dark', async () => {
   await openConsole(page);
   await page.fill('#console-line', 'get_time');
