@@ -122,6 +122,19 @@ test('a tile shows the world of a seat that runs', async () => {
   await wall.waitForFunction(() => window.coopdyn.wall.tiles.get('ana').drawn > 2);
 });
 
+test('the floor of a tile is dark on a dark wall', async () => {
+  const brightness = () => wall.$eval(`${tile('ana')} canvas`, (canvas) => {
+    const {data} = canvas.getContext('2d').getImageData(canvas.width / 2 + 5, canvas.height / 2 + 5, 1, 1);
+    return data[0];
+  });
+  const light = await brightness();
+  assert.ok(light > 150, String(light));
+  await wall.emulateMedia({colorScheme: 'dark'});
+  await eventually(async () => await brightness() < 120);
+  await wall.emulateMedia({colorScheme: null});
+  await eventually(async () => await brightness() === light);
+});
+
 test('the wall is nobody among the people at the seat', async () => assert.equal(await ana.locator('.person').count(), 0));
 
 test('a socket for poses alone gets no status and no people', async () => {

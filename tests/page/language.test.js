@@ -12,8 +12,8 @@ const places = (text) => [...text.matchAll(/\{\w+\}/g)].map(([place]) => place).
 /** What looks like a text and is none: names of products, keys and colours, text of scenarios, shaders, styles. By file. */
 const NO_TEXTS = {
   'class_words.js': /^(Python|Octave|its daemon crashed.*|Your simulation)$/, 'console.js': /^(Tab|MATLAB|Python|telnet)$/, 'console_copy.js': /^(Inf|Python)$/, 'lines.js': /^Python$/,
-  'code_look.js': /(solid|wavy) var\(|^\.cm-/, 'contact_shadows.js': /^\nvarying|^\nattribute/, 'floor.js': /^\nfloat/, 'stage.js': /^(varying|uniform) /, 'plain.js': /^\nuniform/,
-  'grammar.js': /^(title Reach|text Do not|hint Turn|counts 2 points|controller diffuse|supervisor referee)/, 'gallery.js': /^\[WORLD\]/,
+  'code_look.js': /(solid|wavy) var\(|^\.cm-/, 'contact_shadows.js': /^\nvarying|^\nattribute/, 'floor.js': /^\nfloat/, 'stage.js': /^(varying|uniform) /,
+  'grammar.js': /^(title Reach|text Do not|hint Turn|counts 2 points|controller diffuse|supervisor referee)/, 'gallery.js': /^\[WORLD\]/, 'plain.js': /^\n?(uniform|varying|attribute) /,
   'plots.js': /^(CSV|PNG)$/, 'controls.js': /^coopdyn $/, 'dropped.js': /^(Files|robot)$/, 'recordings.js': /^(Bearer |Enter|Escape)$/, 'strip.js': /^ended$/,
   'wall.js': /^(Escape|lower_hand)$/, 'wall_tile.js': /^(asleep|thaw|freeze)$/, 'world.js': /^insert: $/, 'handles.js': /^translate$/,
 };
@@ -155,6 +155,34 @@ test('in no language a text is cut off, on a phone and on a projector', async ()
   }
   await page.evaluate(() => localStorage.removeItem('coopdyn-language'));
 });
+
+for (const locale of ['de-DE', 'en-US', 'es-ES', 'pt-BR']) {
+  test(`the run's buttons are in one row on a projector, ${locale}`, async () => {
+    const {page} = await openClassroom({locale});
+    const [first, last] = [await page.locator('#run').boundingBox(), await page.locator('#stop-all').boundingBox()];
+    assert.ok(Math.abs(first.y - last.y) < 5, `${first.y} ${last.y}`);
+  });
+
+  test(`mode, step and speed stand side by side on a projector, ${locale}`, async () => {
+    const {page} = await openClassroom({locale});
+    const tight = await page.$$eval('.times label, #panel-robots', (parts) =>
+      parts.filter((part) => part.scrollWidth > part.clientWidth).map((part) => part.id || part.textContent));
+    assert.deepEqual(tight, []);
+  });
+
+  test(`on a phone the list Show is whole, and the strip cuts no word, ${locale}`, async () => {
+    const {page} = await openClassroom({locale, webgl: true});
+    await page.setViewportSize({width: 390, height: 844});
+    await page.waitForSelector('#show-list label:nth-child(8)', {state: 'attached'});
+    await page.click('#show > summary');
+    const [frame, list] = [await page.locator('#view-frame').boundingBox(), await page.locator('#show-list').boundingBox()];
+    assert.ok(list.x >= frame.x && list.y >= frame.y && list.x + list.width <= frame.x + frame.width, JSON.stringify([frame, list]));
+    const cut = await page.$$eval('#mode, #time, #rtf, #state, #show-list', (parts) =>
+      parts.filter((part) => part.checkVisibility() && part.scrollWidth > part.clientWidth + 1).map(({id}) => id));
+    assert.deepEqual(cut, []);
+    await page.click('#show > summary');
+  });
+}
 
 test('a chosen language is kept when the page is opened again', async () => {
   const {daemon, page} = await openClassroom();

@@ -2,7 +2,7 @@
 // Tabs, the bar between view and sidebar, light and dark, and small windows.
 import assert from 'node:assert/strict';
 import {before, beforeEach, test} from 'node:test';
-import {eventually, openClassroom} from './harness.js';
+import {eventually, openClassroom, openConsole} from './harness.js';
 
 let page;
 
@@ -79,7 +79,41 @@ test('on a phone the view stays above the tabs, and nothing is wider than the wi
   assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
 });
 
+test('on a phone a message does not cover the tools of the view', async () => {
+  await page.setViewportSize({width: 390, height: 844});
+  await page.evaluate(() => { document.getElementById('message').textContent = 'playing a recording of the last lesson'; });
+  const message = await box('#toast'), tools = await box('#view-tools');
+  assert.ok(message.y + message.height <= tools.y, JSON.stringify([message, tools]));
+  await page.evaluate(() => { document.getElementById('message').textContent = ''; });
+});
+
+test('on a phone a Stop all that can stop nothing does not shine over other buttons', async () => {
+  await page.setViewportSize({width: 390, height: 844});
+  assert.equal(await page.$eval('#stop-all', (button) => {
+    button.disabled = true;
+    const isSeen = button.checkVisibility();
+    button.disabled = false;
+    return isSeen;
+  }), false);
+  assert.equal(await page.isVisible('#stop-all'), true);
+});
+
+test('the page moves nothing while it opens', async () => {
+  await page.reload();
+  await page.waitForSelector('.instrument figcaption:not(:empty)');
+  const moved = await page.evaluate(() => new Promise((done) => {
+    new PerformanceObserver((list) => done(list.getEntries().map(({value}) => value))).observe({type: 'layout-shift', buffered: true});
+    setTimeout(() => done([]), 3000);
+  }));
+  assert.ok(moved.reduce((sum, value) => sum + value, 0) < 0.02, String(moved));
+});
+
 test('what is written can be read: its contrast is at least 4.5, light and dark', async () => {
+  await openConsole(page);
+  await page.fill('#console-line', 'get_time');
+  await page.press('#console-line', 'Enter');
+  await page.waitForSelector('#console-log .copies button');
+  await page.hover('#stop-all');
   for (const colorScheme of ['light', 'dark']) {
     await page.emulateMedia({colorScheme});
     const poor = await page.evaluate(() => {
@@ -94,9 +128,12 @@ test('what is written can be read: its contrast is at least 4.5, light and dark'
         return [255, 255, 255];
       };
       return [...document.querySelectorAll('body *')].filter((element) =>
-        element.checkVisibility() && !element.disabled && [...element.childNodes].some((node) => node.nodeType === 3 && node.data.trim()))
+        element.checkVisibility() && !element.closest(':disabled') && [...element.childNodes].some((node) => node.nodeType === 3 && node.data.trim()))
         .map((element) => {
-          const [a, b] = [shine(parse(getComputedStyle(element).color)), shine(groundOf(element))].sort((x, y) => y - x);
+          let opacity = 1;
+          for (let at = element; at; at = at.parentElement) opacity *= Number(getComputedStyle(at).opacity);
+          const ground = groundOf(element), ink = parse(getComputedStyle(element).color).slice(0, 3).map((c, i) => opacity * c + (1 - opacity) * ground[i]);
+          const [a, b] = [shine(ink), shine(ground)].sort((x, y) => y - x);
           return [element.id || element.className || element.tagName, (a + 0.05) / (b + 0.05)];
         }).filter(([, contrast]) => contrast < 4.5).map(([name, contrast]) => `${name} ${contrast.toFixed(2)}`);
     });

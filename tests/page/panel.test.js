@@ -97,6 +97,8 @@ test('a loaded scenario that ends stands, and Reset starts it again', async () =
   const {daemon, page} = await openClassroom();
   await upload(page, 'short.scenario', scenario('duration 0.5'));
   await hasText(page, '#state', /^ended: the run has reached its duration$/);
+  await page.setViewportSize({width: 1280, height: 800});
+  assert.ok(await page.$eval('#state', (state) => state.scrollWidth <= state.clientWidth + 1), 'the reason is cut off');
   assert.equal(daemon.process.exitCode, null);
   await page.click('#reset');
   await hasText(page, '#state', /^running$/);

@@ -51,6 +51,13 @@ async function untilTile(condition) {
   return seen;
 }
 
+test('a camera of a daemon without pictures says so', async () => {
+  const {page: blind} = await openScenario(SCENARIO);
+  await blind.waitForSelector(TILE);
+  assert.match(await blind.textContent(TILE), /--no-render/);
+  assert.equal(await blind.locator(`${TILE} img`).count(), 0);
+});
+
 test('the picture of a camera is shown, and moves as the robot turns', async () => {
   const first = await untilTile(({red}) => red !== null);
   assert.deepEqual([first.width, first.height], [320, 240]);

@@ -61,6 +61,11 @@ async function change(label, value) {
   await field(label).press('Enter');
 }
 
+test('the list shows colours as the view does', async () => {
+  const swatch = await page.$eval('#things button:has-text("BOX_1") .swatch', (element) => getComputedStyle(element).backgroundColor);
+  assert.equal(swatch, 'rgb(189, 51, 48)');  // 0.74, 0.20, 0.19 of palette.js
+});
+
 test('a click on the palette inserts a box that is selected then, and undo and redo by key', async () => {
   await page.click('#palette button:has-text("Box")');
   await eventually(async () => (await thing('BOX_2')) !== undefined);

@@ -40,6 +40,9 @@ export class Connection extends EventTarget {
   /** When this page last asked for a change of the run. */
   actedAt = -Infinity;
 
+  /** Whether the daemon draws pictures: not with --no-render. */
+  draws = true;
+
   get isOpen() { return this.#socket?.readyState === WebSocket.OPEN; }
   get token() { return this.#token; }
 
@@ -108,6 +111,7 @@ export class Connection extends EventTarget {
   #onText(message) {
     if (message.type) {
       if (message.type === 'status') this.#awaitStatus();
+      if (message.type === 'hello') this.draws = message.pictures;
       const detail = message.type === 'status' ? message.status : message;
       this.dispatchEvent(new CustomEvent(message.type, {detail}));
     } else if (message.push) {

@@ -6,6 +6,7 @@ import {t} from './words.js';
 
 export class CornerCamera {
   #view;
+  #connection;
   #on = false;
   #robots = [];  // in the last status
   #shown = '';   // the module of the picture
@@ -15,6 +16,7 @@ export class CornerCamera {
 
   constructor(view, connection) {
     this.#view = view;
+    this.#connection = connection;
     view.canvas.after(this.#element);
     connection.addEventListener('status', ({detail}) => {
       this.#robots = detail?.robots ?? [];
@@ -46,7 +48,7 @@ export class CornerCamera {
     this.#shown = module;
     this.#tile?.stop();
     this.#tile?.element.remove();
-    this.#tile = chosen ? new CameraTile(chosen.robot, module.slice(module.lastIndexOf('/') + 1)) : null;
+    this.#tile = chosen ? new CameraTile(this.#connection, chosen.robot, module.slice(module.lastIndexOf('/') + 1)) : null;
     if (this.#tile) this.#element.append(this.#tile.element);
   }
 }

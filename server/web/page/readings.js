@@ -116,7 +116,7 @@ export class Readings {
         this.#scans.set(name, scan);
         this.element.append(scan.element);
       } else if (type === 'camera') {
-        const tile = new CameraTile(robot, name);
+        const tile = new CameraTile(connection, robot, name);
         this.#cameras.push(tile);
         this.element.append(tile.element);
       }

@@ -74,13 +74,18 @@ export class ScanPlot {
   }
 }
 
-/** A camera's pictures as a stream, which runs only while shown. */
+/** A camera's pictures as a stream, which runs only while shown; a note if the daemon draws none. */
 export class CameraTile {
   #image;
   #url;
   element;
 
-  constructor(robot, name) {
+  constructor({draws}, robot, name) {
+    if (!draws) {
+      this.element = make('figure', {class: 'sensor'}, make('figcaption', {}, `${name}: ${t('no picture, because the daemon runs with --no-render')}`));
+      this.element.dataset.camera = name;
+      return;
+    }
     this.#url = `/camera.mjpg?robot=${encodeURIComponent(robot)}&camera=${encodeURIComponent(name)}`;
     this.#image = make('img', {alt: t('what {name} sees', {name})});
     const choice = make('select', {title: t('View of the camera')},
@@ -96,6 +101,6 @@ export class CameraTile {
   }
 
   stop() {
-    this.#image.removeAttribute('src');  // ends the stream
+    this.#image?.removeAttribute('src');  // ends the stream
   }
 }

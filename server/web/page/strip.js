@@ -116,6 +116,7 @@ export class Strip {
     this.#lastEvents = key;
     if (latest && DEED.test(latest.text)) this.#tellDeed(latest.text, isFirst);
     setText(byId('latest'), latest ? this.#tell(latest) : HINT);
+    byId('latest').title = byId('latest').textContent;  // a narrow window cuts it
     const items = events.toReversed().map((event) =>
       make('li', {class: event.level}, this.#tell(event)));
     byId('events').replaceChildren(...(items.length > 0 ? items : [make('li', {class: 'quiet'}, t('none yet'))]));

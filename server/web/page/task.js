@@ -21,12 +21,13 @@ export class Task {
     if (key === this.#key) return;
     this.#key = key;
     const answer = await fetch('api/scene').catch(() => null);
-    if (!answer?.ok) {
+    if (answer?.ok) {
+      const {task} = await answer.json();
+      if (key === this.#key) this.#show(task);
+    } else {
       this.#key = '';  // the next status asks again
-      return;
     }
-    const {task} = await answer.json();
-    if (key === this.#key) this.#show(task);
+    byId('panel-robots').removeAttribute('data-waits');
   }
 
   #show(task) {

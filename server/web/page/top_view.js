@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A world from above on a 2D canvas: cheap enough for a wall of thirty. Built from /api/scene, moved by poses. x is right, y up.
-import {shownColor} from './palette.js';
+import {floorColor, shownColor} from './palette.js';
 
 const ROUND = 20;          // corners of a round shape
 const LEAST_SEEN_M = 3;    // shows some floor around a single small thing
@@ -219,10 +219,11 @@ export class TopView {
     context.fillRect(0, 0, this.#still.width, this.#still.height);
     this.#place(context, 0, 0);
     const [length, width] = floor.size;
-    context.fillStyle = css(floor.color);
+    const [r, g, b] = this.#ground.match(/[\d.]+/g).map(Number), dark = 0.3 * r + 0.6 * g + 0.1 * b < 128;
+    context.fillStyle = asCss(floorColor(floor.color, dark));
     context.fillRect(-length / 2, -width / 2, length, width);
     context.lineWidth = 1 / this.#scale;
-    context.strokeStyle = 'rgb(0 0 0 / 8%)';
+    context.strokeStyle = dark ? 'rgb(255 255 255 / 14%)' : 'rgb(0 0 0 / 8%)';
     context.beginPath();
     const step = Math.max(1, Math.ceil(Math.max(this.#seen.width, this.#seen.height) / 24));
     for (let x = Math.ceil(-length / 2); x <= length / 2; x += step) { context.moveTo(x, -width / 2); context.lineTo(x, width / 2); }

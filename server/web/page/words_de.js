@@ -664,6 +664,7 @@ export default {
   'camera': 'Kamera',
   'What the camera of the selected robot sees, or of the first that has one, in the corner': 'Was die Kamera des gewählten Roboters sieht, oder die des ersten, der eine hat, in der Ecke',
   'No robot here has a camera': 'Kein Roboter hier hat eine Kamera',
+  'no picture, because the daemon runs with --no-render': 'kein Bild, weil der Daemon mit --no-render läuft',
   // wall.js
   'hand up': 'Hand oben',
   'hands up': 'Hände oben',

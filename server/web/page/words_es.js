@@ -665,6 +665,7 @@ export default {
   'camera': 'cámara',
   'What the camera of the selected robot sees, or of the first that has one, in the corner': 'Lo que ve la cámara del robot seleccionado, o la del primero que tenga una, en la esquina',
   'No robot here has a camera': 'Ningún robot tiene cámara aquí',
+  'no picture, because the daemon runs with --no-render': 'sin imagen, porque el daemon se ejecuta con --no-render',
   // wall.js
   'hand up': 'mano levantada',
   'hands up': 'manos levantadas',

@@ -665,6 +665,7 @@ export default {
   'camera': 'câmera',
   'What the camera of the selected robot sees, or of the first that has one, in the corner': 'O que vê a câmera do robô selecionado, ou a do primeiro que tenha uma, no canto',
   'No robot here has a camera': 'Nenhum robô aqui tem câmera',
+  'no picture, because the daemon runs with --no-render': 'sem imagem, porque o daemon corre com --no-render',
   // wall.js
   'hand up': 'mão levantada',
   'hands up': 'mãos levantadas',

@@ -3,6 +3,7 @@
 // change is an edit of /world, so that other pages and recordings see it.
 import {byId, icon, make, saveFile, say, setText, showNumber} from './dom.js';
 import {isShown, showTab, tab} from './layout.js';
+import {shownColor} from './palette.js';
 import {t} from './words.js';
 
 const MODULE = '/world';
@@ -238,7 +239,7 @@ export class World {
     this.#key = key;
     this.#list.replaceChildren(...shown.map((thing) => {
       const swatch = make('span', {class: 'swatch'});
-      swatch.style.background = hex(thing.color);
+      swatch.style.background = hex(shownColor(thing.color));
       const button = make('button', {type: 'button', 'aria-pressed': String(thing.name === this.#name)}, swatch, thing.name);
       button.addEventListener('click', () => this.select(thing.name === this.#name ? '' : thing.name));
       return make('li', {}, button);
