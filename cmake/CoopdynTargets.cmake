@@ -39,6 +39,8 @@ if(COOPDYN_SANITIZE)
   target_link_options(coopdyn_options INTERFACE -fsanitize=${COOPDYN_SANITIZE})
   target_sources(coopdyn_options INTERFACE
     $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:${PROJECT_SOURCE_DIR}/cmake/sanitizer_options.cc>)
+  target_link_options(coopdyn_options INTERFACE
+    $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:-Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/local_symbols.map>)
   if(COOPDYN_SANITIZE MATCHES "undefined")
     # The vptr check needs a file descriptor, and reports a valid vptr as invalid when a test has used them up. The
     # null check makes GCC 12 compile some uses of Eigen for minutes, and a null that is used crashes anyway. The
@@ -95,9 +97,10 @@ endfunction()
 # tests take to run; --gtest_filter=… runs some of them. Tests are most of the compiled code, and only those that compute
 # much are worth optimising: OPTIMIZED. Long programs run in several PARTS. IN names the builds that run it in `./check all`:
 # release for computations, which optimisation may change; asan for bytes and lifetimes; tsan for threads, where the filter
-# THREADED may select some tests. The thread sanitizer never runs other programs.
+# THREADED may select some tests. The thread sanitizer never runs other programs. LARGE are tests of large inputs, whose code
+# smaller ones test too: there the sanitized builds of `all` omit them, as they would take minutes.
 function(coopdyn_test name)
-  cmake_parse_arguments(ARG "OPTIMIZED" "PARTS;THREADED" "IN;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "OPTIMIZED" "PARTS;THREADED" "IN;LARGE;LINK" ${ARGN})
   if(NOT ARG_IN)
     set(ARG_IN asan tsan)
   endif()
@@ -118,6 +121,10 @@ function(coopdyn_test name)
   endif()
   if(NOT ARG_THREADED OR NOT COOPDYN_SANITIZE STREQUAL "thread")
     set(ARG_THREADED *)
+  endif()
+  if(ARG_LARGE AND COOPDYN_SANITIZE AND NOT COOPDYN_UNIT_TESTS STREQUAL "ON")
+    list(JOIN ARG_LARGE ":" large)
+    string(APPEND ARG_THREADED "-${large}")
   endif()
   if(NOT ARG_PARTS)
     set(ARG_PARTS 1)
