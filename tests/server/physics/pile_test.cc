@@ -162,6 +162,14 @@ TEST(Pile, OfAHundredBallsCalmsDown) {
   }
 }
 
+TEST(Pile, OfBallsThatResistRollingFallsAsleep) {
+  PileScene scene(100, Sphere{0.05}, 5, 0.00025);
+  scene.step_length = 10'000'000;
+  scene.RunFor(10);
+  EXPECT_TRUE(AllSleep(scene, 100));
+  EXPECT_LT(scene.world().TakeUnsolved().size(), 30u);  // of 1,000 steps
+}
+
 TEST(Pile, DoesTheSameWithAnyNumberOfThreads) {
   WorkerPool pool(3);
   PileScene one(60, Box{{0.1, 0.1, 0.1}}), many(60, Box{{0.1, 0.1, 0.1}});
