@@ -87,7 +87,9 @@ void AddFriction(int geom, const Source& source, XMLElement& collision) {
     Add(torsional, "coefficient", "1");
     Add(torsional, "patch_radius", Number(friction[1] * 16 / (3 * std::numbers::pi)));
   }
-  if (dimensions >= 6) Add(Add(element, "bullet"), "rolling_friction", Number(friction[2]));
+  const int type = m.geom_type[geom];
+  const bool is_round = type == mjGEOM_SPHERE || type == mjGEOM_CAPSULE || type == mjGEOM_CYLINDER;
+  if (dimensions >= 6 && is_round) Add(Add(element, "bullet"), "rolling_friction", Number(friction[2]));
 }
 
 std::array<float, 4> ColorOf(int geom, const mjModel& m) {

@@ -267,8 +267,20 @@ class Checker {
       if (read->HasAttribute(each->Name())) read->GetAttribute(each->Name())->SetFromString(each->Value());
     }
     if (!text.empty() && !read->GetValue()->Clone()->SetFromString(text)) {
-      diagnostics_.Error(where, std::string("<") + element.Name() + "> cannot be " + shown);
+      diagnostics_.Error(where,
+                         std::string("<") + element.Name() + "> cannot be " + shown + AdviceOn(*value));
     }
+  }
+
+  /// What to write instead of a text that `value` does not take, after a colon; empty if it has many forms.
+  static std::string AdviceOn(const sdf::Param& value) {
+    const std::string type = value.GetTypeName();
+    if (type == "bool") return ": write true or false";
+    if (type.find("ector3") != std::string::npos) return ": write three numbers";
+    const auto least = value.GetMinValueAsString(), most = value.GetMaxValueAsString();
+    if (least && most) return ": write a number from " + *least + " to " + *most;
+    if (least) return ": write a number from " + *least + " on";
+    return most ? ": write a number up to " + *most : "";
   }
 
   const std::string& file_;

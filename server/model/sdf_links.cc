@@ -195,8 +195,13 @@ class LinkReader {
     if (friction->HasElement("torsional")) ReadTorsional(friction->GetElement("torsional"), out);
     if (!friction->HasElement("bullet")) return;
     const sdf::ElementPtr bullet = friction->GetElement("bullet");
-    if (bullet->HasElement("rolling_friction"))
-      out.rolling_friction_m = NotNegative(bullet, "rolling_friction");
+    if (!bullet->HasElement("rolling_friction")) return;
+    out.rolling_friction_m = NotNegative(bullet, "rolling_friction");
+    const bool has_faces = std::holds_alternative<Box>(out.shape) || std::holds_alternative<Mesh>(out.shape);
+    if (has_faces && out.rolling_friction_m > 0)
+      reading_.Warn(LineOf(bullet->GetElement("rolling_friction")),
+                    "<rolling_friction> slows spheres, cylinders and capsules only: remove it here, or write "
+                    "<torsional>, which slows spinning of all shapes");
   }
 
   void ReadSliding(const sdf::ElementPtr& element, const Quaternion& q_CG, LinkShape& out) {
@@ -243,6 +248,11 @@ class LinkReader {
                     "<use_patch_radius>true</use_patch_radius>");
       return;
     }
+    if (element->HasElement("coefficient") && coefficient > 0 && !element->HasElement("patch_radius"))
+      reading_.Warn(
+          LineOf(element),
+          "<torsional> has no effect without the radius of the contact's patch, in m: write it, for "
+          "example <patch_radius>0.01</patch_radius>");
     out.spinning_friction_m = 3 * std::numbers::pi / 16 * coefficient * radius_m;
   }
 
@@ -250,7 +260,9 @@ class LinkReader {
     const double value = element->Get<double>(name);
     constexpr double kMost = 1e3;  // effectively no slip; many models have larger numbers
     if (std::isfinite(value) && value >= 0) return std::min(value, kMost);
-    reading_.Error(LineOf(element), "<" + std::string(name) + "> must be a number from 0 to 1000");
+    reading_.Error(
+        LineOf(element->GetElement(name)),
+        "<" + std::string(name) + "> cannot be '" + FormatNumber(value) + "': write a number from 0 on");
     return 0;
   }
 

@@ -105,13 +105,14 @@ ClosedForm UprightCylinders(const Cylinder& a, const PlacedRotation& X_WA, const
                             const PlacedRotation& X_WB, double margin_m) {
   if (!X_WA.upright() || !X_WB.upright()) return kDoesNotApply;
   const Overlap height = OfHeights(X_WA.p[2], a.length_m / 2, X_WB.p[2], b.length_m / 2);
-  if (height.depth_m <= 0) return kNoContact;
+  if (height.depth_m <= -kAhead_m) return kNoContact;
   const double dx = X_WA.p[0] - X_WB.p[0];
   const double dy = X_WA.p[1] - X_WB.p[1];
   const double distance = portable::Hypot(dx, dy);
   const double depth = a.radius_m + b.radius_m - distance;
   if (depth <= -margin_m) return kNoContact;
   if (height.depth_m < depth) return kDoesNotApply;
+  if (height.depth_m <= 0) return kNoContact;
   const Vector3 n = distance > 0 ? Vector3(dx / distance, dy / distance, 0) : Vector3::UnitX();
   const double along = b.radius_m - depth / 2;
   return {true,
@@ -122,7 +123,7 @@ ClosedForm UprightCylinderAndBox(const Cylinder& a, const PlacedRotation& X_WA, 
                                  const PlacedRotation& X_WB, double margin_m) {
   if (!X_WA.upright() || !X_WB.upright()) return kDoesNotApply;
   const Overlap height = OfHeights(X_WA.p[2], a.length_m / 2, X_WB.p[2], b.size_m.z() / 2);
-  if (height.depth_m <= 0) return kNoContact;
+  if (height.depth_m <= -kAhead_m) return kNoContact;
   // In the plane, along the box's x and y axes.
   const Vector3 x_axis = Vector3(X_WB.R[0], X_WB.R[4], 0).normalized();
   const Vector3 y_axis(-x_axis.y(), x_axis.x(), 0);
@@ -145,10 +146,33 @@ ClosedForm UprightCylinderAndBox(const Cylinder& a, const PlacedRotation& X_WA, 
     depth = a.radius_m + hy - std::abs(y);
   }
   if (height.depth_m < depth) return kDoesNotApply;
+  if (height.depth_m <= 0) return kNoContact;
   const Vector3 n = n_x * x_axis + n_y * y_axis;
   Vector3 p = X_WA.position() - (a.radius_m - depth / 2) * n;
   p.z() = height.middle_m;
   return {true, ContactPoint{p, n, depth}};
+}
+
+ClosedForm SphereAndSphere(const Sphere& a, const Vector3& p_WA, const Sphere& b, const Vector3& p_WB,
+                           double margin_m) {
+  const Vector3 between = p_WA - p_WB;
+  const double distance = between.norm(), depth = a.radius_m + b.radius_m - distance;
+  if (depth <= -margin_m) return kNoContact;
+  if (distance == 0) return kDoesNotApply;
+  const Vector3 n = between / distance;
+  return {true, ContactPoint{p_WB + (b.radius_m - depth / 2) * n, n, depth}};
+}
+
+ClosedForm SphereAndBox(const Sphere& a, const Vector3& p_WA, const Box& b, const PlacedRotation& X_WB,
+                        double margin_m) {
+  const Vector3 d = p_WA - X_WB.position();
+  const Vector3 centre(d.dot(X_WB.axis(0)), d.dot(X_WB.axis(1)), d.dot(X_WB.axis(2)));
+  const Vector3 nearest = centre.cwiseMax(-b.size_m / 2).cwiseMin(b.size_m / 2);
+  const double distance = (centre - nearest).norm(), depth = a.radius_m - distance;
+  if (depth <= -margin_m) return kNoContact;
+  if (distance == 0) return kDoesNotApply;
+  const Vector3 p = X_WB.point(nearest);
+  return {true, ContactPoint{p, (p_WA - p) / distance, depth}};
 }
 
 double DepthInside(const Shape& shape, const PlacedRotation& X_WS, const Vector3& point) {

@@ -70,7 +70,7 @@ struct PlacedPart {
 
 // Contacts across a gap of up to `margin_m` are also found.
 
-// Margin of boxes, and of objects on the floor, so that things at rest keep all their points.
+// Margin of convex things, so that they keep all their points at rest.
 inline constexpr double kAhead_m = 2e-4;
 
 /// Wheel A, as a disc in the middle of its tread, on the floor z = 0. Does not apply to a wheel that lies on
@@ -86,6 +86,12 @@ ClosedForm UprightCylinders(const Cylinder& a, const PlacedRotation& X_WA, const
 /// Upright cylinder A beside upright box B. Does not apply to one that stands on the other.
 ClosedForm UprightCylinderAndBox(const Cylinder& a, const PlacedRotation& X_WA, const Box& b,
                                  const PlacedRotation& X_WB, double margin_m = 0);
+/// Two spheres. Does not apply if their centres coincide.
+ClosedForm SphereAndSphere(const Sphere& a, const Vector3& p_WA, const Sphere& b, const Vector3& p_WB,
+                           double margin_m);
+/// Sphere A and box B. Does not apply if the sphere's centre is in the box.
+ClosedForm SphereAndBox(const Sphere& a, const Vector3& p_WA, const Box& b, const PlacedRotation& X_WB,
+                        double margin_m);
 /// How deep `point` (world) lies inside a shape, m; ≤ 0: outside.
 double DepthInside(const Shape& shape, const PlacedRotation& X_WS, const Vector3& point);
 

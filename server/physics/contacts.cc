@@ -35,9 +35,19 @@ ContactList Reversed(ContactList list) {
 
 /// Whether a closed form applies. Stores its contact in `list`.
 bool TryClosedForm(const PlacedPart& a, const PlacedPart& b, double margin_m, ContactList& list) {
+  ClosedForm form;
+  if (const Sphere* sphere = std::get_if<Sphere>(&a.part->shape)) {
+    const Vector3 p_WA = a.place().position();
+    if (const Box* box = std::get_if<Box>(&b.part->shape)) {
+      form = SphereAndBox(*sphere, p_WA, *box, b.place(), kAhead_m);
+    } else if (const Sphere* other = std::get_if<Sphere>(&b.part->shape)) {
+      form = SphereAndSphere(*sphere, p_WA, *other, b.place().position(), kAhead_m);
+    }
+    list = AsList(form);
+    return form.applies;
+  }
   const Cylinder* cylinder = std::get_if<Cylinder>(&a.part->shape);
   if (cylinder == nullptr) return false;
-  ClosedForm form;
   if (const Box* box = std::get_if<Box>(&b.part->shape)) {
     if (a.part->wheel >= 0) {
       form = WheelOnBox(cylinder->radius_m, a.place(), *box, b.place(), margin_m);
@@ -208,12 +218,12 @@ void ThinOut(std::size_t first, std::vector<FoundContact>& found) {
   }
 }
 
-/// Contacts of a mesh with the floor: some of its vertices at or below the floor.
-ContactList MeshOnFloor(const MeshData& mesh, const PlacedRotation& place) {
+/// Contacts of a mesh with the floor: some of its lowest vertices.
+ContactList MeshOnFloor(const MeshData& mesh, const PlacedRotation& place, double margin_m) {
   std::vector<ContactPoint> low;
   for (const Vector3& v : mesh.vertices) {
     const Vector3 p = place.point(v);
-    if (p.z() <= 0) low.push_back({p, Vector3::UnitZ(), -p.z()});
+    if (p.z() <= margin_m) low.push_back({p, Vector3::UnitZ(), -p.z()});
   }
   return ListOf(low);
 }
@@ -260,9 +270,12 @@ bool ArePartedBy(const ContactList& list, const PlacedPart& a, const PlacedPart&
 }
 
 ContactList ConvexContacts(const PlacedPart& a, const PlacedPart& b) {
-  constexpr double kOverlap_m = 1e-7;  // things that merely touch are left alone
-  const Separation least = FindSeparation(a, b);
-  return least.depth_m > kOverlap_m ? ListOf(ContactsAlong(a, b, least)) : ContactList{};
+  constexpr double kOverlap_m = 1e-7;
+  // A drive's wheel that is not about to roll here, as at an edge, must not cling to it.
+  const double margin_m = a.part->wheel >= 0 || b.part->wheel >= 0 ? 0 : kAhead_m;
+  const Separation least = FindSeparation(a, b, margin_m);
+  if (least.depth_m <= kOverlap_m - margin_m) return {};
+  return ListOf(ContactsAlong(a, b, least, margin_m));
 }
 
 }  // namespace
@@ -342,8 +355,12 @@ ContactList Collider::Collide(const PlacedPart& a, const PlacedPart& b, int max_
   return Ask(a_.Become(a), b_.Become(b), max_contacts);
 }
 
-ContactList Collider::CollideFloor(const PlacedPart& a, int max_contacts) {
-  return Ask(a_.Become(a), floor_.get(), max_contacts);
+ContactList Collider::CollideFloor(const PlacedPart& a, int max_contacts, double margin_m) {
+  // The floor rises by the margin.
+  dGeomPlaneSetParams(floor_.get(), 0, 0, 1, margin_m);
+  ContactList list = Ask(a_.Become(a), floor_.get(), max_contacts);
+  for (int i = 0; i < list.count; ++i) list.points[static_cast<std::size_t>(i)].depth_m -= margin_m;
+  return list;
 }
 
 ContactList Collide(Collider& collider, const PlacedPart& a, const PlacedPart& b, double margin_m) {
@@ -373,11 +390,11 @@ ContactList CollideFloor(Collider& collider, const PlacedPart& a, double margin_
     const ClosedForm form = WheelOnFloor(cylinder->radius_m, place, margin_m);
     if (form.applies) return WheelList(form, 0);
   }
-  if (const Box* box = std::get_if<Box>(&a.part->shape))
-    return BoxOnFloor(*box, place, std::min(margin_m, kAhead_m));
-  if (place.p[2] >= a.half_m.z()) return {};
-  if (const Mesh* mesh = std::get_if<Mesh>(&a.part->shape)) return MeshOnFloor(*mesh->data, place);
-  return collider.CollideFloor(a, 4);
+  const double ahead_m = std::min(margin_m, kAhead_m);
+  if (const Box* box = std::get_if<Box>(&a.part->shape)) return BoxOnFloor(*box, place, ahead_m);
+  if (place.p[2] >= a.half_m.z() + ahead_m) return {};
+  if (const Mesh* mesh = std::get_if<Mesh>(&a.part->shape)) return MeshOnFloor(*mesh->data, place, ahead_m);
+  return collider.CollideFloor(a, 4, ahead_m);
 }
 
 void FindContacts(Collider& collider, const Actor& a, const Actor& b, double margin_m,

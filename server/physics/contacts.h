@@ -51,8 +51,8 @@ class Collider {
   /// Normals from B to A; at most `max_contacts`.
   ContactList Collide(const PlacedPart& a, const PlacedPart& b, int max_contacts);
   bool IsConvex(const PlacedPart& part) { return a_.IsConvex(part); }
-  /// With the plane z = 0.
-  ContactList CollideFloor(const PlacedPart& a, int max_contacts);
+  /// With the plane z = 0, also across a gap of `margin_m`.
+  ContactList CollideFloor(const PlacedPart& a, int max_contacts, double margin_m);
 
  private:
   struct Geoms {
@@ -69,8 +69,8 @@ class Collider {
   OdeGeomPtr floor_;
 };
 
-/// Contacts of A with B; normals from B to A. Upright robots and walls have contacts across a gap of
-/// `margin_m` too.
+/// Contacts of A with B; normals from B to A. Convex shapes have contacts across a gap of kAhead_m, upright
+/// robots and walls of `margin_m` too.
 ContactList Collide(Collider& collider, const PlacedPart& a, const PlacedPart& b, double margin_m);
 /// Contacts of A with the floor.
 ContactList CollideFloor(Collider& collider, const PlacedPart& a, double margin_m);

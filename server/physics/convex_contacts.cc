@@ -36,7 +36,9 @@ Vector3 Furthest(const PlacedPart& part, const Vector3& n_W) {
 /// van den Bergen 2001). At first the polytope may not contain the origin.
 class MinkowskiDifference {
  public:
-  MinkowskiDifference(const PlacedPart& a, const PlacedPart& b) : a_(a), b_(b) {}
+  /// `margin_m`: rounds the set off, so that it contains the origin also across this gap.
+  MinkowskiDifference(const PlacedPart& a, const PlacedPart& b, double margin_m)
+      : a_(a), b_(b), margin_m_(margin_m) {}
 
   Separation Find() {
     if (!Begin()) return least_;
@@ -68,9 +70,10 @@ class MinkowskiDifference {
   /// The difference that lies furthest along `n`. Each one is an upper bound of the depth.
   Difference Look(const Vector3& n) {
     const Vector3 of_a = Furthest(a_, -n), of_b = Furthest(b_, n);
-    last_m_ = n.dot(of_b - of_a);
+    const Vector3 p = of_b - of_a + margin_m_ * n;
+    last_m_ = n.dot(p);
     if (last_m_ < least_.depth_m) least_ = {last_m_, n};
-    return {of_b - of_a, (of_a + of_b) / 2};
+    return {p, (of_a + of_b) / 2};
   }
 
   /// Begins with a tetrahedron. Returns false if A and B are apart.
@@ -161,6 +164,7 @@ class MinkowskiDifference {
   }
 
   const PlacedPart &a_, &b_;
+  const double margin_m_;
   Separation least_{std::numeric_limits<double>::infinity()};
   double last_m_ = 0;
   std::vector<Difference> points_;
@@ -283,11 +287,14 @@ double OverlapAlong(const PlacedPart& a, const PlacedPart& b, const Vector3& n_W
   return n_W.dot(Furthest(b, n_W) - Furthest(a, -n_W));
 }
 
-Separation FindSeparation(const PlacedPart& a, const PlacedPart& b) {
-  return MinkowskiDifference(a, b).Find();
+Separation FindSeparation(const PlacedPart& a, const PlacedPart& b, double margin_m) {
+  Separation least = MinkowskiDifference(a, b, margin_m).Find();
+  least.depth_m -= margin_m;
+  return least;
 }
 
-std::vector<ContactPoint> ContactsAlong(const PlacedPart& a, const PlacedPart& b, const Separation& least) {
+std::vector<ContactPoint> ContactsAlong(const PlacedPart& a, const PlacedPart& b, const Separation& least,
+                                        double margin_m) {
   const Vector3& n = least.n_W;
   const Patch of_a = PatchOf(a, -n), of_b = PatchOf(b, n);
   // The outline with fewer corners clips the other; a corner or an edge clips nothing.
@@ -302,7 +309,7 @@ std::vector<ContactPoint> ContactsAlong(const PlacedPart& a, const PlacedPart& b
   }
   // Corners and ends are rounded off: make the deepest contact as deep as `least`.
   for (ContactPoint& one : contacts) one.depth_m += least.depth_m - deepest_m;
-  std::erase_if(contacts, [](const ContactPoint& one) { return one.depth_m < 0; });
+  std::erase_if(contacts, [&](const ContactPoint& one) { return one.depth_m < -margin_m; });
   if (contacts.empty()) contacts.push_back({least.p_W, n, least.depth_m});
   return contacts;
 }

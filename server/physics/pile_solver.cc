@@ -14,6 +14,9 @@ namespace {
 
 // Distributes a load over redundant contacts: m/s per N s, for a mass of 1 kg.
 constexpr double kSoftness = 5e-4;
+// Rolling resistance is softer by this factor: it grows over a thousandth of a radian per second, and
+// Newton's method finds its solution more often.
+constexpr double kRollSoftness = 100;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -220,7 +223,7 @@ void PileSolver::AddPoint(const Surface& surface, int a, int b, double dt_s) {
   }
   if (has(dContactRolling)) {
     point.rolls = true;
-    point.roll.hardness = slide.hardness * (a != kNone ? point.r_a : point.r_b).squaredNorm();
+    point.roll.hardness = slide.hardness / kRollSoftness * (a != kNone ? point.r_a : point.r_b).squaredNorm();
     point.resistance = {of.rhoN, of.rho, of.rho2};
   }
 }
@@ -426,12 +429,19 @@ bool PileSolver::Solve(double dt_s) {
     body.w = body.state.w_WB;
   }
   // Tolerance of velocities: a thousandth of their change by gravity; in large piles, at least a thousandth
-  // of the largest speed.
+  // of the largest speed. Where things roll, of the mean speed: one that rolls on would loosen the others.
   constexpr double kExact = 1e-3;
   constexpr std::size_t kFew = 8;
   double enough_m_s = 1e-7 + kExact * settings_.g_W.norm() * dt_s;
   if (bodies_.size() > kFew) {
-    for (const Body& body : bodies_) enough_m_s = std::max(enough_m_s, kExact * body.v.norm());
+    double sum_m2_s2 = 0, most_m2_s2 = 0;
+    for (const Body& body : bodies_) {
+      sum_m2_s2 += body.v.squaredNorm();
+      most_m2_s2 = std::max(most_m2_s2, body.v.squaredNorm());
+    }
+    const bool rolls = std::ranges::any_of(points_, &Point::rolls);
+    const double mean_m2_s2 = sum_m2_s2 / static_cast<double>(bodies_.size());
+    enough_m_s = std::max(enough_m_s, kExact * std::sqrt(rolls ? mean_m2_s2 : most_m2_s2));
   }
   AtPoints([](const Body& body) -> const Vector3& { return body.v; },
            [](const Body& body) -> const Vector3& { return body.w; },
@@ -440,14 +450,14 @@ bool PileSolver::Solve(double dt_s) {
     point.slide.slip = 0;
     point.slide.Push(0);
   }
-  // The first kWithLoads iterations update slips and loads. Afterwards they are fixed, so that the problem is
-  // convex.
-  constexpr int kMostIterations = 30, kWithLoads = 6;
+  // The first iterations update slips and loads. Afterwards they are fixed, so that the problem is convex.
+  const int most_iterations = is_careful_ ? 60 : 30, with_loads = is_careful_ ? 30 : 6;
   std::vector<State> assumed(points_.size());
   double step_m_s = 0;
-  for (int i = 0; i < kMostIterations; ++i) {
-    const double change_m_s = i < kWithLoads ? UpdateLoads(i > 0 || !is_careful_) : 0;
-    if (FindGradient() < enough_m_s) {
+  for (int i = 0; i < most_iterations; ++i) {
+    const bool rolls = i > 0 || !is_careful_;  // without rolling friction it is no solution yet
+    const double change_m_s = i < with_loads ? UpdateLoads(rolls) : 0;
+    if (FindGradient() < enough_m_s && rolls) {
       step_m_s = 0;
       break;
     }
@@ -458,7 +468,7 @@ bool PileSolver::Solve(double dt_s) {
     if (step_m_s == kInfinity) break;
     // A step that assumed that things stick is tiny, but not the last if they begin to slide.
     const auto is_assumed = [](const Point& point, State state) { return point.slide.state == state; };
-    if (std::max(step_m_s, change_m_s) < enough_m_s &&
+    if (rolls && std::max(step_m_s, change_m_s) < enough_m_s &&
         (bodies_.size() > kFew || std::ranges::equal(points_, assumed, is_assumed)))
       break;
   }
@@ -473,10 +483,10 @@ bool PileSolver::Step(double dt_s) {
     joint.edge = edges_.size();
     edges_.emplace_back(joint.a, joint.b);
   }
-  is_careful_ = false;
+  is_careful_ = std::ranges::any_of(points_, &Point::rolls);
   bool is_solved = Solve(dt_s);
   if (!is_solved) {
-    is_careful_ = true;
+    is_careful_ = !is_careful_;
     is_solved = Solve(dt_s);
   }
   for (std::size_t i = 0; i < measured_.size(); ++i) {

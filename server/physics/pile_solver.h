@@ -132,8 +132,8 @@ class PileSolver {
   std::vector<Point> points_;
   std::vector<std::pair<int, int>> edges_;
   BlockCholesky matrix_;
-  // In an impact the first guess of a load is far too large, and so is rolling friction, between whose bounds
-  // Newton's method may jump forever. A careful attempt begins without it, and approaches it by secants.
+  // The first guess of a load may be far too large, and so is rolling friction, between whose bounds Newton's
+  // method may jump forever. A careful attempt begins without it, and approaches it by secants.
   bool is_careful_ = false;
   std::vector<BlockCholesky::Vector> solution_;
   std::vector<MeasuredContact> measured_;

@@ -90,7 +90,7 @@ void PhysicsWorld::Fit() {
     first_bodies_.push_back(static_cast<std::size_t>(things_.all[i].first_body));
   }
   plans_.resize(things_.first_static - things_.first_robot);
-  for (auto* flags : {&moves_, &near_, &in_solver_, &rested_}) flags->resize(dynamic_count());
+  for (auto* flags : {&moves_, &near_, &in_solver_, &rested_, &calm_}) flags->resize(dynamic_count());
   travel_m_.resize(dynamic_count());
   batch_of_.resize(dynamic_count());
   islands_.Resize(dynamic_count());
@@ -204,12 +204,16 @@ void PhysicsWorld::AdvanceClosed(double dt_s) {
 }
 
 void PhysicsWorld::CountRest(Nanoseconds dt) {
-  for (const std::uint32_t i : active_) rested_[islands_.RootOf(i)] = 1;
+  for (const std::uint32_t i : active_) {
+    const std::uint32_t root = islands_.RootOf(i);
+    rested_[root] = 1;
+    if (i == root) calm_[root] = IsCalm(root);
+  }
   for (const std::uint32_t i : active_) {
     if (!moves_[i]) continue;  // frozen in this very substep
     const auto step = static_cast<std::uint64_t>(dt);
     std::uint64_t counter = FirstBody(i).sleep_counter;
-    if (AtRest(i)) {
+    if (calm_[islands_.RootOf(i)] || AtRest(i)) {
       counter = std::min(counter + step, kSleepAfter);
     } else {
       counter =
@@ -232,6 +236,25 @@ void PhysicsWorld::CountRest(Nanoseconds dt) {
     body.sleep_counter += static_cast<std::uint64_t>(dt);
     if (body.sleep_counter >= kSleepAfter) Hold(static_cast<std::uint32_t>(i), kAsleep);
   }
+}
+
+bool PhysicsWorld::IsCalm(std::uint32_t root) const {
+  constexpr int kFew = 8;
+  constexpr double kMost_m2_s2 = kRestSpeed_m_s * kRestSpeed_m_s, kEach = kNearly;
+  int count = 0;
+  double sum_m2_s2 = 0;  // of twice the energies per mass
+  for (std::uint32_t i = islands_.FirstOf(root); i != Islands::kNone; i = islands_.NextOf(i)) {
+    if (i >= things_.first_robot) return false;
+    const BodyState& body = FirstBody(i);
+    const RigidBody& rigid = things_.all[i].mechanism->bodies.front();
+    const double largest_kg_m2 = rigid.inertia_kg_m2.trace() / 2;  // no moment of inertia is larger
+    const double twice_m2_s2 =
+        body.v_WB.squaredNorm() + largest_kg_m2 / rigid.mass_kg * body.w_WB.squaredNorm();
+    if (twice_m2_s2 > kEach * kEach * kMost_m2_s2) return false;
+    sum_m2_s2 += twice_m2_s2;
+    ++count;
+  }
+  return count > kFew && sum_m2_s2 <= count * kMost_m2_s2;
 }
 
 bool PhysicsWorld::AtRest(std::uint32_t thing) const {

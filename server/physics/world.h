@@ -191,6 +191,9 @@ class PhysicsWorld {
   /// Counts how long each thing has been at rest, and puts resting islands to sleep.
   void CountRest(Nanoseconds dt);
   bool AtRest(std::uint32_t thing) const;
+  /// Whether a large pile rests on average, and each of its objects nearly: a few that still turn in their
+  /// places do not keep it awake. `root`: of its island.
+  bool IsCalm(std::uint32_t root) const;
   void Freeze(std::uint32_t thing, std::string why, Batch& batch);
   /// Stops the thing's bodies in place and sets their sleep counters.
   void Hold(std::uint32_t thing, std::uint64_t counter);
@@ -256,6 +259,7 @@ class PhysicsWorld {
   std::vector<std::uint8_t> near_;         // by dynamic thing: in a pair
   std::vector<std::uint8_t> in_solver_;    // by dynamic thing
   std::vector<std::uint8_t> rested_;       // by dynamic thing; at an island's root: all members rested
+  std::vector<std::uint8_t> calm_;         // by dynamic thing; at an island's root: IsCalm()
   std::vector<double> travel_m_;           // by dynamic thing: how far it may move
   std::vector<DrivePlan> plans_;           // by robot
   std::vector<std::uint32_t> active_;      // things that go to a solver, increasing

@@ -13,15 +13,16 @@ namespace {
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
+const std::string kBall = "<sphere><radius>0.1</radius></sphere>";
+
 /// A model of one link with this in <friction>; its collision is turned by 90° about z.
-ForeignAnswer ReadFriction(const std::string& inside) {
+ForeignAnswer ReadFriction(const std::string& inside, const std::string& shape = kBall) {
   return ReadSdf(
       "<link name=\"l\"><pose>0 0 0.1 0 0 0</pose>"
       "<inertial><mass>1</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia>"
       "</inertial>\n<collision name=\"c\"><pose>0 0 0 0 0 "
-      "1.5707963267948966</pose><geometry><sphere><radius>0.1"
-      "</radius></sphere></geometry><surface><friction>\n" +
-      inside + "</friction></surface></collision></link>\n");
+      "1.5707963267948966</pose><geometry>" +
+      shape + "</geometry><surface><friction>\n" + inside + "</friction></surface></collision></link>\n");
 }
 
 TEST(SurfaceReaderTest, FrictionMayHaveAGrain) {
@@ -94,11 +95,47 @@ TEST(SurfaceReaderTest, RobotsHaveNoRollingFrictionOfTheirOwn) {
   EXPECT_EQ(robot->links[0].collisions.at(0).spinning_friction_m, 0);
 }
 
-TEST(SurfaceReaderTest, NumbersBelowZeroAreErrors) {
+TEST(SurfaceReaderTest, WhatDoesNotRollHasNoUseForRollingFriction) {
+  const std::string rolls = "<bullet>\n<rolling_friction>0.002</rolling_friction></bullet>";
+  EXPECT_THAT(ReadFriction(rolls, kSdfBox).messages,
+              EndsWith("model.sdf:5: warning: <rolling_friction> slows spheres, cylinders and capsules only: "
+                       "remove it here, or write <torsional>, which slows spinning of all shapes\n"));
+  EXPECT_EQ(ReadFriction("<bullet><rolling_friction>0</rolling_friction></bullet>", kSdfBox).messages, "");
+  const std::string log = "<cylinder><radius>0.1</radius><length>0.1</length></cylinder>";
+  EXPECT_EQ(ReadFriction(rolls, log).messages, "");
+}
+
+TEST(SurfaceReaderTest, TorsionalFrictionNeedsAPatch) {
+  EXPECT_THAT(ReadFriction("<torsional><coefficient>0.5</coefficient></torsional>").messages,
+              EndsWith("model.sdf:4: warning: <torsional> has no effect without the radius of the contact's "
+                       "patch, in m: write it, for example <patch_radius>0.01</patch_radius>\n"));
+  for (const char* none :
+       {"<torsional><coefficient>0</coefficient></torsional>", "<torsional/>",
+        "<torsional><coefficient>1</coefficient><patch_radius>0</patch_radius></torsional>"})
+    EXPECT_EQ(ReadFriction(none).messages, "") << none;
+}
+
+TEST(SurfaceReaderTest, NumbersBelowZeroAreErrorsThatSayWhatToWrite) {
   EXPECT_THAT(ReadFriction("<torsional><coefficient>-1</coefficient></torsional>").messages,
-              HasSubstr("model.sdf:4: error: <coefficient> "));
+              HasSubstr("model.sdf:4: error: <coefficient> cannot be '-1': write a number from 0 on\n"));
+  EXPECT_THAT(ReadFriction("<torsional><patch_radius>-1</patch_radius></torsional>").messages,
+              HasSubstr("<patch_radius> cannot be '-1': write a number from 0 on\n"));
   EXPECT_THAT(ReadFriction("<bullet><rolling_friction>-1</rolling_friction></bullet>").messages,
-              HasSubstr("<rolling_friction> must be a number from 0 to 1000"));
+              HasSubstr("<rolling_friction> cannot be '-1': write a number from 0 on\n"));
+  EXPECT_THAT(ReadFriction("<torsional><use_patch_radius>maybe</use_patch_radius></torsional>").messages,
+              HasSubstr("<use_patch_radius> cannot be 'maybe': write true or false\n"));
+}
+
+TEST(SurfaceReaderTest, LimitsAreThoseThatCount) {
+  const auto [robot, messages] = ReadFriction("<bullet><rolling_friction>1e9</rolling_friction></bullet>");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_EQ(robot->links[0].collisions.at(0).rolling_friction_m, 1000);  // as little does it roll
+  const auto bounce = ReadSdf(
+      "<link name=\"l\"><collision name=\"c\"><geometry>" + kBall +
+      "</geometry><surface><bounce><restitution_coefficient>2</restitution_coefficient></bounce></surface>"
+      "</collision></link>");
+  EXPECT_THAT(bounce.messages,
+              HasSubstr("<restitution_coefficient> cannot be '2': write a number from 0 to 1\n"));
 }
 
 TEST(SurfaceReaderTest, AUrdfMayHaveAGrain) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "server/base/portable_math.h"
 #include "server/physics/rest.h"
@@ -41,6 +42,21 @@ TEST_P(TowerTest, OfTenAndOfTwentyBoxesDriftsLessThanAMillimetreInAMinute) {
     }
     EXPECT_TRUE(AllSleep(scene, count)) << count;
   }
+}
+
+TEST_P(TowerTest, OfCylindersStandsStillAndSleeps) {
+  for (int i = 0; i < 6; ++i) scene_.Add(Cylinder{0.05, 0.1}, At(0, 0, 0.05 + 0.1 * i), 0.5, 0.8);
+  scene_.RunFor(2);
+  for (int i = 0; i < 6; ++i)
+    EXPECT_LT((scene_.object(i).p - Vector3(0, 0, 0.05 + 0.1 * i)).norm(), 1e-4) << i;
+  EXPECT_TRUE(AllSleep(scene_, 6));
+}
+
+TEST_P(TowerTest, OfCylindersStandsOnABox) {
+  for (int i = 0; i < 4; ++i) scene_.Add(Cylinder{0.05, 0.1}, At(0, 0, 0.25 + 0.1 * i), 0.5, 0.8);
+  scene_.Add(Box{{1, 1, 0.2}}, At(0, 0, 0.1));
+  scene_.RunFor(2);
+  EXPECT_TRUE(AllSleep(scene_, 4));
 }
 
 TEST_P(TowerTest, ATonneStandsOnAKilogram) {
@@ -93,14 +109,20 @@ INSTANTIATE_TEST_SUITE_P(Steps, SlideTest, testing::Values(1, 5, 10),
 /// `count` things dropped between four walls, each with another orientation.
 class PileScene : public PhysicsScene {
  public:
-  PileScene(int count, const Shape& shape, unsigned seed = 3) {
+  PileScene(int count, const Shape& shape, unsigned seed = 3, double rolling_friction_m = 0) {
     std::mt19937 random{seed};
     const auto any = [&random] { return static_cast<double>(random() % 2001) / 1000 - 1; };
     constexpr int kSide = 5;
     for (int i = 0; i < count; ++i) {
       const double x = (i % kSide) * 0.19 + 0.01 * any(), y = (i / kSide % kSide) * 0.19 + 0.01 * any();
       const double roll = 0.3 * any(), pitch = 0.3 * any();
-      Add(shape, {{x, y, 0.1 + 0.19 * (i / kSide / kSide)}, FromRollPitchYaw(roll, pitch, any())}, 1, 0.6);
+      WorldObject object;
+      object.shape = shape;
+      object.X_WO = {{x, y, 0.1 + 0.19 * (i / kSide / kSide)}, FromRollPitchYaw(roll, pitch, any())};
+      object.mass_kg = 1;
+      object.friction = 0.6;
+      object.rolling_friction_m = rolling_friction_m;
+      Add(std::move(object));
     }
     for (const double side : {-1.0, 1.0}) {
       Add(Box{{0.1, 2, 2}}, At(0.38 + 0.55 * side, 0.38, 1));
@@ -138,6 +160,14 @@ TEST(Pile, OfAHundredBallsCalmsDown) {
     EXPECT_LT(scene.object_body(i).v_WB.norm(), 0.02) << i;
     EXPECT_GT(scene.object(i).p.z(), 0.049) << i;
   }
+}
+
+TEST(Pile, OfBallsThatResistRollingFallsAsleep) {
+  PileScene scene(100, Sphere{0.05}, 5, 0.00025);
+  scene.step_length = 10'000'000;
+  scene.RunFor(10);
+  EXPECT_TRUE(AllSleep(scene, 100));
+  EXPECT_LT(scene.world().TakeUnsolved().size(), 30u);  // of 1,000 steps
 }
 
 TEST(Pile, DoesTheSameWithAnyNumberOfThreads) {
