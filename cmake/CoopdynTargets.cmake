@@ -39,8 +39,10 @@ if(COOPDYN_SANITIZE)
   target_link_options(coopdyn_options INTERFACE -fsanitize=${COOPDYN_SANITIZE})
   target_sources(coopdyn_options INTERFACE
     $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:${PROJECT_SOURCE_DIR}/cmake/sanitizer_options.cc>)
-  target_link_options(coopdyn_options INTERFACE
-    $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:-Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/local_symbols.map>)
+  if(COOPDYN_SANITIZE MATCHES "address")  # the thread sanitizer must see what libraries do with shared pointers
+    target_link_options(coopdyn_options INTERFACE
+      $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:-Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/local_symbols.map>)
+  endif()
   if(COOPDYN_SANITIZE MATCHES "undefined")
     # The vptr check needs a file descriptor, and reports a valid vptr as invalid when a test has used them up. The
     # null check makes GCC 12 compile some uses of Eigen for minutes, and a null that is used crashes anyway. The
