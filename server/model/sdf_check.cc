@@ -274,7 +274,7 @@ class Checker {
 
   /// What to write instead of a text that `value` does not take, after a colon; empty if it has many forms.
   static std::string AdviceOn(const sdf::Param& value) {
-    const std::string type = value.GetTypeName();
+    const std::string& type = value.GetTypeName();
     if (type == "bool") return ": write true or false";
     if (type.find("ector3") != std::string::npos) return ": write three numbers";
     const auto least = value.GetMinValueAsString(), most = value.GetMaxValueAsString();

@@ -126,7 +126,7 @@ class GlbWriter {
       name += HashText(mesh_.id) + ":" + std::to_string(number);
       materials_.push_back(
           {{"pbrMetallicRoughness", {{"baseColorFactor", json::array{tint[0], tint[1], tint[2], 1}}}},
-           {"extras", {{"texture", std::move(name)}}}});
+           {"extras", {{"texture", name}}}});
       AddPrimitive(triangles, attributes_, materials_.size() - 1);
     }
   }
