@@ -39,9 +39,8 @@ struct SensorShapes {
 /// Whether a ball of this radius (m) about a point of the world may be seen.
 using SeesBall = std::function<bool(const Vector3& p_W, double radius_m)>;
 
-/// The shapes of the sensors of all robots; those out of sight are not read. If the shapes of all might have
-/// more than about `most` vertices (or need the third of so many rays of lidars), only those of each n-th
-/// robot.
+/// The shapes of the sensors of all robots; does not read those out of sight. If the shapes of all might have
+/// more than about `most` vertices, takes only each n-th robot. A ray of a lidar counts as three vertices.
 SensorShapes ShapesOfSensors(const Frame& frame, const SeesBall& sees,
                              std::size_t most = std::numeric_limits<std::size_t>::max());
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// When a viewer gets the newest frame: at most so many times a second, and each frame once. One thread.
+// When a viewer gets the newest frame: at a rate of its choice, and each frame once. One thread.
 #pragma once
 
 #include <utility>

@@ -100,7 +100,7 @@ export class Scene3d {
   /** Colours what depends on the theme. */
   paint(dark) { this.#floor.paint(dark); }
 
-  /** From the next place() on, robots are as detailed as `camera` sees them in a picture with so many pixels in its height. */
+  /** From the next place() on, robots are as detailed as `camera` sees them in a picture of this height. */
   lookFrom(camera, height_px) {
     const eye = camera.position, at_1m = height_px / (2 * Math.tan(THREE.MathUtils.degToRad(camera.fov) / 2));
     this.#pixels = (p_W) => at_1m / p_W.distanceTo(eye);
