@@ -67,11 +67,12 @@ if(COOPDYN_COVERAGE)
   target_link_options(coopdyn_options INTERFACE --coverage)
 endif()
 
-# Adds a library of all *.cc in this folder. LINK names our libraries and external ones alike. Sanitized builds optimise
+# Adds a library of all *.cc in this folder, and in the FOLDERS in it. LINK names our libraries and external ones alike. Sanitized builds optimise
 # only OPTIMIZED libraries, which compute: the other ones compile in a quarter of the time that way.
 function(coopdyn_library name)
-  cmake_parse_arguments(ARG "OPTIMIZED" "" "LINK" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc)
+  cmake_parse_arguments(ARG "OPTIMIZED" "" "FOLDERS;LINK" ${ARGN})
+  list(TRANSFORM ARG_FOLDERS APPEND "/*.cc")
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc ${ARG_FOLDERS})
   list(FILTER sources EXCLUDE REGEX "/main\\.cc$")
   if(sources)
     add_library(${name} STATIC ${sources})

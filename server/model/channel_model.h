@@ -19,6 +19,15 @@
 namespace coopdyn {
 
 enum class ControlMode : std::uint8_t;
+struct RobotModel;
+struct SensorSource;
+
+/// The element of a model file that describes a sensor.
+struct SensorElement {
+  std::string_view name = {};     // empty: there is none
+  std::string_view example = {};  // empty: the sensor needs no element
+  bool has_timing = true;
+};
 
 /// The place where a sensor is mounted.
 struct Mount {
@@ -79,6 +88,7 @@ struct ValueFilter {
 
 struct ChannelModel {
   static constexpr const char* kType = "channel";
+  static constexpr SensorElement kElement{"coopdyn:channel", "<coopdyn:channel>", false};
   static constexpr std::size_t kMaxValues = 10'000;
 
   struct Motor {
@@ -154,6 +164,13 @@ struct ChannelModel {
     return std::ranges::any_of(values, [](const Value& v) { return v.is_filtered() || v.counts_turns; });
   }
   std::size_t cells() const { return values.empty() ? 0 : values.back().first_cell + values.back().cells(); }
+
+  void Read(const SensorSource& source);
+  std::string Text(const RobotModel& robot) const;
+  /// The values' names; adjacent ones of the same name are numbered.
+  std::vector<std::string> ValueNames() const;
+  /// The energies, angles and filter states of its values.
+  std::size_t measured() const { return cells(); }
 };
 
 /// The word for a quantity: position, vx, …; empty for kReading.

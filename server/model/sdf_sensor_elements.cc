@@ -181,7 +181,7 @@ LidarModel ToLidar(ElementValues& values) {
   lidar.noise = values.Noise(element, "");
   lidar.noise.resolution =
       std::max(lidar.noise.resolution, values.Number(element, "range/resolution", 0, 0, kMaxSensorLength_m));
-  if (const std::string wrong = WrongIn(lidar); !wrong.empty()) values.Error(values.sensor(), wrong);
+  if (const std::string wrong = lidar.Wrong(); !wrong.empty()) values.Error(values.sensor(), wrong);
   return lidar;
 }
 
@@ -216,7 +216,7 @@ CameraModel ToCamera(ElementValues& values, const XMLElement* element, bool is_d
   camera.far_m = values.Number(clip, "far", own ? kDepthFar_m : kUsualFar_m, 0, 1e12);
   camera.far_m = std::min(camera.far_m, kMaxSensorLength_m);
   (is_depth ? camera.depth_noise : camera.noise) = values.Noise(element, "");
-  if (const std::string wrong = WrongIn(camera); !wrong.empty()) values.Error(at, wrong);
+  if (const std::string wrong = camera.Wrong(); !wrong.empty()) values.Error(at, wrong);
   return camera;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Finds the places of SDF's <sensor>s, and adds their modules.
+// Finds the places of SDF's <sensor>s and the collisions of links, and adds the sensors' modules.
 #include <algorithm>
 #include <sdf/sdf.hh>
 #include <utility>
@@ -61,6 +61,30 @@ void ReadAssembly(const std::vector<ModelScope>& scopes, ModelReading& reading) 
     const auto link = std::ranges::find(assembly.links, sensor.scope + sensor.host, &FileLink::name);
     if (link != assembly.links.end()) sensor.link = static_cast<std::size_t>(link - assembly.links.begin());
   }
+}
+
+void FindCollisions(const RobotModel& robot, Assembly& assembly) {
+  std::vector<std::size_t> taken(robot.links.size());
+  // A link's own collisions come first, then those of links welded to it, in file order.
+  for (const bool own : {true, false}) {
+    for (std::size_t i = 0; i < assembly.links.size(); ++i) {
+      const auto link = static_cast<std::size_t>(robot.frames[i].link);
+      if ((robot.links[link].name == assembly.links[i].name) != own) continue;
+      assembly.links[i].first_collision = taken[link];
+      taken[link] += assembly.links[i].collisions.size();
+    }
+  }
+}
+
+std::vector<ContactModel::Part> CollisionsOf(const RobotModel& robot, const Assembly& assembly,
+                                             std::size_t frame, std::string_view name) {
+  std::vector<ContactModel::Part> parts;
+  const FileLink& link = assembly.links[frame];
+  for (std::size_t c = 0; c < link.collisions.size(); ++c) {
+    if (name.empty() || link.collisions[c] == name)
+      parts.push_back({robot.frames[frame].link, link.first_collision + c});
+  }
+  return parts;
 }
 
 void SensorReader::AddElements(bool foreign) {

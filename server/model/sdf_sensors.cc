@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The table of coopdyn's sensor elements, and their common parts.
+// Coopdyn's sensor elements: what is common to all kinds.
 #include "server/model/sdf_sensors.h"
 
 #include <tinyxml2.h>
@@ -18,53 +18,29 @@ namespace {
 
 using tinyxml2::XMLElement;
 
+/// A kind of sensor in model files.
+struct Words {
+  std::string_view type;  // of its module
+  SensorElement element;
+  SensorKind (*read)(const SensorSource& source);
+  SensorKind usual;  // default without an element
+};
+
 template <typename Kind>
 SensorKind ReadKind(const SensorSource& source) {
   Kind sensor;
-  ReadInto(sensor, source);
+  if constexpr (requires { sensor.Read(source); }) sensor.Read(source);
   return sensor;
 }
 
-/// The SDF form of a kind of sensor.
-struct Words {
-  std::string_view type;     // of its module
-  std::string_view element;  // the element that describes it; empty: none
-  std::string_view needed;   // an example element, if one is required
-  SensorKind (*read)(const SensorSource& source);
-  SensorKind usual;  // default without an element
-  bool has_timing = true;
-};
+template <typename... Kinds>
+std::array<Words, sizeof...(Kinds)> TableOf(const std::variant<Kinds...>& /*any*/) {
+  return {Words{Kinds::kType, Kinds::kElement, ReadKind<Kinds>, Kinds()}...};
+}
 
-/// The table of the sensors. A new kind needs one line here, in the order of SensorKind.
+/// The kinds in the order of SensorKind.
 std::span<const Words> Table() {
-  static const std::array kTable = {
-      Words{DistanceModel::kType, "coopdyn:distance_sensors", "<coopdyn:distance_sensors>",
-            ReadKind<DistanceModel>, DistanceModel(), false},
-      Words{TargetModel::kType, "coopdyn:target_sensor", "", ReadKind<TargetModel>, TargetModel(), false},
-      Words{PoseModel::kType, "", "", ReadKind<PoseModel>, PoseModel(), false},
-      Words{NeighboursModel::kType, "coopdyn:neighbours", "<coopdyn:neighbours range=\"1\"/>",
-            ReadKind<NeighboursModel>, NeighboursModel(), false},
-      Words{CompassModel::kType, "coopdyn:compass", "", ReadKind<CompassModel>, CompassModel(), false},
-      Words{SupportModel::kType, "coopdyn:support", "<coopdyn:support link=\"cradle\" height=\"0.3\"/>",
-            ReadKind<SupportModel>, SupportModel(), false},
-      Words{ImuModel::kType, "coopdyn:imu", "", ReadKind<ImuModel>, ImuModel()},
-      Words{WrenchModel::kType, "coopdyn:wrench", "<coopdyn:wrench joint=\"wrist\"/>", ReadKind<WrenchModel>,
-            WrenchModel()},
-      Words{LidarModel::kType, "coopdyn:lidar", "<coopdyn:lidar max_range=\"4\"/>", ReadKind<LidarModel>,
-            LidarModel()},
-      Words{ContactModel::kType, "coopdyn:contact", "<coopdyn:contact/>", ReadKind<ContactModel>,
-            ContactModel()},
-      Words{SonarModel::kType, "coopdyn:sonar", "<coopdyn:sonar>", ReadKind<SonarModel>, SonarModel()},
-      Words{InfraredModel::kType, "coopdyn:infrared", "<coopdyn:infrared preset=\"gp2d12\">",
-            ReadKind<InfraredModel>, InfraredModel()},
-      Words{LightModel::kType, "coopdyn:light", "<coopdyn:light>", ReadKind<LightModel>, LightModel()},
-      Words{CameraModel::kType, "coopdyn:camera", "", ReadKind<CameraModel>, CameraModel()},
-      Words{BatteryModel::kType, "coopdyn:battery", "<coopdyn:battery capacity=\"1e5\"/>",
-            ReadKind<BatteryModel>, BatteryModel()},
-      Words{OdometryModel::kType, "coopdyn:odometry", "", ReadKind<OdometryModel>, OdometryModel()},
-      Words{ChannelModel::kType, "coopdyn:channel", "<coopdyn:channel>", ReadKind<ChannelModel>,
-            ChannelModel(), false},
-  };
+  static const auto kTable = TableOf(SensorKind());
   return kTable;
 }
 
@@ -133,21 +109,22 @@ Mount MountOn(const RobotModel& robot, std::size_t frame, const Pose& X_FS) {
 std::vector<std::string> SensorReader::Elements() {
   std::vector<std::string> names;
   for (const Words& words : Table()) {
-    if (!words.element.empty()) names.emplace_back(words.element);
+    if (!words.element.name.empty()) names.emplace_back(words.element.name);
   }
   return names;
 }
 
 bool SensorReader::Read(const XMLElement& element) {
-  const auto words = std::find_if(Table().begin(), Table().end(),
-                                  [&element](const Words& one) { return one.element == element.Name(); });
+  const auto words = std::find_if(Table().begin(), Table().end(), [&element](const Words& one) {
+    return one.element.name == element.Name();
+  });
   if (words == Table().end()) return false;
   XmlAttributes attributes(element, file_, diagnostics_);
   const std::string name = attributes.Text("name").value_or("");
   SensorTiming timing;
   const SensorSource source{element, attributes, file_, robot_, assembly_, diagnostics_, timing};
   SensorKind kind = words->read(source);
-  if (words->has_timing) ReadTiming(attributes, timing);
+  if (words->element.has_timing) ReadTiming(attributes, timing);
   attributes.Finish();
   if (!source.has_read_children && (element.FirstChildElement() != nullptr || element.GetText() != nullptr))
     attributes.Error("holds no elements and no text: write its values as attributes");
@@ -174,8 +151,9 @@ void SensorReader::AddModule(XmlAttributes& attributes, const std::string& type,
     if (one.kind.index() != words->usual.index()) continue;
     if (one.name == name || (one.name.empty() && found == nullptr)) found = &one;
   }
-  if (found == nullptr && !words->needed.empty() && !diagnostics_.has_errors()) {
-    attributes.Error("a module '" + type + "' needs " + std::string(words->needed) + ": write it above");
+  if (found == nullptr && !words->element.example.empty() && !diagnostics_.has_errors()) {
+    attributes.Error("a module '" + type + "' needs " + std::string(words->element.example) +
+                     ": write it above");
   }
   if (found != nullptr) found->used = true;
   robot_.AddSensor(name, found != nullptr ? found->kind : words->usual,
@@ -187,7 +165,7 @@ void SensorReader::Finish() {
     if (one.used) continue;
     const Words& words = Table()[one.kind.index()];
     const std::string name = one.name.empty() ? "" : " name=\"" + one.name + "\"";
-    diagnostics_.Error(one.where, "<" + std::string(words.element) +
+    diagnostics_.Error(one.where, "<" + std::string(words.element.name) +
                                       "> needs its module: write <coopdyn:module type=\"" +
                                       std::string(words.type) + "\"" + name + "/>");
   }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reads the sensors of one robot: coopdyn's own elements (table in sdf_sensors.cc; by kind in
-// sdf_range_sensors.cc, sdf_spot_sensors.cc and sdf_body_sensors.cc) and SDF's <sensor>
+// Reads the sensors of one robot: coopdyn's own elements (by kind in sensors/) and SDF's <sensor>
 // (sdf_sensor_elements.cc, sdf_sensor_places.cc). One thread.
 #pragma once
 
@@ -44,28 +43,14 @@ struct SensorSource {
 /// and resolution; missing attributes leave `noise` unchanged.
 void ReadNoise(XmlAttributes& attributes, const std::string& prefix, ValueNoise& noise);
 
-// Read an element into a sensor model, one for each kind.
-void ReadInto(DistanceModel& sensor, const SensorSource& source);
-void ReadInto(TargetModel& sensor, const SensorSource& source);
-void ReadInto(PoseModel& sensor, const SensorSource& source);
-void ReadInto(NeighboursModel& sensor, const SensorSource& source);
-void ReadInto(CompassModel& sensor, const SensorSource& source);
-void ReadInto(SupportModel& sensor, const SensorSource& source);
-void ReadInto(ImuModel& sensor, const SensorSource& source);
-void ReadInto(WrenchModel& sensor, const SensorSource& source);
-void ReadInto(LidarModel& sensor, const SensorSource& source);
-void ReadInto(ContactModel& sensor, const SensorSource& source);
-void ReadInto(SonarModel& sensor, const SensorSource& source);
-void ReadInto(InfraredModel& sensor, const SensorSource& source);
-void ReadInto(LightModel& sensor, const SensorSource& source);
-void ReadInto(CameraModel& sensor, const SensorSource& source);
-void ReadInto(BatteryModel& sensor, const SensorSource& source);
-void ReadInto(OdometryModel& sensor, const SensorSource& source);
-void ReadInto(ChannelModel& sensor, const SensorSource& source);
-
-/// Checks conditions that hold for both kinds of elements. Returns what to write instead; empty if valid.
-std::string WrongIn(const LidarModel& sensor);
-std::string WrongIn(const CameraModel& sensor);
+/// Reads the noise of distance and bearing, for targets and neighbours.
+template <typename Kind>
+void ReadSightNoise(Kind& sensor, XmlAttributes& attributes) {
+  if (auto v = attributes.Number("distance_noise_stddev", 0, kMaxSensorLength_m))
+    sensor.distance_noise_stddev_m = *v;
+  if (auto v = attributes.Number("bearing_noise_stddev_deg", 0, 180))
+    sensor.bearing_noise_stddev_rad = *v * kRadPerDeg;
+}
 
 /// The mount at `X_FS` on robot.frames[frame].
 Mount MountOn(const RobotModel& robot, std::size_t frame, const Pose& X_FS);

@@ -11,4 +11,10 @@ namespace coopdyn {
 /// A short description of a sensor of `robot`, e.g. "360 rays, 0.12 to 3.5 m, 5 Hz"; may be empty.
 std::string Describe(const SensorModel& sensor, const RobotModel& robot);
 
+// Parts of such texts.
+std::string Rounded4(double value);
+std::string Several(std::size_t count, const char* noun);
+std::string Span(double min_m, double max_m);
+std::string On(const Mount& mount, const RobotModel& robot);
+
 }  // namespace coopdyn

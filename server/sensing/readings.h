@@ -24,9 +24,6 @@ inline const RobotModel& ModelOf(const Frame& frame, int robot) {
 /// get-command of its module. Nothing if there is no such sensor.
 void AppendReading(const Frame& frame, int robot, std::size_t sensor, std::vector<double>& data);
 
-/// The names of the values of a fixed-length reading (FixedCount()), with units, e.g. ax_m_s2; numbered from
-/// 1 where there are many of a kind: range1_m.
-std::vector<std::string> FixedNames(const SensorKind& kind);
 /// Fills `values` with the reading; for a contact sensor with its pressed zones; NaN where unknown.
 void FillFixed(const Frame& frame, int robot, std::size_t sensor, std::span<double> values);
 

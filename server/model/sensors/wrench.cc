@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Attaches force and torque sensors: finds the parts of the robot beyond the sensor's joint.
+// Force and torque sensors, and the parts of the robot beyond their joints.
 #include <Eigen/Dense>
 #include <algorithm>
 
 #include "server/model/sdf_sensors.h"
+#include "server/model/sensor_text.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
@@ -85,30 +86,6 @@ std::optional<WrenchFrame> ParseWrenchFrame(std::string_view word) {
   return std::nullopt;
 }
 
-void FindCollisions(const RobotModel& robot, Assembly& assembly) {
-  std::vector<std::size_t> taken(robot.links.size());
-  // A link's own collisions come first, then those of links welded to it, in file order.
-  for (const bool own : {true, false}) {
-    for (std::size_t i = 0; i < assembly.links.size(); ++i) {
-      const auto link = static_cast<std::size_t>(robot.frames[i].link);
-      if ((robot.links[link].name == assembly.links[i].name) != own) continue;
-      assembly.links[i].first_collision = taken[link];
-      taken[link] += assembly.links[i].collisions.size();
-    }
-  }
-}
-
-std::vector<ContactModel::Part> CollisionsOf(const RobotModel& robot, const Assembly& assembly,
-                                             std::size_t frame, std::string_view name) {
-  std::vector<ContactModel::Part> parts;
-  const FileLink& link = assembly.links[frame];
-  for (std::size_t c = 0; c < link.collisions.size(); ++c) {
-    if (name.empty() || link.collisions[c] == name)
-      parts.push_back({robot.frames[frame].link, link.first_collision + c});
-  }
-  return parts;
-}
-
 std::string AttachWrench(const RobotModel& robot, const Assembly& assembly, WrenchFrame frame,
                          const Pose& X_JS, WrenchModel& wrench) {
   const auto found = std::ranges::find(assembly.joints, wrench.joint, &FileJoint::name);
@@ -160,6 +137,42 @@ std::string AttachWrench(const RobotModel& robot, const Assembly& assembly, Wren
   }
   std::ranges::sort(wrench.beyond);
   return {};
+}
+
+void WrenchModel::Read(const SensorSource& source) {
+  XmlAttributes& attributes = source.attributes;
+  attributes.Require("joint");
+  joint = attributes.Text("joint").value_or("");
+  const std::string frame_word = attributes.Text("frame").value_or("child");
+  const std::string direction = attributes.Text("direction").value_or("child_to_parent");
+  Pose X_JS;
+  const auto pose = attributes.Numbers("pose", 6);
+  if (pose && frame_word != "sensor")
+    attributes.Error("a pose needs frame=\"sensor\": without it the axes are those of a link");
+  if (const auto& v = pose)
+    X_JS = {Vector3((*v)[0], (*v)[1], (*v)[2]), FromRollPitchYaw((*v)[3], (*v)[4], (*v)[5])};
+  ValueNoise force, torque;
+  ReadNoise(attributes, "force_", force);
+  ReadNoise(attributes, "torque_", torque);
+  force_noise.fill(force);
+  torque_noise.fill(torque);
+  const auto frame = ParseWrenchFrame(frame_word);
+  if (!frame) attributes.Error("frame is child, parent or sensor, not '" + frame_word + "'");
+  if (direction != "child_to_parent" && direction != "parent_to_child") {
+    attributes.Error(
+        "direction is child_to_parent (what the child does to the parent) or parent_to_child, not '" +
+        direction + "'");
+  }
+  on_parent = direction != "parent_to_child";
+  if (joint.empty() || !frame) return;
+  const std::string wrong = AttachWrench(source.robot, source.assembly, *frame, X_JS, *this);
+  if (!wrong.empty()) attributes.Error(wrong);
+}
+
+std::string WrenchModel::Text(const RobotModel& robot) const {
+  double mass_kg = part.mass_kg;
+  for (const int link : beyond) mass_kg += robot.links[static_cast<std::size_t>(link)].mass_kg;
+  return "at " + joint + ", on which " + Rounded4(mass_kg) + " kg hang";
 }
 
 }  // namespace coopdyn

@@ -8,6 +8,7 @@
 
 #include "server/model/robot_model.h"
 #include "server/model/sdf_sensors.h"
+#include "server/model/sensor_text.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
@@ -220,21 +221,37 @@ std::string_view ToString(ChannelModel::Quantity quantity) {
   return "";
 }
 
-void ReadInto(ChannelModel& sensor, const SensorSource& source) {
-  if (auto v = source.attributes.Integer("steps", 1, 1'000'000)) sensor.steps = *v;
-  if (auto v = source.attributes.Integer("port", 1, 65535)) sensor.port = *v;
+void ChannelModel::Read(const SensorSource& source) {
+  if (auto v = source.attributes.Integer("steps", 1, 1'000'000)) steps = *v;
+  if (auto v = source.attributes.Integer("port", 1, 65535)) port = *v;
   for (std::string& name : SplitWords(source.attributes.Text("abort").value_or("")))
-    sensor.abort.push_back(std::move(name));
+    abort.push_back(std::move(name));
   source.ForEachChild({"coopdyn:motor", "coopdyn:value"}, [&](XmlAttributes& child, std::string_view name) {
-    if (sensor.motors.size() + sensor.values.size() == ChannelModel::kMaxValues)
+    if (motors.size() + values.size() == ChannelModel::kMaxValues)
       child.Error("a channel has at most " + std::to_string(ChannelModel::kMaxValues) + " motors and values");
-    if (sensor.motors.size() + sensor.values.size() >= ChannelModel::kMaxValues) return;
+    if (motors.size() + values.size() >= ChannelModel::kMaxValues) return;
     if (name == "coopdyn:motor") {
-      sensor.motors.push_back(ReadMotor(child, source.robot));
+      motors.push_back(ReadMotor(child, source.robot));
     } else {
-      sensor.values.push_back(ReadValue(child, source));
+      values.push_back(ReadValue(child, source));
     }
   });
+}
+
+std::vector<std::string> ChannelModel::ValueNames() const {
+  std::vector<std::string> names;
+  for (std::size_t i = 0, number = 0; i < values.size(); ++i) {
+    const std::string& name = values[i].name;
+    number = i > 0 && values[i - 1].name == name ? number + 1 : 1;
+    const bool has_more = i + 1 < values.size() && values[i + 1].name == name;
+    names.push_back(number > 1 || has_more ? name + "_" + std::to_string(number) : name);
+  }
+  return names;
+}
+
+std::string ChannelModel::Text(const RobotModel& /*robot*/) const {
+  return Several(motors.size(), "motor") + ", " + Several(values.size(), "value") +
+         (steps > 1 ? ", every " + Several(static_cast<std::size_t>(steps), "step") : "");
 }
 
 void ReadLimiters(const tinyxml2::XMLElement& model, RobotModel& robot) {
