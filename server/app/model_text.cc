@@ -13,10 +13,6 @@ namespace coopdyn {
 
 namespace {
 
-std::string Rounded4(double value) {
-  return FormatNumber(std::round(value * 1e4) / 1e4);
-}
-
 /// The extent of the collisions, or else of the visuals, of all links.
 Vector3 Extent(const RobotModel& model, std::vector<LinkShape> LinkModel::*shapes) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
@@ -33,10 +29,6 @@ Vector3 Extent(const RobotModel& model, std::vector<LinkShape> LinkModel::*shape
 }
 
 }  // namespace
-
-std::string CountOf(std::size_t count, const std::string& noun) {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
-}
 
 std::vector<std::size_t> MovingJoints(const RobotModel& model) {
   std::vector<std::size_t> joints;

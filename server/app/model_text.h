@@ -11,8 +11,6 @@
 
 namespace coopdyn {
 
-/// `3 joints`.
-std::string CountOf(std::size_t count, const std::string& noun);
 /// Counts, mass and size.
 std::string SummaryOf(const RobotModel& model);
 /// `link cup: its mesh collides as 7 convex parts`, one line per link with such meshes.

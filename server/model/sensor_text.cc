@@ -1,18 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "server/model/sensor_text.h"
 
-#include <cmath>
-
 #include "server/model/values.h"
 
 namespace coopdyn {
 
-std::string Rounded4(double value) {
-  return FormatNumber(std::round(value * 1e4) / 1e4);
-}
-std::string Several(std::size_t count, const char* noun) {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
-}
 std::string Span(double min_m, double max_m) {
   return Rounded4(min_m) + " to " + Rounded4(max_m) + " m";
 }

@@ -12,8 +12,6 @@ namespace coopdyn {
 std::string Describe(const SensorModel& sensor, const RobotModel& robot);
 
 // Parts of such texts.
-std::string Rounded4(double value);
-std::string Several(std::size_t count, const char* noun);
 std::string Span(double min_m, double max_m);
 std::string On(const Mount& mount, const RobotModel& robot);
 

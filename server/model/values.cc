@@ -114,4 +114,12 @@ std::string FormatNumber(double value) {
   return code == std::errc() ? std::string(buffer, end) : std::string("?");
 }
 
+std::string Rounded4(double value) {
+  return FormatNumber(std::round(value * 1e4) / 1e4);
+}
+
+std::string CountOf(std::size_t count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
 }  // namespace coopdyn

@@ -30,5 +30,10 @@ std::optional<double> ParsePlain(std::string_view word);
 
 /// `value` for people: up to 12 digits, without trailing zeros.
 std::string FormatNumber(double value);
+/// Like FormatNumber(), with up to four decimals.
+std::string Rounded4(double value);
+
+/// `3 joints`.
+std::string CountOf(std::size_t count, const std::string& noun);
 
 }  // namespace coopdyn

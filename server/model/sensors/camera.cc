@@ -8,6 +8,7 @@
 #include "server/base/portable_math.h"
 #include "server/model/sdf_sensors.h"
 #include "server/model/sensor_text.h"
+#include "server/model/values.h"
 
 namespace coopdyn {
 

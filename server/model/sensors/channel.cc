@@ -8,7 +8,6 @@
 
 #include "server/model/robot_model.h"
 #include "server/model/sdf_sensors.h"
-#include "server/model/sensor_text.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
@@ -250,8 +249,8 @@ std::vector<std::string> ChannelModel::ValueNames() const {
 }
 
 std::string ChannelModel::Text(const RobotModel& /*robot*/) const {
-  return Several(motors.size(), "motor") + ", " + Several(values.size(), "value") +
-         (steps > 1 ? ", every " + Several(static_cast<std::size_t>(steps), "step") : "");
+  return CountOf(motors.size(), "motor") + ", " + CountOf(values.size(), "value") +
+         (steps > 1 ? ", every " + CountOf(static_cast<std::size_t>(steps), "step") : "");
 }
 
 void ReadLimiters(const tinyxml2::XMLElement& model, RobotModel& robot) {

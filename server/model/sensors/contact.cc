@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "server/model/sdf_sensors.h"
-#include "server/model/sensor_text.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
@@ -62,7 +61,7 @@ void ContactModel::Read(const SensorSource& source) {
 }
 
 std::string ContactModel::Text(const RobotModel& /*robot*/) const {
-  return Several(parts.size(), "shape") + (zones.empty() ? "" : ", " + Several(zones.size(), "zone"));
+  return CountOf(parts.size(), "shape") + (zones.empty() ? "" : ", " + CountOf(zones.size(), "zone"));
 }
 
 }  // namespace coopdyn

@@ -8,7 +8,7 @@
 
 #include "server/base/portable_math.h"
 #include "server/model/sdf_sensors.h"
-#include "server/model/sensor_text.h"
+#include "server/model/values.h"
 
 namespace coopdyn {
 
@@ -83,7 +83,7 @@ void DistanceModel::Read(const SensorSource& source) {
 std::string DistanceModel::Text(const RobotModel& /*robot*/) const {
   double most_m = 0;
   for (const SectorModel& sector : sectors) most_m = std::max(most_m, sector.max_range_m);
-  return Several(sectors.size(), "sector") + ", to " + Rounded4(most_m) + " m";
+  return CountOf(sectors.size(), "sector") + ", to " + Rounded4(most_m) + " m";
 }
 
 }  // namespace coopdyn

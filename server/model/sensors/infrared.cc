@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "server/model/sdf_sensors.h"
-#include "server/model/sensor_text.h"
+#include "server/model/values.h"
 
 namespace coopdyn {
 
@@ -100,7 +100,7 @@ void InfraredModel::Read(const SensorSource& source) {
 }
 
 std::string InfraredModel::Text(const RobotModel& /*robot*/) const {
-  return Several(eyes.size(), "eye") + ", to " + Rounded4(max_range_m) + " m";
+  return CountOf(eyes.size(), "eye") + ", to " + Rounded4(max_range_m) + " m";
 }
 
 }  // namespace coopdyn

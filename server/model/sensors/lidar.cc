@@ -4,6 +4,7 @@
 
 #include "server/model/sdf_sensors.h"
 #include "server/model/sensor_text.h"
+#include "server/model/values.h"
 
 namespace coopdyn {
 
@@ -51,7 +52,7 @@ std::string LidarModel::Wrong() const {
 }
 
 std::string LidarModel::Text(const RobotModel& robot) const {
-  return Several(rays(), "ray") + ", " + Span(min_range_m, max_range_m) + ", " + On(mount, robot);
+  return CountOf(rays(), "ray") + ", " + Span(min_range_m, max_range_m) + ", " + On(mount, robot);
 }
 
 }  // namespace coopdyn

@@ -3,7 +3,7 @@
 #include "server/model/sensor_models.h"
 
 #include "server/model/sdf_sensors.h"
-#include "server/model/sensor_text.h"
+#include "server/model/values.h"
 
 namespace coopdyn {
 
@@ -32,7 +32,7 @@ void LightModel::Read(const SensorSource& source) {
 }
 
 std::string LightModel::Text(const RobotModel& /*robot*/) const {
-  return Several(eyes.size(), "eye");
+  return CountOf(eyes.size(), "eye");
 }
 
 }  // namespace coopdyn

@@ -3,7 +3,7 @@
 #include "server/model/sensor_models.h"
 
 #include "server/model/sdf_sensors.h"
-#include "server/model/sensor_text.h"
+#include "server/model/values.h"
 
 namespace coopdyn {
 

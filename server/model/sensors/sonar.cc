@@ -7,6 +7,7 @@
 #include "server/base/portable_math.h"
 #include "server/model/sdf_sensors.h"
 #include "server/model/sensor_text.h"
+#include "server/model/values.h"
 
 namespace coopdyn {
 
@@ -51,7 +52,7 @@ void SonarModel::Read(const SensorSource& source) {
 
 std::string SonarModel::Text(const RobotModel& /*robot*/) const {
   if (beams.empty()) return "";
-  return Several(beams.size(), "beam") + ", " + Span(beams.front().min_range_m, beams.front().max_range_m);
+  return CountOf(beams.size(), "beam") + ", " + Span(beams.front().min_range_m, beams.front().max_range_m);
 }
 
 Vector3 SonarModel::Beam::Direction(int index) const {

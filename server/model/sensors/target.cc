@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "server/model/sdf_sensors.h"
-#include "server/model/sensor_text.h"
+#include "server/model/values.h"
 
 namespace coopdyn {
 

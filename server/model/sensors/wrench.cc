@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "server/model/sdf_sensors.h"
-#include "server/model/sensor_text.h"
 #include "server/model/values.h"
 
 namespace coopdyn {
