@@ -76,7 +76,7 @@ std::optional<Vector3> ReadMotion(SectionReader& reader, const std::string& key,
 /// Reads a thing's contact properties and initial motion. @pre `object` has its shape and mass
 void ReadTouchAndMotion(SectionReader& reader, WorldObject& object) {
   constexpr double kMaxSpeed_m_s = 90,
-                   kMaxTurnRate_rad_s = 900;  // physics freezes a body slightly above these
+                   kMaxTurnRate_rad_s = 9000;  // physics freezes a body slightly above these
   Take(reader.Number("friction", Quantity::kPlain, 0, kMaxFriction), object.friction);
   Take(reader.Number("bounce", Quantity::kPlain, 0, 1), object.restitution);
   if (!object.is_static()) object.rolling_friction_m = UsualRollingFriction_m(object.shape);

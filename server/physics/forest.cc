@@ -76,7 +76,10 @@ int Forest::Add(const Mechanism& mechanism, std::span<const BodyState> bodies) {
       node.model = mechanism.joints[static_cast<std::size_t>(limb.joint)].model;
       node.parent = first + limb.parent;
     }
-    if (node.model != nullptr) node.arm_W = node.R_WR * (node.rigid->X_RB.p - node.model->p_RJ);
+    if (node.model != nullptr) {
+      node.arm_R = node.rigid->X_RB.p - node.model->p_RJ;
+      Carry(node);
+    }
     node.origin = limb.parent < 0 ? node.state.p_WB : at(nodes_, node.parent).origin;
     AddDofs(node, index);
     if (node.model != nullptr) {
@@ -161,12 +164,14 @@ void Forest::AddUp(std::span<const double> rates, bool at_start) {
     }
     node.velocity = {w, v};
     node.bias = {dw, dv};
-    const Vector3 L = node.inertia.Angular(w, v), P = node.inertia.Linear(w, v);
+    const Inertia inertia = node.inertia;
+    const Vector3 L = inertia.Angular(w, v), P = inertia.Linear(w, v);
     if (at_start) node.momentum = {L, P};
-    const Vector3 torque = node.inertia.Angular(dw, dv) + w.cross(L) + v.cross(P);
-    node.load = node.inertia.Linear(dw, dv) + w.cross(P);
+    const Vector3 torque = inertia.Angular(dw, dv) + w.cross(L) + v.cross(P);
+    const Vector3 load = inertia.Linear(dw, dv) + w.cross(P);
+    node.load = load;
     node.force.head<3>() = node.momentum.angular - dt_s_ * torque;
-    node.force.tail<3>() = node.momentum.linear - dt_s_ * node.load;
+    node.force.tail<3>() = node.momentum.linear - dt_s_ * load;
   }
   for (std::size_t n = nodes_.size(); n-- > 0;) {
     const Node& node = nodes_[n];

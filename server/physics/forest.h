@@ -99,6 +99,9 @@ class Forest {
   double TurnRate_rad_s() const;
   /// Scales the joints' `rates` by `share`, and updates the bodies' twists.
   void SlowJoints(double share, std::span<double> rates);
+  /// Return() moves all bodies back to where they were at Save(), with the rates of that moment.
+  void Save();
+  void Return();
   /// Begins the next step where Move() has ended, with `rates`.
   void Continue(std::span<const double> rates);
   struct Energy {
@@ -135,23 +138,28 @@ class Forest {
   struct Twist {
     Vector3 angular = Vector3::Zero(), linear = Vector3::Zero();
   };
-  struct Node {
-    const RigidBody* rigid = nullptr;
-    const JointModel* model = nullptr;  // null: a root
-    int parent = kNone;                 // node
-    int sign = 1;
-    int dofs = 0, first_dof = 0, end = kNone;
+  /// Where a node's body is.
+  struct Posture {
     BodyState state;
     Quaternion R_WR;                  // of the model's axes, carried by this body
     Quaternion q_rel;                 // of a ball joint: relative to the parent, in the parent's axes
     double position = 0;              // of its joint
     double position2 = 0;             // of a universal joint's second axis
-    double rate = 0;                  // of its joint's first axis, for the armature
     Vector3 arm_W = Vector3::Zero();  // from its joint, carried by it, to its centre of mass
-    Vector3 origin;                   // the tree's reference point
-    Inertia inertia;                  // of this body
-    Inertia subtree;                  // of this body and its descendants, rigidly connected
-    Matrix6 articulated;              // articulated-body inertia of the same
+    Vector3 axis_W;                   // of a joint with one axis, in the direction of its rate
+  };
+  struct Node : Posture {
+    const RigidBody* rigid = nullptr;
+    const JointModel* model = nullptr;  // null: a root
+    int parent = kNone;                 // node
+    int sign = 1;
+    int dofs = 0, first_dof = 0, end = kNone;
+    double rate = 0;       // of its joint's first axis, for the armature
+    Vector3 arm_R;         // arm_W in the model's axes
+    Vector3 origin;        // the tree's reference point
+    Inertia inertia;       // of this body
+    Inertia subtree;       // of this body and its descendants, rigidly connected
+    Matrix6 articulated;   // articulated-body inertia of the same
     Spatial passed;        // in Transform(): impulse that its joints pass on; in Finish(): its velocity
     Twist velocity, bias;  // bias: acceleration without that of the degrees of freedom, with gravity
     Twist momentum;        // at the beginning of the step
@@ -175,9 +183,12 @@ class Forest {
   /// Computes a joint's position and rates from its two bodies.
   void Measure(Node& node);
   void AddAxes(const Node& node);
+  /// Makes the joint's arm and axis of the body's orientation.
+  static void Carry(Node& node);
   void Place(Node& node, const double* rates, double dt_s);
 
   std::vector<Node> nodes_;
+  std::vector<Posture> saved_postures_;
   Vector3 g_W_ = Vector3::Zero();  // of this step
   double dt_s_ = 0;                // likewise
   // By degree of freedom.
@@ -185,7 +196,7 @@ class Forest {
   std::vector<std::size_t> offsets_;  // into paths_
   std::vector<Spatial> axes_;
   std::vector<Spatial> gains_;  // articulated inertia times axis, divided by the pivot
-  std::vector<double> rates_, momentum_, masses_, pivots_;
+  std::vector<double> rates_, saved_rates_, momentum_, masses_, pivots_;
   std::vector<int> paths_;  // the chains
 };
 

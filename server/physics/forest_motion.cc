@@ -40,27 +40,27 @@ void Forest::Measure(Node& node) {
   const Node& parent = at(nodes_, node.parent);
   const JointModel& joint = *node.model;
   const Quaternion q = parent.R_WR.conjugate() * node.R_WR;
-  const Vector3 w = node.state.w_WB - parent.state.w_WB, axis_W = node.R_WR * joint.axis_R;
+  const Vector3 w = node.state.w_WB - parent.state.w_WB;
   double* const rates = &at(rates_, node.first_dof);
   const auto slide = [&] {
     const Vector3 here = Carried(node, joint.p_RJ);
-    return node.sign * axis_W.dot(here - Carried(parent, joint.p_RJ));
+    return node.axis_W.dot(here - Carried(parent, joint.p_RJ));
   };
   switch (joint.kind) {
     case Kind::kHinge:
       node.position = node.sign * AngleAbout(q, joint.axis_R);
-      rates[0] = node.sign * axis_W.dot(w);
+      rates[0] = node.axis_W.dot(w);
       break;
     case Kind::kScrew:
       node.position = slide() / joint.pitch_m_rad;
-      rates[0] = node.sign * axis_W.dot(w);
+      rates[0] = node.axis_W.dot(w);
       break;
     case Kind::kSlider: {
       const Vector3 here = Carried(node, joint.p_RJ);
       const Vector3 v = node.state.v_WB + node.state.w_WB.cross(here - node.state.p_WB) - parent.state.v_WB -
                         parent.state.w_WB.cross(here - parent.state.p_WB);
       node.position = slide();
-      rates[0] = node.sign * axis_W.dot(v);
+      rates[0] = node.axis_W.dot(v);
       break;
     }
     case Kind::kUniversal: {
@@ -98,16 +98,15 @@ void Forest::AddAxes(const Node& node) {
   const Node& parent = at(nodes_, node.parent);
   const Vector3 lever = node.origin - (node.state.p_WB - node.arm_W);
   const auto turning = [&](const Vector3& axis_W) { return Join(axis_W, axis_W.cross(lever)); };
-  const Vector3 axis_W = node.sign * (node.R_WR * joint.axis_R);
   switch (joint.kind) {
     case Kind::kHinge:
-      axes[0] = turning(axis_W);
+      axes[0] = turning(node.axis_W);
       break;
     case Kind::kScrew:
-      axes[0] = turning(axis_W) + Join(Vector3::Zero(), joint.pitch_m_rad * axis_W);
+      axes[0] = turning(node.axis_W) + Join(Vector3::Zero(), joint.pitch_m_rad * node.axis_W);
       break;
     case Kind::kSlider:
-      axes[0] = Join(Vector3::Zero(), axis_W);
+      axes[0] = Join(Vector3::Zero(), node.axis_W);
       break;
     case Kind::kUniversal: {
       const auto [a, b] = AxesOf(joint, node.sign);
@@ -167,13 +166,23 @@ void Forest::SetRates(std::span<const double> rates) {
       const auto [a, b] = AxesOf(joint, node.sign);
       body.w_WB += own[0] * (at(nodes_, node.parent).R_WR * a) + own[1] * (node.R_WR * b);
     } else {
-      const Vector3 moves = node.sign * own[0] * (node.R_WR * joint.axis_R);
+      const Vector3 moves = own[0] * node.axis_W;
       if (joint.kind != Kind::kSlider) body.w_WB += moves;
       if (joint.kind == Kind::kSlider) body.v_WB += moves;
       if (joint.kind == Kind::kScrew) body.v_WB += joint.pitch_m_rad * moves;
     }
     body.v_WB += body.w_WB.cross(node.arm_W);
   }
+}
+
+void Forest::Save() {
+  saved_postures_.assign(nodes_.begin(), nodes_.end());
+  saved_rates_ = rates_;
+}
+
+void Forest::Return() {
+  for (std::size_t i = 0; i < nodes_.size(); ++i) static_cast<Posture&>(nodes_[i]) = saved_postures_[i];
+  rates_ = saved_rates_;
 }
 
 void Forest::Continue(std::span<const double> rates) {
@@ -185,7 +194,10 @@ void Forest::Continue(std::span<const double> rates) {
 }
 
 bool Forest::IsViolent() const {
-  return std::ranges::any_of(nodes_, [](const Node& node) { return LimitRatio(node.state) > 1; });
+  constexpr double kViolent_rad_s = 1000;
+  return std::ranges::any_of(nodes_, [](const Node& node) {
+    return LimitRatio(node.state) > 1 || node.state.w_WB.norm() > kViolent_rad_s;
+  });
 }
 
 Forest::Energy Forest::EnergyAt(const Vector3& g_W) const {
@@ -242,6 +254,11 @@ void Forest::Slow(double energy_j, double kinetic_j, std::span<double> rates) {
   SetRates(rates);
 }
 
+void Forest::Carry(Node& node) {
+  node.arm_W = node.R_WR * node.arm_R;
+  if (node.model->has_axis()) node.axis_W = node.sign * (node.R_WR * node.model->axis_R);
+}
+
 void Forest::Place(Node& node, const double* rates, double dt_s) {
   const Node& parent = at(nodes_, node.parent);
   const JointModel& joint = *node.model;
@@ -268,7 +285,7 @@ void Forest::Place(Node& node, const double* rates, double dt_s) {
     }
   }
   node.R_WR.normalize();
-  node.arm_W = node.R_WR * (node.rigid->X_RB.p - joint.p_RJ);
+  Carry(node);
   body.p_WB += node.arm_W;
   Orient(body, node.R_WR * node.rigid->X_RB.q);
 }

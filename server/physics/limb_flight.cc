@@ -28,11 +28,9 @@ bool LimbSolver::Fly(double dt_s) {
   const double turn_rad = forest_.FreeTurnRate_rad_s() * dt_s;
   int parts = 1;
   while (parts < kMostParts && turn_rad > kTurn_rad * parts) parts *= 2;
+  forest_.Save();
   for (const int first = parts;;) {
-    if (parts > first) {
-      forest_.Clear();
-      for (const Member& member : members_) forest_.Add(*member.mechanism, member.bodies);
-    }
+    if (parts > first) forest_.Return();
     const double most_swing_rad = parts < kUsualParts ? kSwing_rad : kInfinity;
     const Flight flight = FlyParts(parts, dt_s / parts, most_swing_rad);
     if (flight.swing_rad > most_swing_rad) {

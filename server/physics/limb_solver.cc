@@ -43,7 +43,6 @@ void LimbSolver::Load(std::uint32_t thing, const Actor& actor, std::span<const C
   member.first_effort = efforts_.size();
   member.channels = channels;
   member.rows = rows;
-  member.bodies = {actor.bodies, mechanism.bodies.size()};
   efforts_.resize(efforts_.size() + mechanism.joints.size());
   pushes_.resize(static_cast<std::size_t>(forest_.dof_count()));
   step_s_ = dt_s;
@@ -95,8 +94,8 @@ bool LimbSolver::Advance(double dt_s) {
   forest_.Move(rates_, dt_s);
   forest_.SetRates(rates_);
   if (is_fast) LimitGain(before);
-  // A light hand that hits the floor may turn faster than kMaxTurnRate_rad_s, which would freeze its robot.
-  constexpr double kMostTurn_rad_s = 0.9 * kMaxTurnRate_rad_s;
+  // A light hand that hits the floor would get a turn rate that no hand has.
+  constexpr double kMostTurn_rad_s = 900;
   const double turn_rad_s = forest_.TurnRate_rad_s();
   if (turn_rad_s > kMostTurn_rad_s) forest_.SlowJoints(kMostTurn_rad_s / turn_rad_s, rates_);
   return is_solved;

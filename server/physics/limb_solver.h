@@ -65,7 +65,6 @@ class LimbSolver {
     std::size_t first_effort = 0;  // of efforts_, by joint
     std::span<const ChannelState> channels;
     std::span<const JointRow> rows;
-    std::span<const BodyState> bodies;  // at the step's beginning
   };
   /// A spring and a damper. Until FitSprings(), targets and softnesses have their forces at the step's end.
   struct Resistance {

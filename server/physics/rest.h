@@ -50,7 +50,7 @@ struct FrozenBody {
 };
 
 inline constexpr double kMaxSpeed_m_s = 100;
-inline constexpr double kMaxTurnRate_rad_s = 1000;
+inline constexpr double kMaxTurnRate_rad_s = 10'000;  // a ball of 1 cm that rolls at 100 m/s
 
 /// Why `state` is not sane, e.g. "speed 312 m/s"; nullopt if it is sane.
 std::optional<std::string> FindFault(const BodyState& state);

@@ -119,6 +119,57 @@ TEST_P(FreeMotionTest, AGyroscopePrecessesAtItsRate) {
   EXPECT_NEAR(angle_rad / 10, kPrecession_rad_s, 0.005 * kPrecession_rad_s);
 }
 
+// A disc that turns freely on an axle, which a ball joint holds at its end.
+TEST_P(FreeMotionTest, ARotorOnAnAxlePrecessesAtItsRate) {
+  RobotModel model = OnAPost();
+  model.links.push_back(Link("axle", {0.05, 0, 3}, 0.1, 1e-4));
+  model.links.push_back(Link("disc", {0.1, 0, 3}, 1, 0));
+  model.links[2].inertia_kg_m2 = {0.0025, 0.00125, 0.00125};
+  for (const std::size_t link : {1, 2}) model.links[link].collisions.clear();
+  model.joints = {Hinge("ball", 0, 1, {0, 0, 3}), Hinge("bearing", 1, 2, {0.1, 0, 3})};
+  model.joints[0].kind = JointModel::Kind::kBall;
+  model.joints[1].axis_R = Vector3::UnitX();
+  Add(model);
+  constexpr double kSpin_rad_s = 100, kPrecession_rad_s = kG * (0.1 + 0.1 * 0.05) / (0.0025 * kSpin_rad_s);
+  auto frame = scene_.Capture();
+  for (const std::size_t body : {1, 2}) {
+    BodyState& state = frame->bodies[body];
+    state.w_WB = {0, 0, kPrecession_rad_s};
+    state.v_WB = state.w_WB.cross(state.p_WB - Vector3(0, 0, 3));
+  }
+  frame->bodies[2].w_WB.x() = kSpin_rad_s;
+  scene_.Restore(*frame);
+  double angle_rad = 0, last_rad = 0;
+  for (int i = 0; i < 5000 / GetParam(); ++i) {
+    scene_.Run(1);
+    const Vector3 p_W = LinkPose(*scene_.Capture(), 0, 2).p;
+    const double now_rad = std::atan2(p_W.y(), p_W.x());
+    angle_rad += std::remainder(now_rad - std::exchange(last_rad, now_rad), 2 * std::numbers::pi);
+    EXPECT_NEAR(p_W.z(), 3, 1e-3);
+  }
+  EXPECT_NEAR(angle_rad / 5, kPrecession_rad_s, 0.005 * kPrecession_rad_s);
+}
+
+// The axis of a free top turns about its angular momentum L at L / I, with I across the axis.
+TEST_P(FreeMotionTest, AFreeTopPrecessesAtItsRate) {
+  scene_.step_length = GetParam() * 1'000'000;
+  constexpr double kMass_kg = 1, kRadius_m = 0.1, kLength_m = 0.05;
+  constexpr double kAlong = kMass_kg * kRadius_m * kRadius_m / 2,
+                   kAcross = kMass_kg * (3 * kRadius_m * kRadius_m + kLength_m * kLength_m) / 12;
+  WorldObject top;
+  top.shape = Cylinder{kRadius_m, kLength_m};
+  top.X_WO = At(0, 0, 3);
+  top.mass_kg = kMass_kg;
+  const Vector3 w_W(20, 0, 100), L_W(kAcross * w_W.x(), 0, kAlong * w_W.z());
+  top.w_WO = w_W;
+  scene_.SetGravity(0).Add(top);
+  constexpr double kDuration_s = 2;
+  scene_.RunFor(kDuration_s);
+  const Quaternion turned(Eigen::AngleAxisd(L_W.norm() / kAcross * kDuration_s, L_W.normalized()));
+  const Vector3 axis_W = scene_.object(0).q * Vector3::UnitZ();
+  EXPECT_LT((axis_W - turned * Vector3::UnitZ()).norm(), 0.02);
+}
+
 TEST_P(FreeMotionTest, AThrownBoxKeepsEnergyMomentumAndItsParabola) {
   scene_.step_length = GetParam() * 1'000'000;
   const Vector3 size_m(0.1, 0.2, 0.4);

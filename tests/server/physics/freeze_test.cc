@@ -71,6 +71,43 @@ TEST(Freeze, BodyThatIsNotFiniteIsHeldWithoutEndingTheProcess) {
   EXPECT_LT((test.scene.robot(1).p - test.before.p).norm(), 1e-9);
 }
 
+// A small thing turns fast: a ball of 5 mm that rolls at 20 m/s does at 4000 rad/s.
+TEST(Freeze, ASmallBallRollsAsFastAsALargeOne) {
+  for (const int step_ms : {1, 5, 10}) {
+    constexpr double kRadius_m = 0.005, kSpeed_m_s = 20;
+    PhysicsScene scene;
+    scene.step_length = step_ms * 1'000'000;
+    WorldObject ball;
+    ball.shape = Sphere{kRadius_m};
+    ball.X_WO = At(0, 0, kRadius_m);
+    ball.mass_kg = 0.004;
+    ball.rolling_friction_m = 0;
+    ball.v_WO = {kSpeed_m_s, 0, 0};
+    ball.w_WO = {0, kSpeed_m_s / kRadius_m, 0};
+    scene.Add(ball);
+    scene.RunFor(1);
+    EXPECT_FALSE(scene.object_body(0).frozen()) << step_ms;
+    EXPECT_NEAR(scene.object(0).p.x(), 20, 0.02) << step_ms;
+    EXPECT_NEAR(scene.object_body(0).w_WB.y(), 4000, 4) << step_ms;
+  }
+}
+
+TEST(Freeze, ASmallCylinderSpinsOnInFlight) {
+  for (const int step_ms : {1, 5, 10}) {
+    PhysicsScene scene;
+    scene.step_length = step_ms * 1'000'000;
+    WorldObject pin;
+    pin.shape = Cylinder{0.005, 0.005};
+    pin.X_WO = At(0, 0, 1);
+    pin.mass_kg = 0.004;
+    pin.w_WO = {0, 0, 3000};
+    scene.SetGravity(0).Add(pin);
+    scene.RunFor(2);
+    EXPECT_FALSE(scene.object_body(0).frozen()) << step_ms;
+    EXPECT_LT((scene.object_body(0).w_WB - Vector3(0, 0, 3000)).norm(), 1e-3) << step_ms;
+  }
+}
+
 TEST(Freeze, FrozenBodyIsAnObstacleThatDoesNotMove) {
   PhysicsScene scene;
   scene.AddRobot(0, 0).Add(Box{Vector3(0.3, 0.3, 0.3)}, {{1, 0, 0.15}, Quaternion::Identity()}, 0.1);

@@ -121,6 +121,34 @@ TEST_P(StartMotionTest, GravityMayPointAside) {
   EXPECT_LT((scene_.object(0).p - Vector3(0.25, -0.125, 1 + 0.5 - 0.375)).norm(), 1e-9);
 }
 
+// Gravity of any size, and a floor across it.
+TEST_P(StartMotionTest, AThingFallsByItsParabolaInAHundredfoldGravity) {
+  WorldObject ball = Ball(3);
+  ball.v_WO = {2, 0, 0};
+  scene_.SetGravity(1000).Add(ball);
+  scene_.RunFor(0.05);
+  EXPECT_LT((scene_.object(0).p - Vector3(0.1, 0, 3 - 1000 * 0.05 * 0.05 / 2)).norm(), 1e-9);
+  EXPECT_NEAR(scene_.object_body(0).v_WB.z(), -50, 1e-9);
+}
+
+TEST_P(StartMotionTest, ABoxRestsInAHundredfoldGravity) {
+  scene_.SetGravity(1000).Add(Box{Vector3(0.2, 0.2, 0.2)}, At(0, 0, 0.1), 2);
+  scene_.RunFor(2);
+  EXPECT_LT((scene_.object(0).p - Vector3(0, 0, 0.1)).norm(), 1e-3);
+  EXPECT_LT(scene_.object_body(0).v_WB.norm(), 1e-3);
+}
+
+TEST_P(StartMotionTest, ABoxRestsOnASlopeAcrossATiltedGravity) {
+  const Quaternion q = FromRollPitchYaw(0.2, 0.4, 0);
+  scene_.SetGravity(Vector3(q * Vector3(0, 0, -kG)));
+  scene_.Add(Box{Vector3(2, 2, 0.2)}, {{0, 0, 3}, q}, 0, 0.1);
+  const Vector3 start_W = Vector3(0, 0, 3) + q * Vector3(0, 0, 0.2);
+  scene_.Add(Box{Vector3(0.2, 0.2, 0.2)}, {start_W, q}, 2, 0.1);
+  scene_.RunFor(5);
+  EXPECT_LT((scene_.object(1).p - start_W).norm(), 1e-3);
+  EXPECT_LT(scene_.object_body(1).v_WB.norm(), 1e-3);
+}
+
 // With gravity to the side, a floor is a slope.
 TEST_P(StartMotionTest, ABoxSlidesWhereGravityPointsAside) {
   const double along_m_s2 = kG * std::sin(0.4), down_m_s2 = kG * std::cos(0.4);
