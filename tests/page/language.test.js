@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The languages of the page: its tables of texts, and what one sees in another language than English.
 import assert from 'node:assert/strict';
-import {test} from 'node:test';
-import {eventually, newPage, openClassroom, startClass, startDaemon} from './harness.js';
+import {afterEach, test} from 'node:test';
+import {endAll, eventually, newPage, openClassroom, startClass, startDaemon} from './harness.js';
 import {documents, read, scripts, styles, tableOf, textsOf, textsOfHtml} from './texts.js';
+
+afterEach(endAll);  // a page that stays open draws on, which slows the tests after it
 
 const LANGUAGES = ['de', 'es', 'pt'];
 const USED = new Set([...documents().flatMap((name) => textsOfHtml(name)), ...scripts().flatMap((name) => textsOf(name).keys)]);
