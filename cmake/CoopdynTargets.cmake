@@ -67,8 +67,8 @@ if(COOPDYN_COVERAGE)
   target_link_options(coopdyn_options INTERFACE --coverage)
 endif()
 
-# Adds a library of all *.cc in this folder, and in the FOLDERS in it. LINK names our libraries and external ones alike. Sanitized builds optimise
-# only OPTIMIZED libraries, which compute: the other ones compile in a quarter of the time that way.
+# Adds a library of all *.cc in this folder and in its subfolders FOLDERS. LINK names our libraries and external ones alike.
+# Sanitized builds optimise only OPTIMIZED libraries, which compute: the other ones compile in a quarter of the time that way.
 function(coopdyn_library name)
   cmake_parse_arguments(ARG "OPTIMIZED" "" "FOLDERS;LINK" ${ARGN})
   list(TRANSFORM ARG_FOLDERS APPEND "/*.cc")

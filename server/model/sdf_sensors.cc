@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Coopdyn's sensor elements: what is common to all kinds.
+// coopdyn's own sensor elements: what all kinds have in common.
 #include "server/model/sdf_sensors.h"
 
 #include <tinyxml2.h>
