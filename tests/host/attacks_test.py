@@ -233,7 +233,7 @@ class Files(unittest.TestCase):
             host.order(do="message", seats=["ana"], text="Go on")
             self.assertFalse(kept.is_symlink())
             self.assertEqual(kept.read_text(), before)
-            self.assertIn("desk.json cannot be written", (host.folder / "host.log").read_text())
+            until(lambda: "desk.json cannot be written" in (host.folder / "host.log").read_text())
 
     def test_a_list_that_has_not_changed_is_not_written_at_a_start(self):
         with Host(REALTIME) as host:
