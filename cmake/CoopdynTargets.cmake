@@ -4,7 +4,7 @@ set(COOPDYN_SANITIZE "" CACHE STRING "Sanitizers for every target, e.g. address,
 set(COOPDYN_UNIT_TESTS ON CACHE STRING "Unit tests to build: ON, or release, asan or tsan for those of ./check all")
 option(COOPDYN_NIGHT "Build what only ./check night runs" OFF)
 option(COOPDYN_COVERAGE "Instrument for coverage" OFF)
-option(COOPDYN_FUZZ "Instrument for libFuzzer and build its targets (clang only)" OFF)
+option(COOPDYN_FUZZ "Build the targets of libFuzzer, and instrument what they test (clang only)" OFF)
 
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
@@ -46,17 +46,15 @@ if(COOPDYN_SANITIZE)
   if(COOPDYN_SANITIZE MATCHES "undefined")
     # The vptr check needs a file descriptor, and reports a valid vptr as invalid when a test has used them up. The
     # null check makes GCC 12 compile some uses of Eigen for minutes, and a null that is used crashes anyway. The
-    # alignment check takes a fifth of the build time, and our codecs copy bytes instead of pointing at them.
-    target_compile_options(coopdyn_options INTERFACE -fno-sanitize=vptr,null,alignment)
-    target_link_options(coopdyn_options INTERFACE -fno-sanitize=vptr,null,alignment)
+    # alignment check takes a fifth of the build time, and our codecs copy bytes instead of pointing at them. The
+    # object-size check takes a fifth of that of optimised libraries, and finds only what AddressSanitizer finds.
+    target_compile_options(coopdyn_options INTERFACE -fno-sanitize=vptr,null,alignment,object-size)
+    target_link_options(coopdyn_options INTERFACE -fno-sanitize=vptr,null,alignment,object-size)
   endif()
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # With instrumentation, GCC 12 warns about libstdc++'s own std::function in <regex>.
     target_compile_options(coopdyn_options INTERFACE -Wno-maybe-uninitialized)
   endif()
-endif()
-if(COOPDYN_FUZZ)
-  target_compile_options(coopdyn_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # GCC mistakes types local to one of the joined sources for parts of a header.
@@ -99,17 +97,23 @@ endfunction()
 # Adds one test program from all *.cc of this folder. It is one CTest test, because it takes longer to start than most of its
 # tests take to run; --gtest_filter=… runs some of them. Tests are most of the compiled code, and only those that compute
 # much are worth optimising: OPTIMIZED. Long programs run in several PARTS. IN names the builds that run it in `./check all`:
-# release for computations, which optimisation may change; asan for bytes and lifetimes; tsan for threads, where the filter
-# THREADED may select some tests. The thread sanitizer never runs other programs. LARGE are tests of large inputs, whose code
-# smaller ones test too: there the sanitized builds of `all` omit them, as they would take minutes.
+# release for computations, which optimisation may change; asan for bytes and lifetimes; tsan for threads. The thread sanitizer
+# never runs other programs, and compiles only the tests in the sources THREADED (globs) if there are some. LARGE are tests of
+# large inputs, whose code smaller ones test too: there the sanitized builds of `all` omit them, as they would take minutes.
 function(coopdyn_test name)
-  cmake_parse_arguments(ARG "OPTIMIZED" "PARTS;THREADED" "IN;LARGE;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "OPTIMIZED" "PARTS" "IN;LARGE;LINK;THREADED" ${ARGN})
   if(NOT ARG_IN)
     set(ARG_IN asan tsan)
   endif()
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc)
   if(NOT sources)
     return()
+  endif()
+  if(ARG_THREADED AND COOPDYN_SANITIZE STREQUAL "thread")
+    list(TRANSFORM ARG_THREADED PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+    file(GLOB threaded CONFIGURE_DEPENDS ${ARG_THREADED})
+    list(FILTER sources EXCLUDE REGEX "_test\\.cc$")
+    list(APPEND sources ${threaded})
   endif()
   add_executable(${name} ${sources})
   target_link_libraries(${name} PRIVATE coopdyn_options ${ARG_LINK} coopdyn_source_dir GTest::gtest GTest::gmock
@@ -122,12 +126,10 @@ function(coopdyn_test name)
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
     return()
   endif()
-  if(NOT ARG_THREADED OR NOT COOPDYN_SANITIZE STREQUAL "thread")
-    set(ARG_THREADED *)
-  endif()
+  set(filter *)
   if(ARG_LARGE AND COOPDYN_SANITIZE AND NOT COOPDYN_UNIT_TESTS STREQUAL "ON")
     list(JOIN ARG_LARGE ":" large)
-    string(APPEND ARG_THREADED "-${large}")
+    set(filter "*-${large}")
   endif()
   if(NOT ARG_PARTS)
     set(ARG_PARTS 1)
@@ -141,6 +143,6 @@ function(coopdyn_test name)
     add_test(NAME ${test_name} COMMAND ${name} --gtest_brief=1)
     set_tests_properties(${test_name} PROPERTIES COST 1000 TIMEOUT 1200
                          ENVIRONMENT
-      "GTEST_FILTER=${ARG_THREADED};GTEST_TOTAL_SHARDS=${ARG_PARTS};GTEST_SHARD_INDEX=${part}")
+      "GTEST_FILTER=${filter};GTEST_TOTAL_SHARDS=${ARG_PARTS};GTEST_SHARD_INDEX=${part}")
   endforeach()
 endfunction()

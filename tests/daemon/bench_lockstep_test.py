@@ -72,6 +72,13 @@ class BenchLockstepTest(unittest.TestCase):
         self.assertEqual(done.returncode, 1)
         self.assertIn(b"no_such_robot", done.stderr)
 
+    def test_numbers_that_are_none_or_too_large_are_wrong_use(self):
+        for words in (("swarm", "--range", "nan"), ("swarm", "--density", "nan"), ("swarm", "--seconds", "nan"),
+                      ("lockstep", "--range", "inf"), ("recording", "--seconds", "nan")):
+            done = subprocess.run([BINARY, "bench", *words], capture_output=True, timeout=60)
+            self.assertEqual((done.returncode, done.stdout), (2, b""), words)
+            self.assertRegex(done.stderr, rb"\A.*%s must be .*, not %s.*\n\Z" % (words[-2].encode(), words[-1].encode()))
+
     def test_without_coopdyn_bench_it_says_how_to_build_it(self):
         with tempfile.TemporaryDirectory() as folder:
             alone = shutil.copy(BINARY, Path(folder) / "coopdyn")

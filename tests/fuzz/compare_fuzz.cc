@@ -3,7 +3,7 @@
 // to a row: the row is deleted, or one of its values is changed. Nothing may crash or hang; the report names
 // the differences or the reason why the comparison is impossible.
 
-// link: coopdyn_replay coopdyn_source_dir PkgConfig::SQLITE3
+// link: coopdyn_replay coopdyn_record coopdyn_state coopdyn_source_dir PkgConfig::SQLITE3
 
 #include <sqlite3.h>
 #include <unistd.h>

@@ -2,7 +2,7 @@
 // Feeds arbitrary bytes to the decoders of a run file's contents: columns of a step, poses, exact states and
 // scenes. Nothing may crash, read past the bytes, or fill memory; a decoder's result must be encodable.
 
-// link: coopdyn_record
+// link: coopdyn_record coopdyn_state
 
 #include <cstddef>
 #include <cstdint>

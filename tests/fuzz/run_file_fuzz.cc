@@ -2,7 +2,7 @@
 // Reads arbitrary bytes as the file of a recording, completely. Nothing may crash or hang; unreadable files
 // give an error text.
 
-// link: coopdyn_record
+// link: coopdyn_record coopdyn_state
 
 // max_len: 32768
 
