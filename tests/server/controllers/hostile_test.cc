@@ -341,5 +341,50 @@ TEST(HostileTest, AHangInDestroyDoesNotHoldUpTheEnd) {
   EXPECT_TRUE(driven.run().stopped.empty());
 }
 
+struct SupervisorCase {
+  int deed;
+  const char* why;  // part of the text
+};
+
+class HostileSupervisorTest : public testing::TestWithParam<SupervisorCase> {};
+
+TEST_P(HostileSupervisorTest, StopsAloneAndTheRobotsGoOn) {
+  const Record expected = [] {
+    Driven driven(Supervised(kWatches));
+    driven.Start();
+    return driven.Steps(10);
+  }();
+  ControllerOptions options = TestOptions();
+  options.deadline = kNanosecondsPerSecond;
+  Driven driven(Supervised(GetParam().deed, 4), options);
+  driven.Start();
+  const Record& run = driven.Steps(10);
+  EXPECT_TRUE(run.setpoints == expected.setpoints);
+  ASSERT_EQ(run.stopped.size(), 1u);
+  EXPECT_EQ(run.stopped[0].robot, "supervisor overseer");
+  EXPECT_THAT(run.stopped[0].why, HasSubstr("controller overseer "));
+  EXPECT_THAT(run.stopped[0].why, HasSubstr(GetParam().why));
+  for (const Supervision& supervision : run.supervision) EXPECT_TRUE(supervision.empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Deeds, HostileSupervisorTest,
+    testing::Values(SupervisorCase{kMovesTooMany, "moves 4097 things in one step: at most 4096"},
+                    SupervisorCase{kMovesToNowhere, "to nan 0 0"},
+                    SupervisorCase{kTurnsWrongly, "a quaternion has length 1"},
+                    SupervisorCase{kLogsTooMuch, "logged 17 numbers in one step: at most 16"},
+                    SupervisorCase{kLogsNotANumber, "logged energy = nan: it must be a finite number"},
+                    SupervisorCase{kLogsUnderABadName, "logged 'my energy': a name is a letter"},
+                    SupervisorCase{kLogsUnderALongName, "at most 63"},
+                    SupervisorCase{kOtherSupervision, "changed a pointer"},
+                    SupervisorCase{kOtherMoves, "changed a pointer"},
+                    SupervisorCase{kOtherLogs, "changed a pointer"},
+                    SupervisorCase{kWritesPastMoves, "segmentation fault"},
+                    SupervisorCase{kWritesPastLogs, "segmentation fault"},
+                    SupervisorCase{kWritesWorld, "segmentation fault"},
+                    SupervisorCase{kOverseerThrows, "threw an exception in step() (no whistle)"},
+                    SupervisorCase{kOverseerCrashes, "abort"},
+                    SupervisorCase{kOverseerHangs, "did not return within 1 s"}));
+
 }  // namespace
 }  // namespace coopdyn

@@ -12,13 +12,6 @@ namespace {
 
 using testing::HasSubstr;
 
-Swarm Supervised(int deed, int at = -1) {
-  Swarm swarm;
-  swarm.Mark(3, 1);
-  for (int i = 0; i < 5; ++i) swarm.Add(i == 4 ? "" : Sample(i % 2 == 0 ? "diffuse" : "flock"));
-  return swarm.Supervise(TestPlugin("overseer"), {{"deed", deed}, {"at", at}});
-}
-
 double LoggedIn(const Supervision& supervision, const std::string& name) {
   const auto found = std::ranges::find(supervision.logs, name, &Supervision::Log::name);
   return found == supervision.logs.end() ? -1 : found->value;
@@ -157,51 +150,6 @@ TEST(SupervisorCheckTest, ABrokenOneIsAWarning) {
   EXPECT_THAT(SupervisorCheckOf(Swarm().Supervise(TestPlugin("two_minds"))),
               HasSubstr("a supervisor has no robot, so it takes COOPDYN_WORLD alone"));
 }
-
-struct SupervisorCase {
-  int deed;
-  const char* why;  // part of the text
-};
-
-class HostileSupervisorTest : public testing::TestWithParam<SupervisorCase> {};
-
-TEST_P(HostileSupervisorTest, StopsAloneAndTheRobotsGoOn) {
-  const Record expected = [] {
-    Driven driven(Supervised(kWatches));
-    driven.Start();
-    return driven.Steps(10);
-  }();
-  ControllerOptions options = TestOptions();
-  options.deadline = kNanosecondsPerSecond;
-  Driven driven(Supervised(GetParam().deed, 4), options);
-  driven.Start();
-  const Record& run = driven.Steps(10);
-  EXPECT_TRUE(run.setpoints == expected.setpoints);
-  ASSERT_EQ(run.stopped.size(), 1u);
-  EXPECT_EQ(run.stopped[0].robot, "supervisor overseer");
-  EXPECT_THAT(run.stopped[0].why, HasSubstr("controller overseer "));
-  EXPECT_THAT(run.stopped[0].why, HasSubstr(GetParam().why));
-  for (const Supervision& supervision : run.supervision) EXPECT_TRUE(supervision.empty());
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    Deeds, HostileSupervisorTest,
-    testing::Values(SupervisorCase{kMovesTooMany, "moves 4097 things in one step: at most 4096"},
-                    SupervisorCase{kMovesToNowhere, "to nan 0 0"},
-                    SupervisorCase{kTurnsWrongly, "a quaternion has length 1"},
-                    SupervisorCase{kLogsTooMuch, "logged 17 numbers in one step: at most 16"},
-                    SupervisorCase{kLogsNotANumber, "logged energy = nan: it must be a finite number"},
-                    SupervisorCase{kLogsUnderABadName, "logged 'my energy': a name is a letter"},
-                    SupervisorCase{kLogsUnderALongName, "at most 63"},
-                    SupervisorCase{kOtherSupervision, "changed a pointer"},
-                    SupervisorCase{kOtherMoves, "changed a pointer"},
-                    SupervisorCase{kOtherLogs, "changed a pointer"},
-                    SupervisorCase{kWritesPastMoves, "segmentation fault"},
-                    SupervisorCase{kWritesPastLogs, "segmentation fault"},
-                    SupervisorCase{kWritesWorld, "segmentation fault"},
-                    SupervisorCase{kOverseerThrows, "threw an exception in step() (no whistle)"},
-                    SupervisorCase{kOverseerCrashes, "abort"},
-                    SupervisorCase{kOverseerHangs, "did not return within 1 s"}));
 
 }  // namespace
 }  // namespace coopdyn

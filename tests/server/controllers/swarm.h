@@ -228,4 +228,13 @@ inline std::string TestPlugin(const std::string& name) {
   return std::string(TEST_CONTROLLERS) + "/" + name + ".so";
 }
 
+/// Five robots, four of them with a controller, under the supervisor of these tests, which does `deed` in
+/// step `at`, or in each.
+inline Swarm Supervised(int deed, int at = -1) {
+  Swarm swarm;
+  swarm.Mark(3, 1);
+  for (int i = 0; i < 5; ++i) swarm.Add(i == 4 ? "" : Sample(i % 2 == 0 ? "diffuse" : "flock"));
+  return swarm.Supervise(TestPlugin("overseer"), {{"deed", deed}, {"at", at}});
+}
+
 }  // namespace coopdyn
