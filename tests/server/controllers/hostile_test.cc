@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Whatever a controller does in the child, its robot stops with a reason, and nothing else changes.
+// Whatever a controller does in the child, its robot stops with a reason, and nothing else changes. A
+// supervisor that does such things stops alone.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <spdlog/sinks/ostream_sink.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Supervisors in the host: their view and their actions, and that none of them can stop anything else.
+// Supervisors in the host: their view, their actions and their checks. Hostile ones are in hostile_test.cc.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
