@@ -2,6 +2,7 @@
 #include "server/record/recorder.h"
 
 #include "recorder_fixture.h"
+#include "server/record/record_queue.h"
 #include "server/record/state_codec.h"
 
 namespace coopdyn {
