@@ -12,6 +12,7 @@
 
 #include "protocol/json_text.h"
 #include "server/app/commands.h"
+#include "server/app/options.h"
 #include "tests/bench/bench_commands.h"
 
 namespace coopdyn {

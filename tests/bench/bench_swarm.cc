@@ -14,6 +14,7 @@
 
 #include "protocol/json_text.h"
 #include "server/app/commands.h"
+#include "server/app/options.h"
 #include "server/state/frame.h"
 #include "tests/bench/bench_commands.h"
 #include "tests/bench/bench_run.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/naming/name_table.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <ctime>
