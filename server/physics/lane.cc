@@ -180,8 +180,9 @@ void Lane::Load(std::uint32_t thing, const Actor& actor, std::span<const Channel
   }
 }
 
-void Lane::Step(Solver solver, double dt_s) {
+bool Lane::Step(Solver solver, double dt_s) {
   broken_ = true;
+  TakeOdeComplaint();
   if (solver == Solver::kDirect) {
     dWorldStep(world_.get(), dt_s);
   } else {
@@ -192,6 +193,7 @@ void Lane::Step(Solver solver, double dt_s) {
     measured_[i].force_W = feedback_[i].sign * Vector3(feedback_[i].forces->f1);
   }
   dJointGroupEmpty(contacts_.get());
+  return solver == Solver::kIterative || !TakeOdeComplaint();
 }
 
 BodyState Lane::Read(std::uint32_t thing, std::size_t index) const {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdarg>
 #include <cstdio>
+#include <utility>
 
 namespace coopdyn {
 
@@ -16,14 +17,18 @@ namespace {
   throw OdeError("ODE error " + std::to_string(number) + ": " + text.data());
 }
 
-void IgnoreOdeMessage(int, const char*, va_list) {}
+thread_local bool complained = false;  // ODE gives its handlers no other place
+
+void NoteOdeMessage(int, const char*, va_list) {
+  complained = true;
+}
 
 bool InitLibrary() {
   // Never closed: the per-thread data of other threads may live as long as the process.
   dInitODE2(0);
   dSetErrorHandler(&ThrowOdeError);
   dSetDebugHandler(&ThrowOdeError);
-  dSetMessageHandler(&IgnoreOdeMessage);
+  dSetMessageHandler(&NoteOdeMessage);
   return true;
 }
 
@@ -32,6 +37,10 @@ bool InitLibrary() {
 void EnsureOde() {
   [[maybe_unused]] static const bool library = InitLibrary();
   [[maybe_unused]] static thread_local const bool thread = dAllocateODEDataForThread(dAllocateMaskAll) != 0;
+}
+
+bool TakeOdeComplaint() {
+  return std::exchange(complained, false);
 }
 
 }  // namespace coopdyn

@@ -19,10 +19,12 @@ class OdeError : public std::runtime_error {
 };
 
 /// Makes ODE ready for the calling thread: the library once per process, its per-thread data once per thread.
-/// From then on, ODE's errors and failed assertions throw OdeError out of the called ODE function. ODE's
-/// messages (the solver's complaints about an ill-posed island) are discarded: a body that explodes is found
-/// by its speed.
+/// From then on, ODE's errors and failed assertions throw OdeError out of the called ODE function.
 void EnsureOde();
+
+/// Whether ODE has complained in this thread since the last call: its direct solver gave up on an island, and
+/// left some of its constraints without force.
+bool TakeOdeComplaint();
 
 /// Frees an ODE object by ODE's destroy function for it.
 template <auto Destroy>

@@ -319,9 +319,13 @@ std::optional<std::string> PhysicsWorld::TryBatch(Batch& batch, Solvers& solvers
   }
   try {
     LoadBatch(batch, solvers.lane, solvers.lane, dt_s);
-    solvers.lane.Step(batch.method == Method::kDirect ? Lane::Solver::kDirect : Lane::Solver::kIterative,
-                      dt_s);
-    return std::nullopt;
+    if (solvers.lane.Step(
+            batch.method == Method::kDirect ? Lane::Solver::kDirect : Lane::Solver::kIterative, dt_s))
+      return std::nullopt;
+    // ODE's direct solver gives up where many contacts share a load. Ours does not.
+    solvers.lane.Unload();
+    batch.method = Method::kLimbs;
+    return TryBatch(batch, solvers, dt_s);
   } catch (const OdeError& error) {
     solvers.lane.Reset();
     return error.what();

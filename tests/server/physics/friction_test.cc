@@ -194,6 +194,32 @@ TEST_P(FrictionTest, AGrainTurnsWithItsBody) {
   EXPECT_NEAR(Now().p_WB.y() / (4 / (2 * 0.2 * kG)), 1, 0.03);
 }
 
+TEST_P(FrictionTest, AGrainAskewToASlopeLetsItsBodySlideStraightAsTheEllipseSays) {
+  LinkShape sledge = Sledge(0.1);
+  sledge.friction_along_G = Vector3::UnitX();
+  sledge.friction_across = 0.6;
+  constexpr double kYaw_rad = 5 * std::numbers::pi / 180, kPull_m_s2 = 7, kDuration_s = 1;
+  scene_.SetGravity(Vector3(0, kPull_m_s2, -kG));
+  const Quaternion q = FromRollPitchYaw(0, 0, kYaw_rad);
+  Add(sledge, 1, {{0, 0, 0.05}, q});
+  scene_.RunFor(kDuration_s);
+  // From rest the slip keeps its direction, so friction does, too. It acts through the point below the centre
+  // of mass towards which it shifts the load: nothing turns the body.
+  const Eigen::Vector2d pull(kPull_m_s2 * std::sin(kYaw_rad), kPull_m_s2 * std::cos(kYaw_rad));
+  Eigen::Vector2d v(0, 0);  // along and across the grain
+  constexpr int kParts = 100'000;
+  constexpr double kPart_s = kDuration_s / kParts;
+  for (int i = 0; i < kParts; ++i) {
+    v += kPart_s * pull;
+    const Eigen::Vector2d by_friction(0.1 * v.x(), 0.6 * v.y());
+    v -= kPart_s * kG / by_friction.norm() * Eigen::Vector2d(0.01 * v.x(), 0.36 * v.y());
+  }
+  const Vector3 now = q.conjugate() * Now().v_WB;
+  EXPECT_NEAR(now.x() / v.x(), 1, 0.05) << now.transpose() << " instead of " << v.transpose();
+  EXPECT_NEAR(now.y() / v.y(), 1, 0.05);
+  EXPECT_LT(Now().orientation().angularDistance(q), 0.02);
+}
+
 const auto kAll = testing::Combine(testing::Values(1, 5, 10), testing::Values(Solver::kOde, Solver::kLimbs));
 INSTANTIATE_TEST_SUITE_P(Steps, FrictionTest, kAll);
 INSTANTIATE_TEST_SUITE_P(Steps, SlopeTest, kAll);
