@@ -44,8 +44,8 @@ class Lane {
             std::uint32_t index_b, double dt_s, bool measured);
   /// The measured contacts. After Step().
   std::span<const MeasuredContact> measured() const { return measured_; }
-  /// Advances the loaded things. False: ODE's direct solver gave up on some of them, so that what they would do
-  /// is wrong. May throw OdeError; then call Reset().
+  /// Advances the loaded things. False: ODE's direct solver gave up on some of them, so that what they would
+  /// do is wrong. May throw OdeError; then call Reset().
   bool Step(Solver solver, double dt_s);
   /// The exact state of body `body` of a loaded thing; its sleep counter is 0.
   BodyState Read(std::uint32_t thing, std::size_t body) const;

@@ -319,8 +319,8 @@ std::optional<std::string> PhysicsWorld::TryBatch(Batch& batch, Solvers& solvers
   }
   try {
     LoadBatch(batch, solvers.lane, solvers.lane, dt_s);
-    if (solvers.lane.Step(
-            batch.method == Method::kDirect ? Lane::Solver::kDirect : Lane::Solver::kIterative, dt_s))
+    if (solvers.lane.Step(batch.method == Method::kDirect ? Lane::Solver::kDirect : Lane::Solver::kIterative,
+                          dt_s))
       return std::nullopt;
     // ODE's direct solver gives up where many contacts share a load. Ours does not.
     solvers.lane.Unload();
