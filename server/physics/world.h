@@ -91,8 +91,9 @@ class PhysicsWorld {
     PlaneSolver plane;
   };
   enum class Method { kDirect, kIterative, kLimbs, kPile, kPlane };
-  /// Islands that are solved together. A kLimbs batch is one island that has limbs, or one object in flight;
-  /// a kPile batch is one island of objects; a kPlane batch is one island of planar robots.
+  /// Islands that are solved together. A kLimbs batch is one island that has limbs, or one object in flight,
+  /// or a kDirect batch that ODE gave up on; a kPile batch is one island of objects; a kPlane batch is one
+  /// island of planar robots.
   struct Batch {
     Method method = Method::kDirect;
     std::vector<std::uint32_t> members;                         // things, island by island
