@@ -28,20 +28,21 @@ function sectionAt(state, at) {
   return '';
 }
 
-/** Completions for the word before the cursor. `names`: {robots, worlds}. */
+/** Completions for the word before the cursor. `names`: {robots, worlds}. `validFor`: as long as the word matches it, typing
+ *  narrows the list at once; otherwise the list cannot be chosen from until it is asked for again. */
 export function completionsAt(context, names) {
   const line = context.state.doc.lineAt(context.pos), before = line.text.slice(0, context.pos - line.from);
   if (/[#;]/.test(before)) return null;
   if (/^\s*(\[[\w-]*)?$/.test(before) && (before.includes('[') || sectionAt(context.state, line.from) === '')) {
     const from = line.from + (before.indexOf('[') < 0 ? before.length : before.indexOf('['));
-    return {from, options: TEMPLATES.map(([name, first]) => ({label: `[${name}]`, type: 'class', apply: `[${name}]\n${first}\n`, detail: first.split('\n')[0]}))};
+    return {from, validFor: /^\[?[\w-]*$/, options: TEMPLATES.map(([name, first]) => ({label: `[${name}]`, type: 'class', apply: `[${name}]\n${first}\n`, detail: first.split('\n')[0]}))};
   }
   const words = GRAMMAR[sectionAt(context.state, context.pos)];
   if (!words) return null;
   const key = /^\s*([\w-]*)$/.exec(before);
   if (key) {
     if (key[1] === '' && !context.explicit) return null;
-    return {from: context.pos - key[1].length, options: Object.entries(words).map(([label, [help, example]]) =>
+    return {from: context.pos - key[1].length, validFor: /^[\w-]*$/, options: Object.entries(words).map(([label, [help, example]]) =>
       ({label, type: 'property', info: `${help}\n${example}`, apply: `${label.padEnd(9)} `}))};
   }
   const value = /^\s*([\w-]+)\s+([\w.-]*)$/.exec(before);
@@ -50,7 +51,7 @@ export function completionsAt(context, names) {
   const choices = value[1] === 'file' ? names.worlds
     : value[1] === 'type' && (kind === 'ROBOT' || kind === 'SWARM') ? names.robots : words[value[1]]?.[2];
   if (!choices) return null;
-  return {from: context.pos - value[2].length, options: choices.map((label) => ({label, type: 'enum'}))};
+  return {from: context.pos - value[2].length, validFor: /^[\w.-]*$/, options: choices.map((label) => ({label, type: 'enum'}))};
 }
 
 const SCENARIO_LOOK = EditorView.theme({
