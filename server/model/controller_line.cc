@@ -64,7 +64,9 @@ std::string FindFile(const std::string& written, const std::string& key, Section
   const std::string near = Nearest(name, known);
   return missing("there is no controller '" + name + "' " + (beside ? "beside the scenario or " : "") +
                  "on the search path" + (near.empty() ? "; " : "; did you mean '" + near + "'? ") +
-                 (known.empty() ? "none is there: coopdyn new-controller NAME writes a start"
+                 (known.empty() ? "none is there: coopdyn's own are in the folder controllers of its build, "
+                                  "which --scenarios FOLDER or COOPDYN_PATH adds; coopdyn new-controller "
+                                  "NAME writes a start"
                                 : (near.empty() ? "there are " : "There are ") + JoinNames(known)));
 }
 

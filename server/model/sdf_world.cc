@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <set>
 #include <utility>
 
@@ -31,6 +32,39 @@ std::string Exact(double value) {
 }
 std::string Exact(const Vector3& v) {
   return Exact(v.x()) + " " + Exact(v.y()) + " " + Exact(v.z());
+}
+
+/// True if an <inertial> in `node` says where the mass is.
+bool PlacesMass(const XmlNode& node) {
+  if (node.name == "inertial") return node.Child("inertia") != nullptr || node.Child("pose") != nullptr;
+  return std::ranges::any_of(node.children, PlacesMass);
+}
+
+/// The mass of a link, compared with the uniform solid of its only shape.
+struct MassPlace {
+  bool is_centred = true;                   // centre of mass within 1 % of the size
+  bool is_uniform = true;                   // moments within 5 %
+  Vector3 moments_kg_m2 = Vector3::Zero();  // about the shape's axes
+  Vector3 solid_kg_m2 = Vector3::Zero();
+};
+MassPlace CompareWithSolid(const LinkModel& link) {
+  constexpr double kShift = 0.01, kMoments = 0.05;
+  const LinkShape& only = link.collisions.front();
+  const Pose X_GI = only.X_LG.Inverse() * link.X_LI;
+  const Matrix3 R_GI = X_GI.q.toRotationMatrix();
+  const Matrix3 inertia_kg_m2 = R_GI * link.inertia_kg_m2.asDiagonal() * R_GI.transpose();
+  const Vector3 size_m = 2 * HalfExtents(only.shape, Quaternion::Identity());
+  const Vector3 solid_kg_m2 = SolidInertia(only.shape, link.mass_kg);
+  MassPlace place{true, true, inertia_kg_m2.diagonal(), solid_kg_m2};
+  for (int i = 0; i < 3; ++i) {
+    place.is_centred &= std::abs(X_GI.p[i]) <= kShift * size_m[i];
+    for (int k = 0; k < 3; ++k) {
+      const double solid = i == k ? solid_kg_m2[i] : 0;
+      const double scale = std::sqrt(solid_kg_m2[i] * solid_kg_m2[k]);
+      place.is_uniform &= std::abs(inertia_kg_m2(i, k) - solid) <= kMoments * scale;
+    }
+  }
+  return place;
 }
 
 /// Roll, pitch and yaw about the fixed axes.
@@ -83,6 +117,7 @@ class WorldConverter {
       }
     }
     needless_.Say(diagnostics_);
+    SayUnused();
     if (diagnostics_.has_errors()) return std::nullopt;
     if (floor_.empty() && !names_ground && world->name == "world") {
       diagnostics_.Mended(
@@ -256,13 +291,14 @@ class WorldConverter {
     const Pose X_WM = PoseInWorld(model);
     std::erase_if(model.children, [](const XmlNode& one) { return one.name == "pose"; });
     if (IsGround(model, X_WM)) return;
+    const bool places_mass = PlacesMass(model);
     const std::string name = NewName(model.Attribute("name"));
     const std::string type = ShortWorldModelType(file_, name);
     const auto read =
         ReadRobotModelTree(std::move(root), file_.string(), type, &resources_, true, diagnostics_);
     if (read == nullptr) return;
     Pose X_WR = X_WM * Pose{read->p_MR, Quaternion::Identity()};
-    const bool are_things = AreThings(*read);
+    const bool are_things = AreThings(*read) && !(places_mass && HasOwnInertia(*read, name, given.where));
     double below_m = -LowestOf(*read, X_WR);
     if (!are_things) below_m = std::max(below_m, -X_WR.p.z());
     if (below_m > 0) X_WR.p.z() += below_m;
@@ -317,6 +353,43 @@ class WorldConverter {
     return std::ranges::none_of(link.visuals, [](const LinkShape& one) { return one.shape.index() > 2; });
   }
 
+  /// True if the mass of a moving single shape lies elsewhere than in the uniform solid, so that the model
+  /// cannot be a thing: off the centre, or nearer to or further from the centre of a ball. Boxes and
+  /// cylinders remain things, because ODE lets robots slide off each other, and so do balls with moments
+  /// that no mass inside them can have, such as 1 1 1: SayUnused() reports their moments.
+  bool HasOwnInertia(const RobotModel& model, const std::string& name, const SourceLine& where) {
+    if (model.fixed_base) return false;
+    const LinkModel& link = model.links.front();
+    const MassPlace place = CompareWithSolid(link);
+    if (!place.is_centred) return true;
+    if (place.is_uniform) return false;
+    constexpr double kSurface = 2.5 * 1.05;  // m r² instead of 2/5 m r²
+    const bool is_ball = std::holds_alternative<Sphere>(link.collisions.front().shape);
+    if (is_ball && place.moments_kg_m2.maxCoeff() <= kSurface * place.solid_kg_m2.x()) return true;
+    if (++unused_count_ == 1) {
+      unused_where_ = where;
+      unused_ = "the moments of inertia of model '" + name + "', " + Rounded(place.moments_kg_m2) +
+                ", are not used: it is a thing, with those of the uniform solid, " +
+                Rounded(place.solid_kg_m2) + "; a scenario with [ROBOT_1] type " + file_.filename().string() +
+                "#" + name + " uses them";
+    }
+    return false;
+  }
+
+  void SayUnused() {
+    if (unused_count_ == 0) return;
+    const int others = unused_count_ - 1;
+    const std::string more =
+        "; likewise " + std::to_string(others) + " other model" + (others == 1 ? "" : "s");
+    diagnostics_.Mended(unused_where_, unused_ + (others == 0 ? "" : more));
+  }
+
+  static std::string Rounded(const Vector3& v) {
+    char text[80];
+    std::snprintf(text, sizeof(text), "%.3g %.3g %.3g", v.x(), v.y(), v.z());
+    return text;
+  }
+
   void AddThings(const RobotModel& model, const std::string& name, const Pose& X_WR) {
     const LinkModel& link = model.links.front();
     int number = 0;
@@ -337,7 +410,8 @@ class WorldConverter {
       things_ += "position " + Exact(X_WG.p) + "\norientation " + Angles(X_WG.q) + "\ncolor " +
                  Exact(Vector3(color.r, color.g, color.b)) + "\nfriction " + Exact(shape.friction) + "\n";
       if (shape.restitution > 0) things_ += "bounce " + Exact(shape.restitution) + "\n";
-      if (shape.rolling_friction_m > 0)
+      // Round things that move have some by default.
+      if (shape.rolling_friction_m > 0 || (!model.fixed_base && !std::holds_alternative<Box>(shape.shape)))
         things_ += "rolling_friction " + Exact(shape.rolling_friction_m) + "\n";
       if (!model.fixed_base) things_ += "mass " + Exact(link.mass_kg) + "\n";
     }
@@ -354,6 +428,9 @@ class WorldConverter {
   std::set<std::string> names_;
   std::map<std::string, int> numbers_;  // next suffix, by name
   int model_count_ = 0, robot_count_ = 0, light_count_ = 0;
+  int unused_count_ = 0;  // things whose moments of inertia are not used
+  std::string unused_;    // about the first of them
+  SourceLine unused_where_;
 };
 
 }  // namespace

@@ -328,6 +328,11 @@ std::optional<Quaternion> SectionReader::Orientation(const std::string& key) {
     }
     return std::abs(q.norm() - 1) > kRounding ? q.normalized() : q;
   }
+  if (const Entry* entry = Find(key); entry != nullptr && ToLower(entry->value).starts_with("quaternion")) {
+    Report(*entry, "'" + key + "' takes yaw, or roll pitch yaw; a quaternion w x y z is a line of its own, " +
+                       "without '" + key + "': " + entry->value);
+    return std::nullopt;
+  }
   const auto angles =
       Numbers(key, Quantity::kAngle, {1, 3}, "yaw, or roll pitch yaw", -kMaxAngle_rad, kMaxAngle_rad);
   if (!angles) return std::nullopt;

@@ -43,10 +43,10 @@ class RobotsTest(unittest.TestCase):
         self.folder = Path(folder.name)
         self.runs = 0
 
-    def serve(self, text, seconds, *options):
+    def serve(self, text, seconds, *options, name="robots.scenario"):
         """Runs a scenario to its end without sockets; returns the recording's file."""
         self.runs += 1
-        scenario = self.folder / "robots.scenario"
+        scenario = self.folder / name
         scenario.write_text(text)
         file = self.folder / f"{self.runs}.run"
         done = subprocess.run([BINARY, "serve", scenario, "--mode", "free", "--duration", str(seconds), "--no-net", "--record", file,
@@ -55,8 +55,8 @@ class RobotsTest(unittest.TestCase):
         self.assertIn("nothing frozen", done.stderr)
         return file
 
-    def run_to_the_end(self, text, seconds, *options):
-        return coopdyn.read_run(self.serve(text, seconds, *options))
+    def run_to_the_end(self, text, seconds, *options, **more):
+        return coopdyn.read_run(self.serve(text, seconds, *options, **more))
 
     def loaded(self, arm, payload_kg):
         """A new type: the arm with a ball of that mass in its tool."""
@@ -71,6 +71,20 @@ class RobotsTest(unittest.TestCase):
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "model.sdf").write_text(text.replace("</model>", ball + "</model>").replace(f'name="{arm}"', f'name="{kind}"'))
         return kind
+
+    def test_a_hollow_ball_of_an_sdf_world_rolls_by_its_moment(self):
+        radius_m, slope, seconds = 0.1, 0.1, 2
+        moment = 2 / 3 * radius_m**2  # of 1 kg
+        world = (f'<sdf version="1.9"><world name="slope"><gravity>{9.81 * math.sin(slope)} 0 {-9.81 * math.cos(slope)}</gravity>'
+                 f'<include><uri>model://ground_plane</uri></include><model name="hollow"><pose>0 0 {radius_m} 0 0 0</pose><link name="ball">'
+                 f'<inertial><mass>1</mass><inertia><ixx>{moment}</ixx><iyy>{moment}</iyy><izz>{moment}</izz></inertia></inertial>'
+                 f'<collision name="c"><geometry><sphere><radius>{radius_m}</radius></sphere></geometry></collision></link></model></world></sdf>')
+        exact_m = 9.81 * math.sin(slope) / (1 + 2 / 3) * seconds**2 / 2
+        for step in ("0.001", "0.005", "0.01"):
+            with self.subTest(step=step):
+                run = self.run_to_the_end(world, seconds, "--step", step, name="slope.sdf")
+                rolled_m = run.pose_3d("hollow")[-1][0]
+                self.assertAlmostEqual(rolled_m, exact_m, delta=0.01 * exact_m)
 
     def test_each_stands_for_ten_seconds(self):
         for kind in ALL:

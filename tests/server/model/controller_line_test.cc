@@ -89,6 +89,18 @@ TEST_F(ControllerLineTest, MisspeltNamesAreGuessed) {
       "path; did you mean 'diffuse'? There are diffuse, flat, mine and wander\n");
 }
 
+TEST_F(ControllerLineTest, WithoutAnyControllersItSaysHowToNameTheirFolder) {
+  RobotLibrary library(SearchPath{{SourceDir()}});
+  Diagnostics diagnostics;
+  folder_.Write("alone/a.scenario", "");
+  ReadScenario("[ROBOT_1]\ntype single\nposition 1 2\ncontroller walk\n",
+               (folder_.path() / "alone/a.scenario").string(), library, false, diagnostics);
+  EXPECT_THAT(diagnostics.ToString(),
+              HasSubstr("there is no controller 'walk' beside the scenario or on the search path; none is "
+                        "there: coopdyn's own are in the folder controllers of its build, which --scenarios "
+                        "FOLDER or COOPDYN_PATH adds; coopdyn new-controller NAME writes a start\n"));
+}
+
 TEST_F(ControllerLineTest, OverASocketOnlyBareNamesOnThePath) {
   EXPECT_EQ(folder_.Strip(Choice("controller diffuse", true).file), "path/controllers/diffuse.so");
   EXPECT_THAT(Messages("controller mine", true),

@@ -46,7 +46,8 @@ class SdfWorldTest : public ::testing::Test {
 std::string Link(const std::string& name, const std::string& pose, const std::string& size = "0.2 0.2 0.2") {
   const std::string box = "<geometry><box><size>" + size + "</size></box></geometry>";
   return "<link name=\"" + name + "\"><pose>" + pose +
-         "</pose><inertial><mass>2</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia>"
+         "</pose><inertial><mass>2</mass><inertia><ixx>0.0133</ixx><iyy>0.0133</iyy><izz>0.0133</izz></"
+         "inertia>"
          "</inertial><collision name=\"c\">" +
          box + "</collision><visual name=\"v\">" + box + "</visual></link>\n";
 }
@@ -110,6 +111,74 @@ TEST_F(SdfWorldTest, WhatHasJointsIsARobotAndWhatIsSimpleAThing) {
   EXPECT_EQ(scenario->objects[0].mass_kg, 0);
   EXPECT_NEAR(scenario->objects[0].X_WO.p.z(), 0.5, 1e-9);
   EXPECT_EQ(scenario->objects[1].mass_kg, 2);
+}
+
+/// A model that is one shape of 1 kg.
+std::string Solid(const std::string& name, const std::string& shape, const std::string& inertial) {
+  return Model(name,
+               "<link name=\"l\"><inertial><mass>1</mass>" + inertial +
+                   "</inertial><collision name=\"c\"><geometry>" + shape + "</geometry></collision></link>",
+               "0 0 1 0 0 0");
+}
+std::string Moments(const std::string& x, const std::string& y, const std::string& z) {
+  return "<inertia><ixx>" + x + "</ixx><iyy>" + y + "</iyy><izz>" + z + "</izz></inertia>";
+}
+const std::string kBall = "<sphere><radius>0.1</radius></sphere>";  // solid: 0.004
+const std::string kCan = "<cylinder><radius>0.1</radius><length>0.6</length></cylinder>";
+
+TEST_F(SdfWorldTest, AMassThatIsNotTheSolidsCounts) {
+  const auto scenario =
+      Load(Solid("hollow", kBall, Moments("0.006667", "0.006667", "0.006667")) +
+           Solid("shifted", kBall, "<pose>0.05 0 0 0 0 0</pose>" + Moments("0.004", "0.004", "0.004")) +
+           Solid("shifted_only", kBall, "<pose>0 0 -0.05 0 0 0</pose>") +
+           Solid("heavy_end", kCan, "<pose>0 0 0.2 0 0 0</pose>" + Moments("0.01", "0.01", "0.005")));
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_THAT(messages(), Not(HasSubstr("moments of inertia")));
+  EXPECT_TRUE(scenario->objects.empty());
+  ASSERT_EQ(scenario->robots.size(), 4u);
+  EXPECT_EQ(scenario->robots[0].name, "hollow");
+  EXPECT_NEAR(scenario->robots[0].model->links[0].inertia_kg_m2.x(), 0.006667, 1e-9);
+  EXPECT_NEAR(scenario->robots[1].model->links[0].X_LI.p.x(), 0.05, 1e-9);
+}
+
+TEST_F(SdfWorldTest, TheMassOfTheSolidMakesAThing) {
+  const auto scenario =
+      Load(Solid("plain", kBall, "") + Solid("ball", kBall, Moments("0.004", "0.004", "0.0041")) +
+           Solid("near", kBall, "<pose>0.001 0 0 0 0 0</pose>" + Moments("0.004", "0.004", "0.004")) +
+           Solid("can", kCan, Moments("0.0325", "0.0325", "0.005")) +
+           Solid("lying", kCan, "<pose>0 0 0 1.5707963 0 0</pose>" + Moments("0.0325", "0.005", "0.0325")) +
+           Model("wall", "<static>true</static>" + Link("l", "0 0 0.5 0 0 0"), "0 4 0 0 0 0"));
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_THAT(messages(), Not(HasSubstr("moments of inertia")));
+  EXPECT_TRUE(scenario->robots.empty());
+  EXPECT_EQ(scenario->objects.size(), 6u);
+}
+
+TEST_F(SdfWorldTest, MomentsThatAThingCannotHaveAreReported) {
+  const auto scenario = Load(
+      Solid("ball", kBall, Moments("1", "1", "1")) + Solid("tube", kCan, Moments("0.035", "0.035", "0.01")) +
+      Solid("turned", kCan, "<pose>0 0 0 1.5707963 0 0</pose>" + Moments("0.0325", "0.0325", "0.005")));
+  ASSERT_NE(scenario, nullptr) << messages();
+  EXPECT_EQ(scenario->objects.size(), 3u);
+  EXPECT_TRUE(scenario->robots.empty());
+  EXPECT_THAT(
+      messages(),
+      HasSubstr("lab.sdf:2: warning: the moments of inertia of model 'ball', 1 1 1, are not used: it is "
+                "a thing, with those of the uniform solid, 0.004 0.004 0.004; a scenario with "
+                "[ROBOT_1] type lab.sdf#ball uses them; likewise 2 other models\n"));
+  const auto file = folder().Write("tube.scenario", "[ROBOT_1]\ntype lab.sdf#tube\nposition 0 0 1\n");
+  RobotLibrary library(SearchPath{});
+  Diagnostics diagnostics;
+  const auto as_robot = LoadScenario(file, library, diagnostics);
+  ASSERT_NE(as_robot, nullptr) << diagnostics.ToString();
+  EXPECT_NEAR(as_robot->robots.at(0).model->links[0].inertia_kg_m2.minCoeff(), 0.01, 1e-9);
+}
+
+TEST_F(SdfWorldTest, RoundThingsRollAsTheFileSays) {
+  const auto scenario = Load(Solid("ball", kBall, "") + Solid("can", kCan, ""));
+  ASSERT_NE(scenario, nullptr) << messages();
+  ASSERT_EQ(scenario->objects.size(), 2u);
+  for (const WorldObject& object : scenario->objects) EXPECT_EQ(object.rolling_friction_m, 0);
 }
 
 TEST_F(SdfWorldTest, AWorldWithoutAGroundPlaneIsToldWhatToWrite) {

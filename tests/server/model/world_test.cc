@@ -28,6 +28,15 @@ TEST(WorldTest, BoxOfThePaper) {
   EXPECT_EQ(box.where.line, 1);
 }
 
+TEST(WorldTest, AQuaternionIsAKeyOfItsOwn) {
+  const auto [world, messages] = ReadWorldText(kBox + "orientation quaternion 1 0 0 0\n");
+  EXPECT_THAT(messages,
+              HasSubstr("error: 'orientation' takes yaw, or roll pitch yaw; a quaternion w x y z is a "
+                        "line of its own, without 'orientation': quaternion 1 0 0 0\n"));
+  const auto [right, none] = ReadWorldText(kBox + "quaternion 1 0 0 0\n");
+  EXPECT_EQ(none, "");
+}
+
 TEST(WorldTest, MassMissingOrZeroIsStatic) {
   EXPECT_TRUE(ReadWorldText(kBox).world.objects.at(0).is_static());
   EXPECT_TRUE(ReadWorldText(kBox + "mass 0").world.objects.at(0).is_static());
