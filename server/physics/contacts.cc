@@ -378,6 +378,26 @@ ContactList Collide(Collider& collider, const PlacedPart& a, const PlacedPart& b
   return !convex || ArePartedBy(list, a, b) ? list : ConvexContacts(a, b);
 }
 
+/// Points of both ends' rims: the lowest, and those at each quarter turn from it. So a disc that spins and
+/// leans is held where it will touch next, too.
+ContactList CylinderOnFloor(const Cylinder& cylinder, const PlacedRotation& place, double ahead_m) {
+  constexpr double kUpright = 1e-3;  // below this lean the points stay where they are on the rim
+  const Vector3 axis = place.axis(2);
+  Vector3 down = axis.z() * axis - Vector3::UnitZ();
+  const double lean = down.norm();
+  down = lean > kUpright ? Vector3(down / lean) : place.axis(0);
+  const Vector3 side = axis.cross(down);
+  std::vector<ContactPoint> touching;
+  for (const double end : {-0.5, 0.5}) {
+    const Vector3 middle = place.position() + end * cylinder.length_m * axis;
+    for (const Vector3& way : {down, side, Vector3(-down), Vector3(-side)}) {
+      const Vector3 p = middle + cylinder.radius_m * way;
+      if (p.z() < ahead_m) touching.push_back({p, Vector3::UnitZ(), -p.z()});
+    }
+  }
+  return ListOf(touching);
+}
+
 ContactList CollideFloor(Collider& collider, const PlacedPart& a, double margin_m) {
   const PlacedRotation place = a.place();
   if (const Sphere* sphere = std::get_if<Sphere>(&a.part->shape)) {
@@ -391,6 +411,7 @@ ContactList CollideFloor(Collider& collider, const PlacedPart& a, double margin_
     if (form.applies) return WheelList(form, 0);
   }
   const double ahead_m = std::min(margin_m, kAhead_m);
+  if (cylinder != nullptr) return CylinderOnFloor(*cylinder, place, ahead_m);
   if (const Box* box = std::get_if<Box>(&a.part->shape)) return BoxOnFloor(*box, place, ahead_m);
   if (place.p[2] >= a.half_m.z() + ahead_m) return {};
   if (const Mesh* mesh = std::get_if<Mesh>(&a.part->shape)) return MeshOnFloor(*mesh->data, place, ahead_m);

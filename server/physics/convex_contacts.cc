@@ -50,6 +50,8 @@ class MinkowskiDifference {
       if (least_.depth_m <= 0) return least_;
       if (last_m_ - height_m < kNear_m) break;
       Include(p);
+      // Rounding may remove faces that leave it open. Then it would grow without end, and least_ holds.
+      if (faces_.size() > 2 * points_.size()) break;
     }
     least_.p_W = Middle();
     return least_;

@@ -14,6 +14,9 @@ namespace {
 
 // Distributes a load over redundant contacts: m/s per N s, for a mass of 1 kg.
 constexpr double kSoftness = 5e-4;
+// So much of the heaviest object's mass makes each contact at least as hard, because something light may
+// carry it.
+constexpr double kCarries = 1e-3;
 // Rolling resistance is softer by this factor: it grows over a thousandth of a radian per second, and
 // Newton's method finds its solution more often.
 constexpr double kRollSoftness = 100;
@@ -109,6 +112,7 @@ void PileSolver::Load(std::uint32_t thing, const Actor& actor, double dt_s) {
   Body& body = bodies_.emplace_back();
   body.state = actor.bodies[0];
   body.mass_kg = rigid.mass_kg;
+  heaviest_kg_ = std::max(heaviest_kg_, rigid.mass_kg);
   const Matrix3 R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(body.state.R_WB.data());
   body.I_W = R * rigid.inertia_kg_m2 * R.transpose();
   body.inverse_I_W = body.I_W.inverse();
@@ -122,6 +126,7 @@ void PileSolver::Unload() {
   for (const std::uint32_t thing : loaded_) body_of_[thing] = kNone;
   loaded_.clear();
   bodies_.clear();
+  heaviest_kg_ = 0;
   joints_.clear();
   points_.clear();
   measured_.clear();
@@ -198,7 +203,7 @@ void PileSolver::AddPoint(const Surface& surface, int a, int b, double dt_s) {
   for (const int body : {a, b}) {
     if (body != kNone) mass_kg += bodies_[static_cast<std::size_t>(body)].mass_kg;
   }
-  slide.hardness = mass_kg / kSoftness;
+  slide.hardness = std::max(mass_kg, kCarries * heaviest_kg_) / kSoftness;
   double target = kErp * contact.geom.depth / dt_s;
   if (has(dContactMotionN)) target += of.motionN;
   target = std::min(target, kMaxPushOut_m_s);

@@ -127,6 +127,7 @@ class PileSolver {
   std::vector<int> body_of_;  // by dynamic thing
   std::vector<std::uint32_t> loaded_;
   std::vector<Body> bodies_;
+  double heaviest_kg_ = 0;  // of bodies_
   Body still_;
   std::vector<Joint> joints_;
   std::vector<Point> points_;

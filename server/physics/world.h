@@ -92,7 +92,7 @@ class PhysicsWorld {
   };
   enum class Method { kDirect, kIterative, kLimbs, kPile, kPlane };
   /// Islands that are solved together. A kLimbs batch is one island that has limbs, or one object in flight,
-  /// or a kDirect batch that ODE gave up on; a kPile batch is one island of objects; a kPlane batch is one
+  /// or an island that ODE gave up on; a kPile batch is one island of objects; a kPlane batch is one
   /// island of planar robots.
   struct Batch {
     Method method = Method::kDirect;
@@ -126,6 +126,8 @@ class PhysicsWorld {
   void MakeIslands();
   void MakeBatches();
   Batch& NextBatch(Method method);
+  /// The root of the island that holds a pair that touches.
+  std::uint32_t RootOfPair(std::size_t pair);
   bool HasLimbs(std::uint32_t root) const;
   /// The island contains only objects, and they are few or slow.
   bool IsPile(std::uint32_t root);
@@ -146,6 +148,8 @@ class PhysicsWorld {
   void SolveBatch(Batch& batch, Solvers& solvers, double dt_s);
   /// Returns why it failed, or nullopt if it succeeded.
   std::optional<std::string> TryBatch(Batch& batch, Solvers& solvers, double dt_s);
+  /// Solves each island of a kDirect batch alone, after ODE gave up on one of them.
+  void SolveIslands(Batch& batch, Solvers& solvers, double dt_s);
   /// Returns false if nothing in the batch moves.
   bool FreezeFastest(std::string why, Batch& batch);
   // `solver`: a Lane, a LimbSolver or a PileSolver.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -149,8 +150,13 @@ void PhysicsWorld::MakeBatches() {
     const auto [a, b] = pairs_[k];
     const bool in_a = in_solver_[a], in_b = b < count && in_solver_[b];
     if ((!in_a && !in_b) || ContactsOf(k).empty()) continue;
-    batches_[batch_of_[islands_.RootOf(in_a ? a : b)]].pairs.push_back(static_cast<std::uint32_t>(k));
+    batches_[batch_of_[RootOfPair(k)]].pairs.push_back(static_cast<std::uint32_t>(k));
   }
+}
+
+std::uint32_t PhysicsWorld::RootOfPair(std::size_t pair) {
+  const auto [a, b] = pairs_[pair];
+  return islands_.RootOf(in_solver_[a] ? a : b);
 }
 
 bool PhysicsWorld::IsPlane(std::uint32_t root) const {
@@ -291,6 +297,7 @@ void PhysicsWorld::SolveBatch(Batch& batch, Solvers& solvers, double dt_s) {
     if (!why) break;
     if (!FreezeFastest(std::move(*why), batch)) return;
   }
+  if (batch.is_solved) return;
   if (batch.method == Method::kLimbs) {
     ReadBatch(batch, solvers.limbs, dt_s);
     solvers.limbs.Unload();
@@ -322,14 +329,37 @@ std::optional<std::string> PhysicsWorld::TryBatch(Batch& batch, Solvers& solvers
     if (solvers.lane.Step(batch.method == Method::kDirect ? Lane::Solver::kDirect : Lane::Solver::kIterative,
                           dt_s))
       return std::nullopt;
-    // ODE's direct solver gives up where many contacts share a load. Ours does not.
     solvers.lane.Unload();
+    const std::uint32_t root = islands_.RootOf(batch.members.front());
+    if (islands_.RootOf(batch.members.back()) != root) {
+      SolveIslands(batch, solvers, dt_s);
+      return std::nullopt;
+    }
+    // ODE's direct solver gives up where many contacts share a load. Ours does not.
     batch.method = Method::kLimbs;
     return TryBatch(batch, solvers, dt_s);
   } catch (const OdeError& error) {
     solvers.lane.Reset();
     return error.what();
   }
+}
+
+void PhysicsWorld::SolveIslands(Batch& batch, Solvers& solvers, double dt_s) {
+  for (auto first = batch.members.begin(); first != batch.members.end();) {
+    const std::uint32_t root = islands_.RootOf(*first);
+    const auto end =
+        std::find_if(first, batch.members.end(), [&](std::uint32_t i) { return islands_.RootOf(i) != root; });
+    Batch island;
+    island.members.assign(first, end);
+    std::ranges::copy_if(batch.pairs, std::back_inserter(island.pairs),
+                         [&](std::uint32_t pair) { return RootOfPair(pair) == root; });
+    SolveBatch(island, solvers, dt_s);
+    batch.measured.insert(batch.measured.end(), island.measured.begin(), island.measured.end());
+    std::ranges::move(island.frozen, std::back_inserter(batch.frozen));
+    batch.unsolved |= island.unsolved;
+    first = end;
+  }
+  batch.is_solved = true;
 }
 
 bool PhysicsWorld::FreezeFastest(std::string why, Batch& batch) {

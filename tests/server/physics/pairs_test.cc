@@ -14,6 +14,7 @@
 
 #include "server/geometry/mesh.h"
 #include "server/physics/contacts.h"
+#include "server/physics/convex_contacts.h"
 #include "tests/server/physics/brute_overlap.h"
 
 namespace coopdyn {
@@ -239,6 +240,38 @@ std::vector<Kinds> AllKinds() {
 INSTANTIATE_TEST_SUITE_P(OfEachTwoKinds, PairsTest, testing::ValuesIn(AllKinds()), [](const auto& info) {
   return std::string(NameOf(info.param.a)) + NameOf(info.param.b);
 });
+
+TEST(Separation, OfARimThatLiesNearlyFlatInATallWallEnds) {
+  // Rounding once left the polytope open here: each point added a tenth more faces, and the search took
+  // minutes.
+  Part rim, wall;
+  rim.shape = Cylinder{0.03, 0.015};
+  wall.shape = Box{Vector3(0.1, 2, 1.5)};
+  BodyState origin{};
+  origin.R_WB = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  origin.q_WB = {1, 0, 0, 0};
+  PlacedPart a(rim, origin), b(wall, origin);
+  const std::array<double, 12> R{0.99885766845897472,
+                                 0.047784497074898138,
+                                 2.8589842299142632e-11,
+                                 0,
+                                 -2.2854097087021685e-11,
+                                 -1.2058005993426796e-10,
+                                 1,
+                                 0,
+                                 0.047784497074898138,
+                                 -0.99885766845897472,
+                                 -1.1935024604899092e-10,
+                                 0};
+  const std::array<double, 3> p{-1.0015639673961167, -0.055000000031959054, 0.026395569275625523};
+  std::ranges::copy(R, std::begin(a.R));
+  std::ranges::copy(p, std::begin(a.p));
+  b.p[0] = -1;
+  b.p[2] = 0.75;
+  const Separation separation = FindSeparation(a, b, 0);
+  EXPECT_NEAR(separation.depth_m, 0.0564, 1e-3);
+  EXPECT_LT(separation.n_W.z(), -0.999);
+}
 
 }  // namespace
 }  // namespace coopdyn

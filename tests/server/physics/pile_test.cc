@@ -66,6 +66,19 @@ TEST_P(TowerTest, ATonneStandsOnAKilogram) {
   EXPECT_NEAR(scene_.object(1).p.z(), 0.15, 5e-4);
 }
 
+TEST_P(TowerTest, HeavyThingsStandOnThingsThatAreAMillionTimesLighter) {
+  const std::pair<double, double> cases[] = {{1e-3, 10}, {1e-2, 1000}, {1e-3, 1000}};
+  for (const auto& [light_kg, heavy_kg] : cases) {
+    PhysicsScene scene;
+    scene.step_length = scene_.step_length;
+    scene.Add(Box{{0.2, 0.2, 0.2}}, At(0, 0, 0.1), light_kg);
+    scene.Add(Box{{0.2, 0.2, 0.2}}, At(0, 0, 0.3), heavy_kg);
+    scene.RunFor(5);
+    EXPECT_NEAR(scene.object(0).p.z(), 0.1, 1e-3) << heavy_kg / light_kg;
+    EXPECT_NEAR(scene.object(1).p.z(), 0.3, 1e-3) << heavy_kg / light_kg;
+  }
+}
+
 TEST_P(TowerTest, FallsWhereItLeansTooFar) {
   // The centre of mass of the upper two is beyond the edge of the lowest.
   scene_.Add(Box{{0.1, 0.1, 0.1}}, At(0, 0, 0.05), 1, 0.8)
@@ -101,6 +114,43 @@ TEST_P(SlideTest, ABoxAtRestBeginsToSlideInTheFirstStep) {
   EXPECT_NEAR(scene_.object_body(0).v_WB.x(), expected_m_s, 0.01 * expected_m_s);
 }
 
+using SpinTest = Steps;
+
+TEST_P(SpinTest, ADiscThatFallsWhileItLeansComesToRestOnTheFloor) {
+  for (const double lean_rad : {0.005, 0.05, 0.3}) {
+    PhysicsScene scene;
+    scene.step_length = scene_.step_length;
+    scene.Add(Cylinder{0.1, 0.05}, {{0, 0, 0.06}, FromRollPitchYaw(lean_rad, lean_rad / 2, 0)}, 1);
+    scene.RunFor(4);
+    EXPECT_NEAR(scene.object(0).p.z(), 0.025, 1e-3) << lean_rad;
+    EXPECT_TRUE(AllSleep(scene, 1)) << lean_rad;
+  }
+}
+
+TEST_P(SpinTest, ADiscThatTurnsAgainstAWallDoesNotSinkIntoTheFloor) {
+  for (const double rate_rad_s : {50.0, 200.0, 1000.0}) {
+    PhysicsScene scene;
+    scene.step_length = scene_.step_length;
+    WorldObject disc;
+    disc.name = "disc";
+    disc.shape = Cylinder{0.05, 0.02};
+    disc.X_WO = At(0, 0, 0.01);
+    disc.mass_kg = 1;
+    disc.friction = 0.3;
+    disc.w_WO = {0, 0, rate_rad_s};
+    scene.Add(disc);
+    scene.Add(Box{{0.1, 1, 0.2}}, At(0.1, 0, 0.1), 0);
+    double lowest_m = 1;
+    for (int i = 0; Seconds(i) < 2; ++i) {
+      scene.RunFor(Seconds(1));
+      lowest_m = std::min(lowest_m, scene.object(0).p.z());
+    }
+    EXPECT_GT(lowest_m, 0.008) << rate_rad_s;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, SpinTest, testing::Values(1, 5, 10),
+                         [](const auto& step) { return std::to_string(step.param) + "ms"; });
 INSTANTIATE_TEST_SUITE_P(Steps, TowerTest, testing::Values(1, 2, 5, 10),
                          [](const auto& info) { return std::to_string(info.param) + "ms"; });
 INSTANTIATE_TEST_SUITE_P(Steps, SlideTest, testing::Values(1, 5, 10),
