@@ -39,6 +39,7 @@ void Forest::Clear() {
   axes_.clear();
   rates_.clear();
   paths_.clear();
+  rotors_.clear();
 }
 
 void Forest::AddDofs(Node& node, int index) {
@@ -89,8 +90,33 @@ int Forest::Add(const Mechanism& mechanism, std::span<const BodyState> bodies) {
       Eigen::Map<Spatial>(&at(rates_, node.first_dof)) = Join(node.state.w_WB, node.state.v_WB);
     }
     AddAxes(node);
+    CountTurns(index);
   }
   return first;
+}
+
+void Forest::CountTurns(int index) {
+  Node& node = at(nodes_, index);
+  if (node.model == nullptr) {
+    node.turns = node.dofs > 0 ? 2 : 0;
+    return;
+  }
+  const Node& parent = at(nodes_, node.parent);
+  const Kind kind = node.model->kind;
+  node.turns = parent.turns;
+  node.turn_W = parent.turn_W;
+  if (kind == Kind::kBall || kind == Kind::kUniversal) node.turns = 2;
+  if (kind != Kind::kHinge && kind != Kind::kScrew) return;
+  constexpr double kParallel = 1e-9;  // sine squared
+  if (parent.turns == 0) {
+    node.turns = 1;
+    node.turn_W = node.axis_W;
+  } else if (parent.turns == 1 && parent.turn_W.cross(node.axis_W).squaredNorm() > kParallel) {
+    node.turns = 2;
+  }
+  if (kind != Kind::kHinge || node.model->upper - node.model->lower <= 2 * std::numbers::pi) return;
+  std::erase(rotors_, node.parent);
+  if (parent.turns == 2) rotors_.push_back(index);
 }
 
 Forest::Inertia Forest::InertiaOf(const Node& node, const Vector3& p_W) {
@@ -243,6 +269,52 @@ void Forest::Finish(std::span<double> transformed) {
       node.passed += at(transformed, dof) * at(axes_, dof);
     }
   }
+}
+
+double Forest::NutationRate_rad_s(double least_spin_rad_s) {
+  const auto spins = [&](int rotor) {
+    return std::abs(at(rates_, at(nodes_, rotor).first_dof)) > least_spin_rad_s;
+  };
+  if (std::ranges::none_of(rotors_, spins)) return 0;
+  ComputeMasses();
+  const auto carrier_of = [&](int rotor) -> Node& { return at(nodes_, at(nodes_, rotor).parent); };
+  for (const int rotor : rotors_) carrier_of(rotor).spin_W.setZero();
+  for (const int rotor : rotors_) {
+    const Node& node = at(nodes_, rotor);
+    const double inertia = MassOf(node.first_dof) - ArmatureOf(node);
+    carrier_of(rotor).spin_W += inertia * at(rates_, node.first_dof) * node.axis_W;
+  }
+  double most = 0;
+  for (const int rotor : rotors_) {
+    Node& carrier = carrier_of(rotor);
+    if (carrier.spin_W.isZero(0)) continue;
+    most = std::max(most, NutationOf(carrier));
+    carrier.spin_W.setZero();  // once for all of its rotors
+  }
+  return std::sqrt(most);
+}
+
+// A turn of the axle at w needs the torque w × spin, which turns the axle across: the product of the rates at
+// which unit torques turn it in two directions is the nutation rate's square per spin momentum squared.
+double Forest::NutationOf(const Node& carrier) {
+  const Vector3 across_W = carrier.spin_W.unitOrthogonal();
+  const Vector3 third_W = carrier.spin_W.normalized().cross(across_W);
+  const std::span<const int> chain = Chain(carrier.end);
+  across_.resize(chain.size());
+  third_.resize(chain.size());
+  for (std::size_t d = 0; d < chain.size(); ++d) {
+    across_[d] = at(axes_, chain[d]).head<3>().dot(across_W);
+    third_[d] = at(axes_, chain[d]).head<3>().dot(third_W);
+  }
+  Transform(carrier.end, across_);
+  Transform(carrier.end, third_);
+  double a = 0, b = 0, c = 0;
+  for (std::size_t d = 0; d < chain.size(); ++d) {
+    a += across_[d] * across_[d] / pivot(chain[d]);
+    b += across_[d] * third_[d] / pivot(chain[d]);
+    c += third_[d] * third_[d] / pivot(chain[d]);
+  }
+  return carrier.spin_W.squaredNorm() * std::max(0.0, a * c - b * b);
 }
 
 double Forest::SwingRate_rad_s() {

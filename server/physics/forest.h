@@ -73,6 +73,10 @@ class Forest {
   /// Factors the mass matrix with `added` (by degree of freedom) on its diagonal.
   void Factor(std::span<const double> added);
   double pivot(int dof) const { return at(pivots_, dof); }
+  /// The nutation rate of the fastest rotor's axle, rad/s: its spin momentum times the axle's yielding in
+  /// both directions across. 0 if each axle keeps its direction or can turn in one way only, and if no rotor
+  /// spins faster than `least_spin_rad_s` relative to its carrier. After Factor().
+  double NutationRate_rad_s(double least_spin_rad_s);
 
   /// Adds to `row`, which has the length of EndOf(node)'s chain, the Jacobian of the velocity on which a
   /// wrench on the node's body does work. `torque` and `force` are in world axes, at `p_W`.
@@ -166,6 +170,9 @@ class Forest {
     Spatial force;         // momentum of the step's end, then with its descendants
     Vector3 load;          // force that its bias acceleration needs
     double square_m2 = 0;  // of the longest way from its joint to its centre or its children's joints
+    int turns = 0;         // about how many independent axes it turns: 0, 1 or, for more, 2
+    Vector3 turn_W;        // if 1, that axis
+    Vector3 spin_W;        // as a carrier: spin momentum of its rotors relative to it
   };
 
   /// A point of the model, carried by a node's body.
@@ -180,6 +187,10 @@ class Forest {
   void AddUp(std::span<const double> rates, bool at_start);
   static double ArmatureOf(const Node& node) { return node.model == nullptr ? 0 : node.model->armature; }
   void AddDofs(Node& node, int index);
+  /// Counts the axes about which a node turns, and notes rotors.
+  void CountTurns(int index);
+  /// The nutation rate of a carrier squared.
+  double NutationOf(const Node& carrier);
   /// Computes a joint's position and rates from its two bodies.
   void Measure(Node& node);
   void AddAxes(const Node& node);
@@ -198,6 +209,10 @@ class Forest {
   std::vector<Spatial> gains_;  // articulated inertia times axis, divided by the pivot
   std::vector<double> rates_, saved_rates_, momentum_, masses_, pivots_;
   std::vector<int> paths_;  // the chains
+  /// Nodes that turn without end on a carrier that turns about several axes, and on which no other such node
+  /// turns: wheels and flywheels, but not the links of a limp chain.
+  std::vector<int> rotors_;
+  std::vector<double> across_, third_;
 };
 
 }  // namespace coopdyn

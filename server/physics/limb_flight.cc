@@ -16,8 +16,9 @@ namespace coopdyn {
 namespace {
 
 constexpr int kUsualParts = 8, kMostParts = 128;
-constexpr double kSwing_rad = 2;   // per part, of the fastest swing: at 2 the method becomes unstable
-constexpr double kTurn_rad = 0.1;  // per part, of floating bodies and ball joints
+constexpr double kSwing_rad = 2;       // per part, of the fastest swing: at 2 the method becomes unstable
+constexpr double kNutation_rad = 0.5;  // per part, of a rotor's axle
+constexpr double kTurn_rad = 0.1;      // per part, of floating bodies and ball joints
 // Energy errors, as shares of the kinetic energy, beyond which a step gets up to kUsualParts or kMostParts.
 constexpr double kLost = 0.05, kMostLost = 0.5;
 
@@ -31,10 +32,10 @@ bool LimbSolver::Fly(double dt_s) {
   forest_.Save();
   for (const int first = parts;;) {
     if (parts > first) forest_.Return();
-    const double most_swing_rad = parts < kUsualParts ? kSwing_rad : kInfinity;
-    const Flight flight = FlyParts(parts, dt_s / parts, most_swing_rad);
-    if (flight.swing_rad > most_swing_rad) {
-      const double wanted = std::ceil(parts * flight.swing_rad / kSwing_rad);
+    const double most = parts < kUsualParts ? 1 : kInfinity;
+    const Flight flight = FlyParts(parts, dt_s / parts, most);
+    if (flight.coarseness > most) {
+      const double wanted = std::ceil(parts * flight.coarseness);
       parts = std::max(parts + 1, static_cast<int>(std::min<double>(wanted, kUsualParts)));
       continue;
     }
@@ -52,7 +53,7 @@ bool LimbSolver::Fly(double dt_s) {
   }
 }
 
-LimbSolver::Flight LimbSolver::FlyParts(int parts, double dt_s, double most_swing_rad) {
+LimbSolver::Flight LimbSolver::FlyParts(int parts, double dt_s, double most) {
   Flight flight;
   std::ranges::fill(efforts_, 0.0);
   rates_ = forest_.rates();
@@ -65,13 +66,15 @@ LimbSolver::Flight LimbSolver::FlyParts(int parts, double dt_s, double most_swin
     std::ranges::fill(pushes_, 0.0);
     for (const Member& member : members_) DriveJoints(member, member.rows, dt_s);
     BeginStep(dt_s);
-    const auto swings_too_fast = [&] {
-      flight.swing_rad = std::max(flight.swing_rad, forest_.SwingRate_rad_s() * dt_s);
-      return flight.swing_rad > most_swing_rad;
+    const auto is_too_coarse = [&] {
+      flight.coarseness = std::max(
+          {flight.coarseness, forest_.SwingRate_rad_s() * dt_s / kSwing_rad, nutation_rad_ / kNutation_rad});
+      return flight.coarseness > most;
     };
-    if (swings_too_fast()) return flight;  // at the old rates; below, at the mean of old and new rates
-    flight.is_solved &= FindRates();
-    if (swings_too_fast()) return flight;
+    nutation_rad_ = 0;
+    if (is_too_coarse()) return flight;  // at the old rates; below, at the mean of old and new rates
+    flight.is_solved &= FindRates(dt_s);
+    if (is_too_coarse()) return flight;
     AddEfforts();
     const Work work = WorkSince(forest_.rates());
     flight.work_j += work.motors_j + work.rows_j;

@@ -24,6 +24,8 @@ constexpr double kMattersInContact = 0.1;
 // If a body turns farther than kFast_rad in a step, the solver checks the energy: integration errors may add
 // at most kMostGain of the kinetic energy.
 constexpr double kFast_rad = 0.1, kMostGain = 0.01;
+// A rotor matters if it spins, and its axle nutates, by more than this in a step.
+constexpr double kSpin_rad = 0.1, kNutation_rad = 0.05;
 
 }  // namespace
 
@@ -89,7 +91,7 @@ bool LimbSolver::Advance(double dt_s) {
   const bool is_fast = forest_.TurnRate_rad_s() * dt_s > kFast_rad;
   const Forest::Energy before = is_fast ? forest_.EnergyAt(settings_.g_W) : Forest::Energy();
   BeginStep(dt_s);
-  const bool is_solved = FindRates();
+  const bool is_solved = FindRates(dt_s);
   AddEfforts();
   forest_.Move(rates_, dt_s);
   forest_.SetRates(rates_);
@@ -125,9 +127,37 @@ void LimbSolver::BeginStep(double dt_s) {
   FitSprings(dt_s);
 }
 
-bool LimbSolver::FindRates() {
-  const bool is_solved = Settle(false);
-  return is_solved && UseMeanForces() ? Settle(true) : is_solved;
+bool LimbSolver::FindRates(double dt_s) {
+  if (!Settle(false)) return false;
+  nutation_rad_ = forest_.NutationRate_rad_s(kSpin_rad / dt_s) * dt_s;
+  if (nutation_rad_ < kNutation_rad) nutation_rad_ = 0;
+  if (!UseMeanForces()) return true;
+  return Settle(true) && (nutation_rad_ == 0 || SettleRotors());
+}
+
+// The mean m of the rates before and after the step is g(m), given the forces at m. Near it, g turns by a
+// right angle and scales by half the nutation, so repeating m = g(m) would swing, or grow. The two-step
+// Chebyshev iteration for such spectra, mₖ₊₁ = mₖ₋₁ + weight · (g(mₖ) − mₖ₋₁), converges for any scale up to
+// `scale`: T. A. Manteuffel (1977), The Tchebychev iteration for nonsymmetric linear systems.
+bool LimbSolver::SettleRotors() {
+  constexpr double kMargin = 1.5;  // several rotors may act together
+  constexpr double kNegligible = 1e-6;
+  constexpr int kMostRounds = 100;
+  const double scale = kMargin * nutation_rad_ / 2, root = 1 + std::sqrt(1 + scale * scale);
+  const double weight = 2 / root, shrink = scale / root;
+  const std::vector<double>& before = forest_.rates();
+  earlier_ = before;
+  double error = shrink;
+  for (int round = 0; round < kMostRounds && error > kNegligible; ++round, error *= shrink) {
+    for (std::size_t dof = 0; dof < mean_.size(); ++dof) {
+      const double next = earlier_[dof] + weight * ((before[dof] + rates_[dof]) / 2 - earlier_[dof]);
+      if (!std::isfinite(next)) return false;
+      earlier_[dof] = std::exchange(mean_[dof], next);
+    }
+    forest_.EvaluateForcesAt(mean_);
+    if (!Settle(true)) return false;
+  }
+  return true;
 }
 
 void LimbSolver::AddEfforts() {
@@ -159,7 +189,7 @@ bool LimbSolver::UseMeanForces() {
   }
   momentum_ = forest_.momentum();
   forest_.EvaluateForcesAt(mean_);
-  const double matters = touches_ ? kMattersInContact : 0;
+  const double matters = touches_ && nutation_rad_ == 0 ? kMattersInContact : 0;
   for (int dof = 0; dof < forest_.dof_count(); ++dof) {
     const auto d = static_cast<std::size_t>(dof);
     const double least = matters > 0 ? matters * forest_.MassOf(dof) : 0;

@@ -158,18 +158,19 @@ class LimbSolver {
   /// Adds loops and couplings, and computes inertias, forces and springs in forest_'s present state.
   void BeginStep(double dt_s);
   /// Computes rates_, those of the step's end. Returns whether they are exact. After BeginStep().
-  bool FindRates();
+  bool FindRates(double dt_s);
+  /// Repeats UseMeanForces() and Settle() until the mean rates belong to their own forces.
+  bool SettleRotors();
   /// Advances things that touch nothing and are held by no motor; rates_ become those of the step's end.
   /// Returns whether all is exact. limb_flight.cc has Fly(), FlyParts() and WorkSince().
   bool Fly(double dt_s);
   struct Flight {
     bool is_solved = true;
-    double work_j = 0;     // of motors and rows
-    double swing_rad = 0;  // angle of the fastest swing per part
+    double work_j = 0;      // of motors and rows
+    double coarseness = 0;  // angle of the fastest swing or nutation per part, as a share of the largest
   };
-  /// Runs a step in `parts` parts of `dt_s`. Returns early at a part with a swing of more than
-  /// `most_swing_rad`.
-  Flight FlyParts(int parts, double dt_s, double most_swing_rad);
+  /// Runs a step in `parts` parts of `dt_s`. Returns early at a part that is coarser than `most`.
+  Flight FlyParts(int parts, double dt_s, double most);
   /// Adds the impulses of motors and rows to efforts_, averaged over the whole step.
   void AddEfforts();
   struct Work {
@@ -227,11 +228,13 @@ class LimbSolver {
   std::array<Vector3, 3> directions_;                     // of the contact added last
   std::vector<double> jacobian_, transformed_, divided_;  // of the rows' parts; divided_: by the pivots
   std::vector<double> pushes_;                            // impulses by degree of freedom
-  std::vector<double> added_, state_, rates_, mean_, momentum_, efforts_, column_;
+  std::vector<double> added_, state_, rates_, mean_, earlier_, momentum_, efforts_, column_;
   bool touches_ = false;  // a contact is among the rows
   bool holds_ = false;    // a motor holds a rate or a position
   bool flies_ = false;    // the step is a flight
   double step_s_ = 0;     // length of the whole step, also while FlyParts() runs
+  double nutation_rad_ =
+      0;  // turn of the fastest rotor's nutation in the step or part; 0: it does not matter
   Eigen::MatrixXd A_;
   Eigen::VectorXd b_, lower_, upper_, impulses_;
 };
