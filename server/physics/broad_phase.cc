@@ -171,7 +171,7 @@ RobotSpace SpaceOf(const Thing& thing, const BodyState& body, double margin_m) {
   if (rise > 0.9995) {
     const double lean_m = rise > 1 - kRestTilt_rad * kRestTilt_rad ? 1e-4 : kLean_m;
     return {{p_WR.x(), p_WR.y(), robot.radius_m + margin_m + lean_m},
-            p_WR.z() - margin_m - lean_m,
+            p_WR.z() + robot.lowest_m - margin_m - lean_m,
             p_WR.z() + robot.height_m + margin_m + lean_m};
   }
   const double reach_m = robot.reach_m + margin_m;

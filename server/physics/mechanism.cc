@@ -184,6 +184,7 @@ void Measure(Mechanism& robot) {
     robot.radius_m = std::max(robot.radius_m, RadiusOf(placed));
     robot.reach_m = std::max(robot.reach_m, placed.place().position().norm() + BoundingRadius(part.shape));
     robot.height_m = std::max(robot.height_m, placed.p[2] + placed.half_m.z());
+    robot.lowest_m = std::min(robot.lowest_m, placed.p[2] - placed.half_m.z());
     if (!robot.limb_radii_m.empty()) {
       double& radius_m = robot.limb_radii_m[static_cast<std::size_t>(part.body)];
       radius_m = std::max(radius_m, part.p_BG.norm() + BoundingRadius(part.shape));

@@ -59,7 +59,7 @@ bool IsOne(const ContactSide& of) {
 /// Robots side by side, or along a wall, do not lift each other: friction acts in the horizontal plane only.
 /// Otherwise a crowd would climb up on itself, an artefact of stepping.
 bool IsFlat(const ContactSide& a, const ContactSide& b) {
-  return b.actor != nullptr && a.actor->thing.robot >= 0 &&
+  return b.actor != nullptr && a.actor->thing.robot >= 0 && !a.actor->thing.mechanism->is_loose() &&
          (b.actor->thing.robot >= 0 || b.actor->thing.body_count() == 0);
 }
 
@@ -236,7 +236,8 @@ double BounceOf(double restitution, const FoundContact& found, const ContactSide
   const double speed_m_s = -slip.dot(point.n_W);
   // Robots that ODE moves fall with errors that make up for this.
   const auto falls_exactly = [](const ContactSide& of) {
-    return of.actor->thing.robot < 0 || of.actor->thing.mechanism->has_limbs();
+    const Mechanism& mechanism = *of.actor->thing.mechanism;
+    return mechanism.is_loose() || mechanism.has_limbs();
   };
   if (speed_m_s <= 0 || !falls_exactly(a.moves ? a : b)) return restitution;
   const double pull_m_s2 = -settings.g_W.dot(point.n_W) * ((a.moves ? 1 : 0) - (b.moves ? 1 : 0));

@@ -55,7 +55,7 @@ struct Mechanism {
   int shell = -1;  // index of the upright cylinder in `parts` that covers all other parts in plan; -1: none
   double radius_m = 0;  // of the cylinder about R's z axis that contains the upright robot
   double reach_m = 0;   // of the sphere about R's origin that contains the robot in every posture
-  double height_m = 0;
+  double height_m = 0, lowest_m = 0;  // z in R of the upright robot's highest and lowest point; lowest_m <= 0
   std::optional<OneBodyDrive> drive;  // fidelity rolling and planar, if it has wheels
   bool fixed_base = false;            // body 0 stands still in the world
   /// For each body of a robot with joints other than wheels: radius of the sphere about its centre of mass
@@ -66,6 +66,10 @@ struct Mechanism {
   bool one_body() const { return model != nullptr && fidelity != Fidelity::kFull; }
   bool planar() const { return fidelity == Fidelity::kPlanar; }
   bool has_limbs() const { return !limb_radii_m.empty(); }
+  /// One free body without joints or wheels: an object, or a robot that is solved like one.
+  bool is_loose() const {
+    return bodies.size() == 1 && joints.empty() && !drive && !fixed_base && !one_body() && !has_limbs();
+  }
 };
 
 /// Makes `model`'s mechanism, on a floor with this friction.

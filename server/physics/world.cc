@@ -216,8 +216,9 @@ void PhysicsWorld::CountRest(Nanoseconds dt) {
     if (calm_[islands_.RootOf(i)] || AtRest(i)) {
       counter = std::min(counter + step, kSleepAfter);
     } else {
-      counter =
-          i < things_.first_robot && IsSlow(FirstBody(i), kNearly) && counter > step ? counter - step : 0;
+      counter = things_.all[i].mechanism->is_loose() && IsSlow(FirstBody(i), kNearly) && counter > step
+                    ? counter - step
+                    : 0;
     }
     for (BodyState& body : BodiesOf(i)) body.sleep_counter = counter;
     if (counter < kSleepAfter) rested_[islands_.RootOf(i)] = 0;
@@ -244,7 +245,7 @@ bool PhysicsWorld::IsCalm(std::uint32_t root) const {
   int count = 0;
   double sum_m2_s2 = 0;  // of twice the energies per mass
   for (std::uint32_t i = islands_.FirstOf(root); i != Islands::kNone; i = islands_.NextOf(i)) {
-    if (i >= things_.first_robot) return false;
+    if (!things_.all[i].mechanism->is_loose()) return false;
     const BodyState& body = FirstBody(i);
     const RigidBody& rigid = things_.all[i].mechanism->bodies.front();
     const double largest_kg_m2 = rigid.inertia_kg_m2.trace() / 2;  // no moment of inertia is larger

@@ -91,9 +91,9 @@ class PhysicsWorld {
     PlaneSolver plane;
   };
   enum class Method { kDirect, kIterative, kLimbs, kPile, kPlane };
-  /// Islands that are solved together. A kLimbs batch is one island that has limbs, or one object in flight,
-  /// or an island that ODE gave up on; a kPile batch is one island of objects; a kPlane batch is one
-  /// island of planar robots.
+  /// Islands that are solved together. A kLimbs batch is one island that has limbs, or one loose thing in
+  /// flight, or an island that ODE gave up on; a kPile batch is one island of loose things; a kPlane batch is
+  /// one island of planar robots.
   struct Batch {
     Method method = Method::kDirect;
     std::vector<std::uint32_t> members;                         // things, island by island
@@ -129,10 +129,12 @@ class PhysicsWorld {
   /// The root of the island that holds a pair that touches.
   std::uint32_t RootOfPair(std::size_t pair);
   bool HasLimbs(std::uint32_t root) const;
-  /// The island contains only objects, and they are few or slow.
+  /// The island contains only loose things, and they are few or slow.
   bool IsPile(std::uint32_t root);
-  /// The island is one object that touches nothing.
-  bool Flies(std::uint32_t root) { return root < things_.first_robot && islands_.RowsOf(root) == 0; }
+  /// The island is one loose thing that touches nothing.
+  bool Flies(std::uint32_t root) {
+    return things_.all[root].mechanism->is_loose() && islands_.RowsOf(root) == 0;
+  }
   /// The island contains only upright planar robots whose forces are not measured.
   bool IsPlane(std::uint32_t root) const;
   /// PlaneSolver accepts the pair's contacts and both things.

@@ -35,7 +35,7 @@ void Flatten(BodyState& body, double rest_z_m) {
 }
 
 double FloorGap(const Thing& thing, const BodyState& body, double dt_s) {
-  return thing.robot >= 0 ? kFloorGap_m + dt_s * std::abs(body.v_WB.z()) : kAhead_m;
+  return thing.mechanism->is_loose() ? kAhead_m : kFloorGap_m + dt_s * std::abs(body.v_WB.z());
 }
 
 }  // namespace
@@ -82,9 +82,9 @@ void PhysicsWorld::MakeIslands() {
   std::vector<FoundContact> floor;
   for (const std::uint32_t i : active_) {
     const Mechanism& mechanism = *things_.all[i].mechanism;
-    int rows = mechanism.joint_rows + mechanism.floor_rows;
-    if (i >= things_.first_robot) {
-      rows += kRobotSurcharge;
+    int rows = 0;
+    if (!mechanism.is_loose()) {
+      rows = mechanism.joint_rows + mechanism.floor_rows + kRobotSurcharge;
     } else {
       floor.clear();
       FindFloorContacts(solvers_.front()->lane.collider(), ActorOf(i), kAhead_m, floor);
@@ -194,7 +194,7 @@ bool PhysicsWorld::IsPile(std::uint32_t root) {
   int count = 0;
   bool is_calm = true;
   for (std::uint32_t i = islands_.FirstOf(root); i != Islands::kNone; i = islands_.NextOf(i)) {
-    if (i >= things_.first_robot) return false;
+    if (!things_.all[i].mechanism->is_loose()) return false;
     ++count;
     is_calm &= FirstBody(i).v_WB.squaredNorm() < kCalm_m_s * kCalm_m_s;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Friction of every kind against closed forms, at 1, 5 and 10 ms: isotropic at the onset of sliding, rolling,
-// spinning, anisotropic. Each by ODE and by the solver of limbs, which handles robots with thrusters.
+// spinning, anisotropic. Each by the solver of piles and by that of limbs, which handles robots with
+// thrusters.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -44,7 +45,7 @@ RobotModel Body(const LinkShape& collision, double mass_kg, bool thrusts) {
   return model;
 }
 
-enum class Solver { kOde, kLimbs };
+enum class Solver { kPile, kLimbs };
 
 class FrictionTest : public testing::TestWithParam<std::tuple<int, Solver>> {
  protected:
@@ -220,7 +221,7 @@ TEST_P(FrictionTest, AGrainAskewToASlopeLetsItsBodySlideStraightAsTheEllipseSays
   EXPECT_LT(Now().orientation().angularDistance(q), 0.02);
 }
 
-const auto kAll = testing::Combine(testing::Values(1, 5, 10), testing::Values(Solver::kOde, Solver::kLimbs));
+const auto kAll = testing::Combine(testing::Values(1, 5, 10), testing::Values(Solver::kPile, Solver::kLimbs));
 INSTANTIATE_TEST_SUITE_P(Steps, FrictionTest, kAll);
 INSTANTIATE_TEST_SUITE_P(Steps, SlopeTest, kAll);
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 #include <random>
 #include <string>
 #include <utility>
@@ -41,6 +42,25 @@ TEST_P(TowerTest, OfTenAndOfTwentyBoxesDriftsLessThanAMillimetreInAMinute) {
       EXPECT_LT((scene.object(i).p - Vector3(0, 0, 0.05 + 0.1 * i)).norm(), 1e-4) << count << " " << i;
     }
     EXPECT_TRUE(AllSleep(scene, count)) << count;
+  }
+}
+
+TEST_P(TowerTest, OfTenRobotsOfOneLinkStandsAsOneOfObjectsDoes) {
+  RobotModel model;
+  model.type = "brick";
+  LinkModel link;
+  link.name = "brick";
+  link.mass_kg = 1;
+  link.collisions = {{Box{{0.1, 0.1, 0.1}}, {}, {}, 0.8, false}};
+  link.inertia_kg_m2 = SolidInertia(link.collisions[0].shape, 1);
+  model.links = {link};
+  model.footprint_radius_m = BoundingRadius(link.collisions[0].shape);
+  model.height_m = 1;
+  scene_.robot_model = std::make_shared<const RobotModel>(model);
+  for (int i = 0; i < 10; ++i) scene_.AddRobot(At(0, 0, 0.05 + 0.1 * i));
+  scene_.RunFor(10);
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_LT((scene_.robot(i).p - Vector3(0, 0, 0.05 + 0.1 * i)).norm(), 1e-4) << i;
   }
 }
 
