@@ -16,9 +16,9 @@ namespace coopdyn {
 namespace {
 
 constexpr int kUsualParts = 8, kMostParts = 128;
-constexpr double kSwing_rad = 2;       // per part, of the fastest swing: at 2 the method becomes unstable
-constexpr double kNutation_rad = 0.5;  // per part, of a rotor's axle
-constexpr double kTurn_rad = 0.1;      // per part, of floating bodies and ball joints
+constexpr double kSwing_rad = 2;           // per part, of the fastest swing: at 2 the method becomes unstable
+constexpr double kPartNutation_rad = 0.5;  // per part, of a rotor's axle
+constexpr double kTurn_rad = 0.1;          // per part, of floating bodies and ball joints
 // Energy errors, as shares of the kinetic energy, beyond which a step gets up to kUsualParts or kMostParts.
 constexpr double kLost = 0.05, kMostLost = 0.5;
 
@@ -67,8 +67,8 @@ LimbSolver::Flight LimbSolver::FlyParts(int parts, double dt_s, double most) {
     for (const Member& member : members_) DriveJoints(member, member.rows, dt_s);
     BeginStep(dt_s);
     const auto is_too_coarse = [&] {
-      flight.coarseness = std::max(
-          {flight.coarseness, forest_.SwingRate_rad_s() * dt_s / kSwing_rad, nutation_rad_ / kNutation_rad});
+      flight.coarseness = std::max({flight.coarseness, forest_.SwingRate_rad_s() * dt_s / kSwing_rad,
+                                    nutation_rad_ / kPartNutation_rad});
       return flight.coarseness > most;
     };
     nutation_rad_ = 0;
