@@ -355,8 +355,8 @@ class WorldConverter {
 
   /// True if the mass of a moving single shape lies elsewhere than in the uniform solid, so that the model
   /// cannot be a thing: off the centre, or nearer to or further from the centre of a ball. Boxes and
-  /// cylinders remain things, because most files have placeholders as their moments, and so do balls with
-  /// moments that no mass inside them can have, such as 1 1 1: SayUnused() reports them.
+  /// cylinders remain things, because the moments in most files do not fit their shapes, and so do balls
+  /// with moments that no mass inside them can have, such as 1 1 1: SayUnused() reports them.
   bool HasOwnInertia(const RobotModel& model, const std::string& name, const SourceLine& where) {
     if (model.fixed_base) return false;
     const LinkModel& link = model.links.front();
