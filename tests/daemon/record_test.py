@@ -219,6 +219,8 @@ class FolderTest(RecordingTestCase):
         with Daemon(scenario(1)) as daemon:
             names = ("/simulation", "/recorder", "/playback", "/swarm", "/robot1/motors")
             modules = [daemon.text(name) for name in names]
+            for module in modules:
+                module.must("hello test")  # it has arrived
             self.assertEqual(daemon.end(), 0)
             for name, module in zip(names, modules):
                 self.assertIn("the daemon is stopping", module.read_to_end().decode(), name)

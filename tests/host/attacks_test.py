@@ -215,6 +215,7 @@ class Files(unittest.TestCase):
             kept.write_text("name\nana\nEva Novak\n")
             until(lambda: kept.read_text().startswith("seat,"))
             self.assertEqual(host.roll()["ana"], before)
+            until(lambda: "eva-novak" in host.tiles())
             self.assertEqual(host.seat("eva-novak").said, "ok")
 
     def test_many_seats_added_at_once_are_all_there(self):
