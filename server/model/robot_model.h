@@ -39,6 +39,8 @@ struct LinkShape {
   double friction_across = 1;
   /// Torque against rolling (of round shapes) and against spinning about the normal, N m per N of load.
   double rolling_friction_m = 0, spinning_friction_m = 0;
+  /// What it yields where it touches: a spring and a damper along the normal, N/m and N s/m. Infinite: hard.
+  double contact_stiffness_n_m = std::numeric_limits<double>::infinity(), contact_damping_n_s_m = 0;
   /// Mesh collisions: maximum number of convex parts if the link moves.
   int most_parts = kMostConvexParts;
   /// Collisions: for all but the first part of a mesh with several parts, index of the first part; else -1.

@@ -32,6 +32,13 @@ struct PlacedShape {
   std::optional<Color> color;  // from a mesh file
 };
 
+/// The shortest rotation that takes the z axis to a unit vector. Eigen's own FromTwoVectors() takes 15 s to
+/// compile.
+Quaternion TurnFromZ(const Vector3& to) {
+  const Quaternion twice(1 + to.z(), -to.y(), to.x(), 0);
+  return twice.squaredNorm() > 1e-18 ? twice.normalized() : Quaternion(0, 1, 0, 0);
+}
+
 class LinkReader {
  public:
   explicit LinkReader(ModelReading& reading) : reading_(reading) {}
@@ -84,6 +91,7 @@ class LinkReader {
       if (const sdf::Mesh* mesh = collision.Geom()->MeshShape(); mesh != nullptr)
         shape.most_parts = MostParts(*mesh->Element());
       ReadFriction(collision, placed ? placed->X_PG.q : Quaternion::Identity(), shape);
+      ReadYielding(collision, shape);
       shape.restitution = RestitutionOf(collision);
       if (placed) {
         out.collisions.push_back(std::move(shape));
@@ -148,7 +156,7 @@ class LinkReader {
       const Vector3 normal = ToVector(plane->Normal());
       placed.shape = Box{{fit(plane->Size().X()), fit(plane->Size().Y()), kDepth_m}};
       if (!normal.allFinite() || normal.norm() <= 1e-9) fine = fits = false;
-      if (fine) placed.X_PG.q = Quaternion::FromTwoVectors(Vector3::UnitZ(), normal);
+      if (fine) placed.X_PG.q = TurnFromZ(normal.normalized());
       placed.X_PG.p = placed.X_PG.q * Vector3(0, 0, -kDepth_m / 2);
     } else if (const sdf::Mesh* mesh = geometry.MeshShape()) {
       const auto known = reading_.source.meshes.find(mesh->Uri());
@@ -202,6 +210,34 @@ class LinkReader {
       reading_.Warn(LineOf(bullet->GetElement("rolling_friction")),
                     "<rolling_friction> slows spheres, cylinders and capsules only: remove it here, or write "
                     "<torsional>, which slows spinning of all shapes");
+  }
+
+  /// Reads the spring and the damper of a collision.
+  void ReadYielding(const sdf::Collision& collision, LinkShape& out) {
+    sdf::ElementPtr contact = collision.Element();
+    for (const char* name : {"surface", "contact", "ode"}) {
+      if (!contact->HasElement(name)) return;
+      contact = contact->GetElement(name);
+    }
+    const auto value = [&](const char* name) { return contact->Get<double>(name); };
+    const auto mended = [&](const char* name, const std::string& what) {
+      reading_.Mended(LineOf(contact->GetElement(name)), what);
+    };
+    if (!contact->HasElement("kp")) {
+      if (contact->HasElement("kd"))
+        mended("kd", "<kd> needs <kp>, the stiffness in N/m: without it the contact is hard");
+      return;
+    }
+    if (!(value("kp") > 0)) {
+      return mended("kp", "<kp> must be a number above 0, N/m, not '" + FormatNumber(value("kp")) +
+                              "': the contact is hard");
+    }
+    const double damping = contact->HasElement("kd") ? value("kd") : 0;
+    const bool is_damping = std::isfinite(damping) && damping >= 0;
+    if (!is_damping)
+      mended("kd", "<kd> must be a number from 0 on, N s/m, not '" + FormatNumber(damping) + "': it is 0");
+    out.contact_stiffness_n_m = value("kp");
+    out.contact_damping_n_s_m = is_damping ? damping : 0;
   }
 
   void ReadSliding(const sdf::ElementPtr& element, const Quaternion& q_CG, LinkShape& out) {

@@ -342,9 +342,13 @@ class WorldConverter {
         model.sensors, [](const SensorModel& one) { return !std::holds_alternative<PoseModel>(one.kind); });
     if (model.links.size() != 1 || !model.joints.empty() || senses) return false;
     const LinkModel& link = model.links.front();
-    const bool simple = std::ranges::all_of(link.collisions, [](const LinkShape& one) {
+    // Things are hard. Where its own weight presses a model in by less, nobody sees a difference.
+    constexpr double kHard_m = 1e-4, kUsual_m_s2 = 9.81;
+    const double weight_n = kUsual_m_s2 * (model.fixed_base ? 1 : link.mass_kg);
+    const bool simple = std::ranges::all_of(link.collisions, [&](const LinkShape& one) {
       const bool is_ball = std::holds_alternative<Sphere>(one.shape);
       return one.shape.index() <= 2 && one.friction_along_G.isZero() &&
+             weight_n <= kHard_m * one.contact_stiffness_n_m &&
              one.spinning_friction_m == (is_ball ? one.rolling_friction_m : 0);
     });
     if (!simple || link.collisions.empty() || (!model.fixed_base && link.collisions.size() != 1))

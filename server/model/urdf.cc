@@ -188,7 +188,7 @@ class UrdfConverter {
         shape.Add("pose", PoseOf(child));
         if (const XmlNode* geometry = child.Child("geometry")) shape.children.push_back(Geometry(*geometry));
         if (child.name == "visual") AddMaterial(child, name, shape);
-        if (child.name == "collision") AddFriction(name, shape);
+        if (child.name == "collision") AddSurface(name, shape);
         out.children.push_back(std::move(shape));
       } else {
         diagnostics_.LeftOut(child.where, "<" + child.name + "> in <link>");
@@ -239,7 +239,7 @@ class UrdfConverter {
     if (inner.name == "material") return GazeboColor(inner.text).has_value();
     if (inner.name == "visual") return DiffuseOf(inner) != nullptr;
     return inner.name == "sensor" || inner.name == "mu" || inner.name == "mu1" || inner.name == "mu2" ||
-           inner.name == "fdir1";
+           inner.name == "fdir1" || inner.name == "kp" || inner.name == "kd";
   }
   static const XmlNode* DiffuseOf(const XmlNode& visual) {
     const XmlNode* material = visual.Child("material");
@@ -295,18 +295,34 @@ class UrdfConverter {
     made.Add("diffuse", color->Attribute("rgba"));
   }
 
-  /// Adds the friction of <gazebo reference="link"><mu1>….
-  void AddFriction(const std::string& link, XmlNode& collision) {
+  /// The first <word> in a <gazebo reference="link">; null: none.
+  const XmlNode* Extra(const std::string& link, const char* word) const {
     for (const XmlNode* extra : ExtrasOf(link)) {
-      const std::string mu = extra->TextOf("mu1").empty() ? extra->TextOf("mu") : extra->TextOf("mu1");
-      if (mu.empty()) continue;
-      XmlNode& ode = collision.Add("surface").Add("friction").Add("ode");
-      ode.Add("mu", mu);
-      for (const char* word : {"mu2", "fdir1"}) {
-        if (!extra->TextOf(word).empty()) ode.Add(word, extra->TextOf(word));
-      }
-      return;
+      const XmlNode* found = extra->Child(word);
+      if (found != nullptr && !found->text.empty()) return found;
     }
+    return nullptr;
+  }
+
+  /// Adds the friction and the stiffness of <gazebo reference="link"><mu1>…<kp>….
+  void AddSurface(const std::string& link, XmlNode& collision) {
+    const XmlNode* mu = Extra(link, "mu1");
+    if (mu == nullptr) mu = Extra(link, "mu");
+    const XmlNode *kp = Extra(link, "kp"), *kd = Extra(link, "kd");
+    if (mu == nullptr && kp == nullptr && kd == nullptr) return;
+    XmlNode& surface = collision.Add("surface");
+    const auto add = [](XmlNode& to, const char* name, const XmlNode* from) {
+      if (from != nullptr) to.Add(name, from->text).where = from->where;
+    };
+    if (mu != nullptr) {
+      XmlNode& ode = surface.Add("friction").Add("ode");
+      add(ode, "mu", mu);
+      for (const char* word : {"mu2", "fdir1"}) add(ode, word, Extra(link, word));
+    }
+    if (kp == nullptr && kd == nullptr) return;
+    XmlNode& ode = surface.Add("contact").Add("ode");
+    add(ode, "kp", kp);
+    add(ode, "kd", kd);
   }
 
   std::optional<XmlNode> Joint(const XmlNode& joint) {

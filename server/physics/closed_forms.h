@@ -3,6 +3,7 @@
 // where ODE returns several or one that wanders. Pure functions; any thread.
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include "server/geometry/shape.h"
@@ -49,6 +50,7 @@ struct Part {
   int friction_body = -1;                      // if not negative: friction_along_G is in this body's axes
   double friction_across = 1;
   double rolling_friction_m = 0, spinning_friction_m = 0;
+  double contact_stiffness_n_m = std::numeric_limits<double>::infinity(), contact_damping_n_s_m = 0;
   /// Of the drive; -1: none. A cylinder about a driven axle, which rolls on one contact at its tread.
   int wheel = -1;
   int link = 0, collision = 0;     // of a robot's model: index into links, and into the link's collisions

@@ -77,7 +77,12 @@ std::span<const Vector3> LimbSolver::AddContact(const Surface& touch, int node_a
   const int normal = static_cast<int>(rows_.size());
   Row& push = add(n);
   const double approach = (surface.mode & dContactMotionN) != 0 ? surface.motionN : 0;
-  push.target = std::min(kErp / dt_s * contact.geom.depth + approach, kMaxPushOut_m_s);
+  if ((surface.mode & dContactSoftCFM) != 0) {
+    push.softness = surface.soft_cfm / dt_s;
+    push.target = surface.soft_erp / dt_s * contact.geom.depth + approach;
+  } else {
+    push.target = std::min(kErp / dt_s * contact.geom.depth + approach, kMaxPushOut_m_s);
+  }
   push.lower = 0;
   if ((surface.mode & dContactBounce) != 0) {
     const double outgoing = RateOf(push, forest_.rates()) - approach;

@@ -32,6 +32,8 @@ Part MakePart(const RobotModel& model, std::size_t link, const LinkShape& collis
   part.friction_across = collision.friction_across;
   part.rolling_friction_m = collision.rolling_friction_m;
   part.spinning_friction_m = collision.spinning_friction_m;
+  part.contact_stiffness_n_m = collision.contact_stiffness_n_m;
+  part.contact_damping_n_s_m = collision.contact_damping_n_s_m;
   part.wheel = WheelOf(model, static_cast<int>(link), collision);
   return part;
 }
@@ -215,6 +217,8 @@ Mechanism MakeRobot(const RobotModel& model, Fidelity fidelity, double floor_fri
   }
   PlaceGrains(robot);
   Measure(robot);
+  robot.has_soft_parts = std::ranges::any_of(
+      robot.parts, [](const Part& part) { return std::isfinite(part.contact_stiffness_n_m); });
   constexpr double kHingeSlack_m = 0.01;  // links give way a little under load
   if (!robot.one_body()) {
     robot.radius_m += kHingeSlack_m;

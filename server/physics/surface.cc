@@ -248,6 +248,30 @@ double BounceOf(double restitution, const FoundContact& found, const ContactSide
   return std::max(0.0, leaves_m_s) / speed_m_s;
 }
 
+/// 1 / stiffness of a part, m/N; 0: it is hard.
+double ComplianceOf(const ContactSide& of, const Part* part) {
+  const bool yields = part != nullptr && of.actor->thing.mechanism->is_soft();
+  return yields ? 1 / part->contact_stiffness_n_m : 0;
+}
+
+double DampingOf(const ContactSide& of, const Part* part) {
+  return ComplianceOf(of, part) > 0 ? part->contact_damping_n_s_m : 0;
+}
+
+/// The springs of both are in series; their dampers add up, as in Gazebo. ODE's manual has the ERP and CFM of
+/// a spring with a damper, which make the step implicit.
+void Yield(const FoundContact& found, const ContactSide& a, const ContactSide& b, double dt_s,
+           dContact& contact) {
+  const double compliance_m_n = ComplianceOf(a, found.a) + ComplianceOf(b, found.b);
+  if (compliance_m_n <= 0) return;
+  const double spring = dt_s / compliance_m_n;
+  const double resistance = spring + DampingOf(a, found.a) + DampingOf(b, found.b);
+  if (resistance * kCfm >= 1) return;  // as hard as any other contact
+  contact.surface.mode |= dContactSoftERP | dContactSoftCFM;
+  contact.surface.soft_erp = spring / resistance;
+  contact.surface.soft_cfm = 1 / resistance;
+}
+
 }  // namespace
 
 int RowsOf(const FoundContact& found) {
@@ -274,6 +298,7 @@ std::optional<Surface> SurfaceOf(const FoundContact& found, const ContactSide& a
   dContact& contact = surface.contact;
   Rub(found, a, b, settings, dt_s, surface);
   HoldTurns(found, a, b, surface);
+  Yield(found, a, b, dt_s, contact);
   if (restitution > 0) {
     // No bounce below the speed that gravity adds in two steps.
     contact.surface.mode |= dContactBounce;

@@ -57,6 +57,7 @@ struct Mechanism {
   double reach_m = 0;   // of the sphere about R's origin that contains the robot in every posture
   double height_m = 0, lowest_m = 0;  // z in R of the upright robot's highest and lowest point; lowest_m <= 0
   std::optional<OneBodyDrive> drive;  // fidelity rolling and planar, if it has wheels
+  bool has_soft_parts = false;        // parts with a finite stiffness
   bool fixed_base = false;            // body 0 stands still in the world
   /// For each body of a robot with joints other than wheels: radius of the sphere about its centre of mass
   /// that contains its parts. Such a robot's space follows from its bodies, not from the radius, reach and
@@ -64,6 +65,8 @@ struct Mechanism {
   std::vector<double> limb_radii_m;
 
   bool one_body() const { return model != nullptr && fidelity != Fidelity::kFull; }
+  /// Some of it yields where it touches. Wheels of a drive do not.
+  bool is_soft() const { return has_soft_parts && !drive; }
   bool planar() const { return fidelity == Fidelity::kPlanar; }
   bool has_limbs() const { return !limb_radii_m.empty(); }
   /// One free body without joints or wheels: an object, or a robot that is solved like one.

@@ -90,7 +90,7 @@ void PhysicsWorld::Fit() {
     first_bodies_.push_back(static_cast<std::size_t>(things_.all[i].first_body));
   }
   plans_.resize(things_.first_static - things_.first_robot);
-  for (auto* flags : {&moves_, &near_, &in_solver_, &rested_, &calm_}) flags->resize(dynamic_count());
+  for (auto* flags : {&moves_, &near_, &soft_, &in_solver_, &rested_, &calm_}) flags->resize(dynamic_count());
   travel_m_.resize(dynamic_count());
   batch_of_.resize(dynamic_count());
   islands_.Resize(dynamic_count());

@@ -129,6 +129,8 @@ class PhysicsWorld {
   /// The root of the island that holds a pair that touches.
   std::uint32_t RootOfPair(std::size_t pair);
   bool HasLimbs(std::uint32_t root) const;
+  /// Something in the island yields where it touches.
+  bool IsSoft(std::uint32_t root) const;
   /// The island contains only loose things, and they are few or slow.
   bool IsPile(std::uint32_t root);
   /// The island is one loose thing that touches nothing.
@@ -264,12 +266,13 @@ class PhysicsWorld {
   std::vector<std::size_t> first_bodies_;  // by dynamic thing
   std::vector<std::uint8_t> moves_;        // by dynamic thing: neither frozen nor asleep
   std::vector<std::uint8_t> near_;         // by dynamic thing: in a pair
-  std::vector<std::uint8_t> in_solver_;    // by dynamic thing
-  std::vector<std::uint8_t> rested_;       // by dynamic thing; at an island's root: all members rested
-  std::vector<std::uint8_t> calm_;         // by dynamic thing; at an island's root: IsCalm()
-  std::vector<double> travel_m_;           // by dynamic thing: how far it may move
-  std::vector<DrivePlan> plans_;           // by robot
-  std::vector<std::uint32_t> active_;      // things that go to a solver, increasing
+  std::vector<std::uint8_t> soft_;       // by dynamic thing: it yields where it touches, or touches what does
+  std::vector<std::uint8_t> in_solver_;  // by dynamic thing
+  std::vector<std::uint8_t> rested_;     // by dynamic thing; at an island's root: all members rested
+  std::vector<std::uint8_t> calm_;       // by dynamic thing; at an island's root: IsCalm()
+  std::vector<double> travel_m_;         // by dynamic thing: how far it may move
+  std::vector<DrivePlan> plans_;         // by robot
+  std::vector<std::uint32_t> active_;    // things that go to a solver, increasing
   std::span<const BroadPhase::Pair> pairs_;
   std::vector<FoundContact> found_;
   std::vector<std::size_t> found_ends_;  // by pair: where its contacts end in found_

@@ -91,6 +91,7 @@ void PhysicsWorld::MakeIslands() {
       for (const FoundContact& contact : floor) rows += RowsOf(contact);
     }
     islands_.Begin(i, rows);
+    soft_[i] = mechanism.is_soft();
   }
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const std::span<const FoundContact> contacts = ContactsOf(k);
@@ -98,6 +99,7 @@ void PhysicsWorld::MakeIslands() {
     const auto [a, b] = pairs_[k];
     const bool in_a = in_solver_[a], in_b = b < count && in_solver_[b];
     if (!in_a && !in_b) continue;
+    if (things_.all[a].mechanism->is_soft() || things_.all[b].mechanism->is_soft()) soft_[in_a ? a : b] = 1;
     int rows = 0;
     for (const FoundContact& contact : contacts) rows += RowsOf(contact);
     islands_.AddRows(in_a ? a : b, rows);
@@ -124,7 +126,7 @@ void PhysicsWorld::MakeBatches() {
   std::size_t open = 0;  // 0: none
   for (const std::uint32_t root : islands_.roots()) {
     std::size_t at = 0;
-    if (HasLimbs(root) || Flies(root)) {
+    if (HasLimbs(root) || Flies(root) || IsSoft(root)) {
       at = batch_count_;
       NextBatch(Method::kLimbs);
     } else if (IsPile(root)) {
@@ -182,6 +184,13 @@ bool PhysicsWorld::FitsPlane(std::size_t pair) const {
 bool PhysicsWorld::HasLimbs(std::uint32_t root) const {
   for (std::uint32_t i = islands_.FirstOf(root); i != Islands::kNone; i = islands_.NextOf(i)) {
     if (things_.all[i].mechanism->has_limbs()) return true;
+  }
+  return false;
+}
+
+bool PhysicsWorld::IsSoft(std::uint32_t root) const {
+  for (std::uint32_t i = islands_.FirstOf(root); i != Islands::kNone; i = islands_.NextOf(i)) {
+    if (soft_[i]) return true;
   }
   return false;
 }

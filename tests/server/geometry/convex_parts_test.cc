@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <random>
 #include <span>
 #include <vector>
@@ -186,7 +188,7 @@ TEST(ConvexPartsTest, TrianglesThroughEachOtherAreGivenUp) {
 // The bounding box of each triangle fills all cells.
 TEST(ConvexPartsTest, AFineTubeAlongTheDiagonalIsNoTangle) {
   Triangles tube = Turned({{0.1, 0}, {0.1, 2}, {0.09, 2}, {0.09, 0}, {0.1, 0}}, 1000);
-  const Quaternion turn = Quaternion::FromTwoVectors(Vector3::UnitZ(), Vector3::Ones());
+  const Quaternion turn = FromRollPitchYaw(0, std::acos(1 / std::sqrt(3.0)), std::numbers::pi / 4);
   for (Vector3& v : tube.vertices) v = turn * v;
   EXPECT_FALSE(CutConvex(tube.vertices, tube.triangles, kMostConvexParts).is_tangled);
 }
