@@ -66,7 +66,7 @@ TEST_F(CheckReportTest, WhatIsMendedIsNoLoss) {
 
 TEST_F(CheckReportTest, LooksAreNoLoss) {
   const CheckReport report = Robot(Link("base") +
-                                   "<gazebo reference=\"base\"><kp>1e6</kp></gazebo><material "
+                                   "<gazebo reference=\"base\"><maxVel>0.1</maxVel></gazebo><material "
                                    "name=\"m\"><texture filename=\"t.png\"/></material>");
   EXPECT_EQ(report.verdict, CheckVerdict::kRuns);
   EXPECT_FALSE(report.harmless.empty());

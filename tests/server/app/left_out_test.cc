@@ -43,7 +43,7 @@ TEST(LeftOutTest, AnUnknownPlugInMatters) {
 }
 
 TEST(LeftOutTest, LooksAndSolversAreNoLossGravityIs) {
-  for (const char* what : {"<material> in <gazebo reference>", "<kp> in <gazebo reference>",
+  for (const char* what : {"<material> in <gazebo reference>", "<maxVel> in <gazebo reference>",
                            "<plugin> in <sensor>", "<background> in <scene>"}) {
     EXPECT_FALSE(ConsequenceOf(what, nullptr).matters) << what;
   }

@@ -177,14 +177,14 @@ TEST(UrdfTest, WhatGazeboSaysOfALinkIsUsedOrReported) {
       "<visual><geometry><box size=\"1 1 1\"/></geometry></visual>"
       "<collision><geometry><box size=\"0.2 0.2 0.2\"/></geometry></collision></link>\n"
       "<gazebo "
-      "reference=\"base\">\n<material>Gazebo/Red</material>\n<mu1>0.3</mu1>\n<kp>1e6</kp>\n</gazebo>\n"
+      "reference=\"base\">\n<material>Gazebo/Red</material>\n<mu1>0.3</mu1>\n<maxVel>0.1</maxVel>\n</gazebo>\n"
       "<gazebo reference=\"bse\">\n<mu1>1</mu1></gazebo>");
   ASSERT_NE(robot, nullptr) << messages;
   EXPECT_EQ(robot->links[0].visuals.at(0).color.r, 1);
   EXPECT_EQ(robot->links[0].visuals.at(0).color.g, 0);
   EXPECT_EQ(robot->links[0].collisions.at(0).friction, 0.3);
   EXPECT_THAT(messages,
-              HasSubstr("rig.urdf:7: warning: <kp> in <gazebo reference> is not used by coopdyn\n"));
+              HasSubstr("rig.urdf:7: warning: <maxVel> in <gazebo reference> is not used by coopdyn\n"));
   EXPECT_THAT(messages, HasSubstr("rig.urdf:9: warning: <gazebo reference=\"bse\"> names no link or joint"));
 }
 

@@ -71,6 +71,25 @@ TEST_F(SdfWorldTest, APlaneThatIsTurnedIsNoFloor) {
   }
 }
 
+TEST_F(SdfWorldTest, WhatYieldsUnderItsWeightIsARobotAndWhatIsStifferAThing) {
+  const auto crate = [](const std::string& kp) {
+    std::string link = Link("l", "0 0 0.1 0 0 0");
+    const std::string box = "</box></geometry>";
+    return link.insert(link.find(box) + box.size(),
+                       "<surface><contact><ode><kp>" + kp + "</kp><kd>1</kd></ode></contact></surface>");
+  };
+  const auto scenario = Load(Model("stiff", crate("1e7")) + Model("soft", crate("1e5"), "2 0 0 0 0 0") +
+                             Model("slab", "<static>true</static>" + crate("1e5"), "0 2 0 0 0 0") +
+                             Model("foam", "<static>true</static>" + crate("1e4"), "0 4 0 0 0 0"));
+  ASSERT_NE(scenario, nullptr) << messages();
+  ASSERT_EQ(scenario->objects.size(), 2u);
+  EXPECT_EQ(scenario->objects[0].name, "stiff");
+  EXPECT_EQ(scenario->objects[1].name, "slab");
+  ASSERT_EQ(scenario->robots.size(), 2u);
+  EXPECT_EQ(scenario->robots[0].model->links[0].collisions.at(0).contact_stiffness_n_m, 1e5);
+  EXPECT_TRUE(scenario->robots[1].model->fixed_base);
+}
+
 TEST_F(SdfWorldTest, AModelWithoutLinksIsLeftOut) {
   const auto scenario =
       Load("<model name=\"fog\"><static>true</static></model>" + Model("crate", Link("l", "0 0 1 0 0 0")));

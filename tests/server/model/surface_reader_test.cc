@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-// <surface> of SDF: anisotropic, rolling and spinning friction.
+// <surface> of SDF: anisotropic, rolling and spinning friction, stiffness.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "tests/server/model/foreign_rig.h"
 
@@ -148,6 +150,71 @@ TEST(SurfaceReaderTest, AUrdfMayHaveAGrain) {
   ASSERT_NE(robot, nullptr) << messages;
   EXPECT_EQ(robot->links[0].collisions.at(0).friction_along_G, Vector3::UnitY());
   EXPECT_EQ(robot->links[0].collisions.at(0).friction_across, 0.7);
+}
+
+/// A model of one link with this in <contact><ode>.
+ForeignAnswer ReadContact(const std::string& inside) {
+  return ReadSdf(
+      "<link name=\"l\"><pose>0 0 0.1 0 0 0</pose>"
+      "<inertial><mass>1</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia>"
+      "</inertial>\n<collision name=\"c\"><geometry>" +
+      kBall + "</geometry><surface><contact><ode>\n" + inside +
+      "</ode></contact></surface></collision></link>\n");
+}
+
+TEST(SurfaceReaderTest, AContactMayYield) {
+  const auto [robot, messages] = ReadContact("<kp>20000</kp><kd>30</kd>");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_EQ(messages, "");
+  EXPECT_EQ(robot->links[0].collisions.at(0).contact_stiffness_n_m, 20000);
+  EXPECT_EQ(robot->links[0].collisions.at(0).contact_damping_n_s_m, 30);
+}
+
+TEST(SurfaceReaderTest, WithoutADamperAContactIsASpring) {
+  const auto [robot, messages] = ReadContact("<kp>20000</kp>");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_EQ(robot->links[0].collisions.at(0).contact_stiffness_n_m, 20000);
+  EXPECT_EQ(robot->links[0].collisions.at(0).contact_damping_n_s_m, 0);
+}
+
+TEST(SurfaceReaderTest, WhatCannotYieldIsHardAndThatIsSaid) {
+  const std::pair<const char*, const char*> wrong[] = {
+      {"<kd>30</kd>",
+       "model.sdf:4: warning: <kd> needs <kp>, the stiffness in N/m: without it the contact is hard"},
+      {"<kp>0</kp>",
+       "model.sdf:4: warning: <kp> must be a number above 0, N/m, not '0': the contact is hard"},
+      {"<kp>-5</kp>", "<kp> must be a number above 0, N/m, not '-5'"}};
+  for (const auto& [inside, message] : wrong) {
+    const auto [robot, messages] = ReadContact(inside);
+    ASSERT_NE(robot, nullptr) << messages;
+    EXPECT_TRUE(std::isinf(robot->links[0].collisions.at(0).contact_stiffness_n_m)) << inside;
+    EXPECT_THAT(messages, HasSubstr(message));
+  }
+  const auto [robot, messages] = ReadContact("<kp>1000</kp><kd>-1</kd>");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_EQ(robot->links[0].collisions.at(0).contact_damping_n_s_m, 0);
+  EXPECT_THAT(messages, HasSubstr("<kd> must be a number from 0 on, N s/m, not '-1': it is 0"));
+}
+
+TEST(SurfaceReaderTest, OtherNumbersOfGazebosSolverAreReported) {
+  const auto [robot, messages] =
+      ReadContact("<kp>20000</kp>\n<max_vel>0.1</max_vel><min_depth>0.001</min_depth>");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_THAT(messages, HasSubstr("model.sdf:5: warning: <max_vel> in <ode> is not used by coopdyn"));
+  EXPECT_THAT(messages, HasSubstr("<min_depth> in <ode> is not used by coopdyn"));
+}
+
+TEST(SurfaceReaderTest, AUrdfMayYieldWhereItTouches) {
+  const auto [robot, messages] = ReadUrdf(
+      "<link name=\"base\"><inertial><mass value=\"1\"/><inertia ixx=\"0.01\" iyy=\"0.01\" izz=\"0.01\" "
+      "ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial><collision><geometry><box size=\"0.2 0.2 0.2\"/>"
+      "</geometry></collision></link><gazebo reference=\"base\"><mu1>0.3</mu1></gazebo>"
+      "<gazebo reference=\"base\"><kp>20000</kp><kd>30</kd></gazebo>");
+  ASSERT_NE(robot, nullptr) << messages;
+  const LinkShape& shape = robot->links[0].collisions.at(0);
+  EXPECT_EQ(shape.friction, 0.3);
+  EXPECT_EQ(shape.contact_stiffness_n_m, 20000);
+  EXPECT_EQ(shape.contact_damping_n_s_m, 30);
 }
 
 }  // namespace
