@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 #include <utility>
 
@@ -202,6 +203,22 @@ TEST(SurfaceReaderTest, OtherNumbersOfGazebosSolverAreReported) {
   ASSERT_NE(robot, nullptr) << messages;
   EXPECT_THAT(messages, HasSubstr("model.sdf:5: warning: <max_vel> in <ode> is not used by coopdyn"));
   EXPECT_THAT(messages, HasSubstr("<min_depth> in <ode> is not used by coopdyn"));
+}
+
+TEST(SurfaceReaderTest, APlaneIsASlabBelowItsNormal) {
+  for (const Vector3& normal : {Vector3(0, 0, 1), Vector3(0, 2, 0), Vector3(1, 1, -1), Vector3(0, 0, -1)}) {
+    char plane[120];
+    std::snprintf(plane, sizeof(plane), "<plane><normal>%g %g %g</normal><size>2 3</size></plane>",
+                  normal.x(), normal.y(), normal.z());
+    const auto [robot, messages] = ReadSdf(
+        "<link name=\"l\"><pose>0 0 3 0 0 0</pose><inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy>"
+        "<izz>1</izz></inertia></inertial>\n<collision name=\"c\"><geometry>" +
+        std::string(plane) + "</geometry></collision></link>\n");
+    ASSERT_NE(robot, nullptr) << messages;
+    const LinkShape& slab = robot->links[0].collisions.at(0);
+    EXPECT_LT((slab.X_LG.q * Vector3::UnitZ() - normal.normalized()).norm(), 1e-12) << plane;
+    EXPECT_LT((slab.X_LG.p + 0.05 * normal.normalized()).norm(), 1e-12) << plane;
+  }
 }
 
 TEST(SurfaceReaderTest, AUrdfMayYieldWhereItTouches) {
