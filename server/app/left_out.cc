@@ -114,7 +114,7 @@ const std::vector<PluginRow>& PluginRows() {
   return rows;
 }
 
-constexpr const char* kTunes = "it tunes another solver: contacts and stops are stiff here";
+constexpr const char* kTunes = "it tunes another solver";
 
 /// The consequence of leaving out an element.
 struct ElementRow {
