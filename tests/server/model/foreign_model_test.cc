@@ -172,13 +172,14 @@ TEST(ForeignModelTest, ALinkCalledWorldIsTheWorld) {
 }
 
 TEST(UrdfTest, WhatGazeboSaysOfALinkIsUsedOrReported) {
-  const auto [robot, messages] = ReadUrdf(
-      "<link name=\"base\">" + UrdfInertia() +
-      "<visual><geometry><box size=\"1 1 1\"/></geometry></visual>"
-      "<collision><geometry><box size=\"0.2 0.2 0.2\"/></geometry></collision></link>\n"
-      "<gazebo "
-      "reference=\"base\">\n<material>Gazebo/Red</material>\n<mu1>0.3</mu1>\n<maxVel>0.1</maxVel>\n</gazebo>\n"
-      "<gazebo reference=\"bse\">\n<mu1>1</mu1></gazebo>");
+  const auto [robot, messages] =
+      ReadUrdf("<link name=\"base\">" + UrdfInertia() +
+               "<visual><geometry><box size=\"1 1 1\"/></geometry></visual>"
+               "<collision><geometry><box size=\"0.2 0.2 0.2\"/></geometry></collision></link>\n"
+               "<gazebo "
+               "reference=\"base\">\n<material>Gazebo/Red</material>\n<mu1>0.3</mu1>\n<maxVel>0.1</"
+               "maxVel>\n</gazebo>\n"
+               "<gazebo reference=\"bse\">\n<mu1>1</mu1></gazebo>");
   ASSERT_NE(robot, nullptr) << messages;
   EXPECT_EQ(robot->links[0].visuals.at(0).color.r, 1);
   EXPECT_EQ(robot->links[0].visuals.at(0).color.g, 0);
