@@ -172,6 +172,7 @@ class TimeTest(PlaybackTest):
             self.assertGreater(shown[-1], 0)
             playback.must("set_speed -4")
             until(lambda: playback.must("get_playback").params[0] == 0)
+            self.assertEqual(playback.must("get_playback").data[2], 0)
             playback.must(f"step {STEPS}")  # a ready that came too late for step 0 waits
             while (step := simulation.receive().step) < STEPS:
                 shown.append(step)
