@@ -12,32 +12,27 @@ namespace {
 
 using Block = BlockCholesky::Block;
 
-/// Inverts a symmetric and positive definite block by L D Lᵀ.
-Block Inverse(const Block& A) {
-  constexpr int n = 6;
-  Block L = Block::Identity();
-  double pivots[n];
-  for (int j = 0; j < n; ++j) {
-    double column[n];
-    for (int i = j; i < n; ++i) {
-      double sum = A(i, j);
-      for (int k = 0; k < j; ++k) sum -= L(i, k) * pivots[k] * L(j, k);
-      column[i] = sum;
+constexpr int kSize = 6;
+
+/// Factors a symmetric and positive definite block as L D Lᵀ. Reads its lower triangle. Stores L below the
+/// diagonal, and the inverse of D on it.
+void FactorBlock(Block& A) {
+  for (int j = 0; j < kSize; ++j) {
+    const double inverse = 1 / A(j, j);
+    for (int k = j + 1; k < kSize; ++k) {
+      const double scaled = A(k, j) * inverse;
+      for (int i = k; i < kSize; ++i) A(i, k) -= A(i, j) * scaled;
     }
-    pivots[j] = column[j];
-    for (int i = j + 1; i < n; ++i) L(i, j) = column[i] / column[j];
+    for (int i = j + 1; i < kSize; ++i) A(i, j) *= inverse;
+    A(j, j) = inverse;
   }
-  Block inverse_L = Block::Identity();
-  for (int j = 0; j < n; ++j) {
-    for (int i = j + 1; i < n; ++i) {
-      double sum = 0;
-      for (int k = j; k < i; ++k) sum -= L(i, k) * inverse_L(k, j);
-      inverse_L(i, j) = sum;
-    }
+}
+
+/// sum −= A Bᵀ.
+void Subtract(const Block& A, const Block& B, Block& sum) {
+  for (int j = 0; j < kSize; ++j) {
+    for (int m = 0; m < kSize; ++m) sum.col(j) -= B(j, m) * A.col(m);
   }
-  Block scaled = inverse_L;
-  for (int i = 0; i < n; ++i) scaled.row(i) /= pivots[i];
-  return inverse_L.transpose() * scaled;
 }
 
 }  // namespace
@@ -117,20 +112,26 @@ void BlockCholesky::Clear() {
 
 void BlockCholesky::Factor() {
   for (std::size_t column = 0; column < diagonal_.size(); ++column) {
-    const Block inverse = Inverse(diagonal_[column]);
-    diagonal_[column] = inverse;
+    Block& pivot = diagonal_[column];
+    FactorBlock(pivot);
     const std::size_t begin = first_[column], end = first_[column + 1];
     for (std::size_t k = begin; k < end; ++k) {
-      const Block original = blocks_[k];
-      const Block scaled = original.lazyProduct(inverse);
-      blocks_[k] = scaled;
-      diagonal_[rows_[k]] -= scaled.lazyProduct(original.transpose());
-      // All rows below are also in the column of rows_[k], and are not scaled yet.
-      std::size_t to = first_[rows_[k]];
-      for (std::size_t i = k + 1; i < end; ++i) {
-        while (rows_[to] != rows_[i]) ++to;
-        blocks_[to] -= blocks_[i].lazyProduct(scaled.transpose());
+      Block& original = blocks_[k];
+      for (int j = 1; j < kSize; ++j) {
+        for (int m = 0; m < j; ++m) original.col(j) -= pivot(j, m) * original.col(m);
       }
+      Block scaled;
+      for (int j = 0; j < kSize; ++j) scaled.col(j) = pivot(j, j) * original.col(j);
+      Subtract(scaled, original, diagonal_[rows_[k]]);
+      // This row is also in the columns of the rows above it.
+      for (std::size_t i = begin; i < k; ++i) {
+        const std::size_t first = first_[rows_[i]];
+        const auto to =
+            std::lower_bound(rows_.begin() + static_cast<std::ptrdiff_t>(first),
+                             rows_.begin() + static_cast<std::ptrdiff_t>(first_[rows_[i] + 1]), rows_[k]);
+        Subtract(original, blocks_[i], blocks_[static_cast<std::size_t>(to - rows_.begin())]);
+      }
+      original = scaled;
     }
   }
 }
@@ -138,14 +139,23 @@ void BlockCholesky::Factor() {
 void BlockCholesky::Solve(std::span<Vector> x) {
   for (std::size_t i = 0; i < x.size(); ++i) ordered_[order_of_[i]] = x[i];
   for (std::size_t column = 0; column < x.size(); ++column) {
+    Vector& value = ordered_[column];
+    const Block& pivot = diagonal_[column];
+    for (int j = 0; j < kSize; ++j) {
+      for (int i = j + 1; i < kSize; ++i) value[i] -= pivot(i, j) * value[j];
+    }
     for (std::size_t k = first_[column]; k < first_[column + 1]; ++k) {
-      ordered_[rows_[k]] -= blocks_[k] * ordered_[column];
+      ordered_[rows_[k]] -= blocks_[k].lazyProduct(value);
     }
   }
   for (std::size_t column = x.size(); column-- > 0;) {
-    Vector value = diagonal_[column] * ordered_[column];
+    const Block& pivot = diagonal_[column];
+    Vector value = pivot.diagonal().cwiseProduct(ordered_[column]);
     for (std::size_t k = first_[column]; k < first_[column + 1]; ++k) {
-      value -= blocks_[k].transpose() * ordered_[rows_[k]];
+      value -= blocks_[k].transpose().lazyProduct(ordered_[rows_[k]]);
+    }
+    for (int j = kSize; j-- > 0;) {
+      for (int i = j + 1; i < kSize; ++i) value[j] -= pivot(i, j) * value[i];
     }
     ordered_[column] = value;
   }

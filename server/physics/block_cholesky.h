@@ -22,7 +22,7 @@ class BlockCholesky {
   /// zero.
   void Plan(int nodes, std::span<const std::pair<int, int>> edges);
   void Clear();
-  /// The node's diagonal block, for the caller to fill in.
+  /// The node's diagonal block, for the caller to fill in. Only its lower triangle counts.
   Block& diagonal(int node) { return diagonal_[order_of_[static_cast<std::size_t>(node)]]; }
   /// The edge's block, for the caller to fill in: that in the row of its first node and the column of its
   /// second, or the transposed one if is_turned().
@@ -46,8 +46,8 @@ class BlockCholesky {
   // By column, in elimination order. A column lists its rows below the diagonal that have blocks, increasing.
   std::vector<std::size_t> first_;  // of rows_ and blocks_, plus the end
   std::vector<std::size_t> rows_;
-  std::vector<Block> diagonal_;  // inverted by Factor()
-  std::vector<Block> blocks_;    // Factor() multiplies by the inverse of the column's diagonal
+  std::vector<Block> diagonal_;  // factored by Factor(), with inverted pivots
+  std::vector<Block> blocks_;
   std::vector<Vector> ordered_;
   std::vector<std::vector<std::size_t>> patterns_, children_;
   std::vector<std::size_t> marks_;

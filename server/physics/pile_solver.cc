@@ -23,17 +23,36 @@ constexpr double kRollSoftness = 100;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// [r]× K.
-Matrix3 Cross(const Vector3& r, const Matrix3& K) {
-  Matrix3 product;
-  for (int i = 0; i < 3; ++i) product.col(i) = r.cross(K.col(i));
-  return product;
-}
-
 Matrix3 CrossMatrix(const Vector3& r) {
   Matrix3 cross;
   cross << 0, -r.z(), r.y(), r.z(), 0, -r.x(), -r.y(), r.x(), 0;
   return cross;
+}
+
+/// sum += [r]×.
+template <typename Block>
+void AddCross(const Vector3& r, Block sum) {
+  sum(0, 1) -= r.z();
+  sum(0, 2) += r.y();
+  sum(1, 0) += r.z();
+  sum(1, 2) -= r.x();
+  sum(2, 0) -= r.y();
+  sum(2, 1) += r.x();
+}
+
+/// sum += −k [a]× [b]×.
+void AddArms(double k, const Vector3& a, const Vector3& b, Matrix3& sum) {
+  const Vector3 kb = k * b;
+  const double dot = a.dot(kb);
+  for (int i = 0; i < 3; ++i) {
+    sum.col(i) -= a[i] * kb;
+    sum(i, i) += dot;
+  }
+}
+
+/// sum += a bᵀ.
+void AddProduct(const BlockCholesky::Vector& a, const BlockCholesky::Vector& b, BlockCholesky::Block& sum) {
+  for (int i = 0; i < b.size(); ++i) sum.col(i) += b[i] * a;
 }
 
 /// A torque-free body's rates after the step: one iteration of Newton's method for the implicit step in the
@@ -47,8 +66,8 @@ Vector3 Spin(const Vector3& w_W, const Matrix3& R_WB, const Matrix3& I, double d
 
 }  // namespace
 
-void PileSolver::Law::Push(double share) {
-  const Vector3 free = hardness * (target - rate - share * change);
+void PileSolver::Law::Push() {
+  const Vector3 free = hardness * (target - rate);
   if (!is_cone) {
     impulse = free.cwiseMax(-bound).cwiseMin(bound);
     return;
@@ -70,6 +89,26 @@ void PileSolver::Law::Push(double share) {
   }
 }
 
+PileSolver::Line::Line(const Law& law)
+    : is_cone(law.is_cone),
+      friction(law.friction),
+      bound(law.bound),
+      free(law.hardness * (law.target - law.rate)),
+      change(law.hardness * law.change),
+      per_hardness(1 / law.hardness) {
+  free[0] -= law.hardness * law.friction * law.slip;
+}
+
+double PileSolver::Line::PowerAt(double share) const {
+  const Vector3 now = free - share * change;
+  if (!is_cone) return per_hardness * now.cwiseMax(-bound).cwiseMin(bound).dot(change);
+  const double mu = friction, along2 = now[1] * now[1] + now[2] * now[2], normal2 = now[0] * now[0];
+  if (now[0] >= 0 && along2 <= mu * mu * normal2) return per_hardness * now.dot(change);
+  if (now[0] <= 0 && mu * mu * along2 <= normal2) return 0;
+  const double along = std::sqrt(along2), load = (now[0] + mu * along) / (1 + mu * mu);
+  return per_hardness * load * (change[0] + mu / along * (now[1] * change[1] + now[2] * change[2]));
+}
+
 double PileSolver::Law::Slip() const {
   if (state == State::kSticks) return 0;
   const double x = target[1] - rate[1], y = target[2] - rate[2];
@@ -77,27 +116,29 @@ double PileSolver::Law::Slip() const {
   return std::sqrt(x * x + y * y) - std::sqrt(impulse[1] * impulse[1] + impulse[2] * impulse[2]) / hardness;
 }
 
-Matrix3 PileSolver::Law::Stiffness(bool is_secant) const {
-  Matrix3 stiffness = Matrix3::Zero();
-  const Vector3 free = hardness * (target - rate);
-  if (!is_cone) {
-    for (int i = 0; i < 3; ++i) {
-      if (std::abs(free[i]) < bound[i]) {
-        stiffness(i, i) = hardness;
-      } else if (is_secant && bound[i] > 0) {
-        stiffness(i, i) = hardness * bound[i] / std::abs(free[i]);
-      }
+Vector3 PileSolver::Law::Stiffness(bool is_secant) const {
+  Vector3 stiffness = Vector3::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const double free = std::abs(hardness * (target[i] - rate[i]));
+    if (free < bound[i]) {
+      stiffness[i] = hardness;
+    } else if (is_secant && bound[i] > 0) {
+      stiffness[i] = hardness * bound[i] / free;
     }
-    return stiffness;
   }
-  if (state == State::kSticks) return hardness * Matrix3::Identity();
+  return stiffness;
+}
+
+std::array<PileSolver::Spring, 3> PileSolver::Law::Springs() const {
+  if (state == State::kSticks) {
+    return {{{Vector3::UnitX(), hardness}, {Vector3::UnitY(), hardness}, {Vector3::UnitZ(), hardness}}};
+  }
   // The impulse turns with the slip: stiffness across it.
+  const Vector3 free = hardness * (target - rate);
   const double mu = friction, along = std::sqrt(free[1] * free[1] + free[2] * free[2]);
   const double normal = free[0] - hardness * mu * slip, load = (normal + mu * along) / (1 + mu * mu);
   const double x = free[1] / along, y = free[2] / along;
-  const Vector3 edge(1, mu * x, mu * y), across(0, -y, x);
-  return hardness / (1 + mu * mu) * edge * edge.transpose() +
-         hardness * mu * load / along * across * across.transpose();
+  return {{{{1, mu * x, mu * y}, hardness / (1 + mu * mu)}, {{0, -y, x}, hardness * mu * load / along}, {}}};
 }
 
 PileSolver::PileSolver(const Things& things, const WorldSettings& settings)
@@ -259,8 +300,8 @@ double PileSolver::UpdateLoads(bool rolls) {
     }
     if (point.rolls)
       point.roll.bound = rolls ? Vector3(point.slide.impulse[0] * point.resistance) : Vector3::Zero();
-    point.slide.Push(0);
-    if (point.rolls) point.roll.Push(0);
+    point.slide.Push();
+    if (point.rolls) point.roll.Push();
   }
   return most;
 }
@@ -306,55 +347,66 @@ void PileSolver::FindStep() {
     block.topLeftCorner<3, 3>().diagonal().setConstant(bodies_[i].mass_kg);
     block.bottomRightCorner<3, 3>() = bodies_[i].I_W;
   }
+  Matrix6 unused;
   for (const Joint& joint : joints_) {
-    // Sums of Jᵀ K J over the points, with J = (1, −[r]×) for A and its negative for B, and K the stiffness
-    // in W.
-    Matrix3 K_sum = Matrix3::Zero(), rK_a = K_sum, rK_b = K_sum, aa = K_sum, bb = K_sum, ab = K_sum;
+    // Adds Jᵀ K J of each point, with J = (1, −[r]×) for A and its negative for B, and K the stiffness in W.
+    const bool has_a = joint.a != kNone, has_b = joint.b != kNone, has_both = has_a && has_b;
+    Matrix6& of_a = has_a ? matrix_.diagonal(joint.a) : unused;
+    Matrix6& of_b = has_b ? matrix_.diagonal(joint.b) : unused;
+    Matrix6& of_both = has_both ? matrix_.edge(joint.edge) : unused;
+    const bool is_turned = has_both && matrix_.is_turned(joint.edge);
+    // Where K is the same in all directions: sums of it, of it times r, and of −[r]× K [r]×.
+    double k_sum = 0;
+    Vector3 k_a = Vector3::Zero(), k_b = k_a;
+    Matrix3 aa = Matrix3::Zero(), bb = aa, ab = aa;
+    bool has_sums = false;
     for (const Point& point : PointsOf(joint)) {
       if (point.slide.state == State::kOpen) continue;
       if (point.slide.state == State::kSticks && point.is_round) {
+        has_sums = true;
         const double k = point.slide.hardness;
-        const Vector3 ka = k * point.r_a, kb = k * point.r_b;
-        K_sum.diagonal().array() += k;
-        rK_a += CrossMatrix(ka);
-        rK_b += CrossMatrix(kb);
-        aa.diagonal().array() += ka.dot(point.r_a);
-        bb.diagonal().array() += kb.dot(point.r_b);
-        ab.diagonal().array() += ka.dot(point.r_b);
-        aa -= ka * point.r_a.transpose();
-        bb -= kb * point.r_b.transpose();
-        ab -= kb * point.r_a.transpose();
+        k_sum += k;
+        k_a += k * point.r_a;
+        k_b += k * point.r_b;
+        if (has_a) AddArms(k, point.r_a, point.r_a, aa);
+        if (has_b) AddArms(k, point.r_b, point.r_b, bb);
+        if (has_both) AddArms(k, point.r_a, point.r_b, ab);
       } else {
-        const Matrix3 K = point.axes_W * point.slide.Stiffness(false) * point.axes_W.transpose();
-        const Matrix3 of_a = Cross(point.r_a, K), of_b = Cross(point.r_b, K);
-        K_sum += K;
-        rK_a += of_a;
-        rK_b += of_b;
-        aa += Cross(point.r_a, of_a.transpose());
-        bb += Cross(point.r_b, of_b.transpose());
-        ab += Cross(point.r_a, of_b.transpose());
+        for (const auto& [axis, k] : point.slide.Springs()) {
+          if (k == 0) continue;
+          const Vector3 axis_W = point.axes_W * axis;
+          Vector6 J_a, J_b;
+          J_a << axis_W, point.r_a.cross(axis_W);
+          J_b << axis_W, point.r_b.cross(axis_W);
+          if (has_a) AddProduct(k * J_a, J_a, of_a);
+          if (has_b) AddProduct(k * J_b, J_b, of_b);
+          if (has_both) AddProduct(-k * (is_turned ? J_b : J_a), is_turned ? J_a : J_b, of_both);
+        }
       }
       if (!point.rolls) continue;
-      const Matrix3 twist = point.axes_W * point.roll.Stiffness(is_careful_) * point.axes_W.transpose();
+      has_sums = true;
+      const Vector3 stiffness = point.roll.Stiffness(is_careful_);
+      const Matrix3 twist = point.axes_W * stiffness.asDiagonal() * point.axes_W.transpose();
       aa += twist;
       bb += twist;
       ab += twist;
     }
-    const auto add = [](Matrix6& block, const Matrix3& vv, const Matrix3& vw, const Matrix3& wv,
-                        const Matrix3& ww) {
-      block.topLeftCorner<3, 3>() += vv;
-      block.topRightCorner<3, 3>() += vw;
-      block.bottomLeftCorner<3, 3>() += wv;
-      block.bottomRightCorner<3, 3>() += ww;
+    if (!has_sums) continue;
+    const auto add = [&](Matrix6& block, double sign, const Vector3& row, const Vector3& column,
+                         const Matrix3& turns) {
+      block.topLeftCorner<3, 3>().diagonal().array() += sign * k_sum;
+      AddCross(-sign * column, block.topRightCorner<3, 3>());
+      AddCross(sign * row, block.bottomLeftCorner<3, 3>());
+      block.bottomRightCorner<3, 3>() += sign * turns;
     };
-    if (joint.a != kNone) add(matrix_.diagonal(joint.a), K_sum, rK_a.transpose(), rK_a, aa);
-    if (joint.b != kNone) add(matrix_.diagonal(joint.b), K_sum, rK_b.transpose(), rK_b, bb);
-    if (joint.a == kNone || joint.b == kNone) continue;
+    if (has_a) add(of_a, 1, k_a, k_a, aa);
+    if (has_b) add(of_b, 1, k_b, k_b, bb);
+    if (!has_both) continue;
     // In the row of the body whose column comes later.
-    if (matrix_.is_turned(joint.edge)) {
-      add(matrix_.edge(joint.edge), -K_sum, -rK_a.transpose(), -rK_b, -ab.transpose());
+    if (is_turned) {
+      add(of_both, -1, k_b, k_a, ab.transpose());
     } else {
-      add(matrix_.edge(joint.edge), -K_sum, -rK_b.transpose(), -rK_a, -ab);
+      add(of_both, -1, k_a, k_b, ab);
     }
   }
   matrix_.Factor();
@@ -381,15 +433,14 @@ double PileSolver::TakeStep() {
     free_slope += momentum.dot(body.v - body.free_v) + spin.dot(body.w - body.free_w);
     bend += momentum.dot(body.step_v) + spin.dot(body.step_w);
   }
+  lines_.clear();
+  for (const Point& point : points_) {
+    lines_.emplace_back(point.slide);
+    if (point.rolls) lines_.emplace_back(point.roll);
+  }
   const auto slope_at = [&](double share) {
     double slope = free_slope + share * bend;
-    for (Point& point : points_) {
-      point.slide.Push(share);
-      slope -= point.slide.impulse.dot(point.slide.change);
-      if (!point.rolls) continue;
-      point.roll.Push(share);
-      slope -= point.roll.impulse.dot(point.roll.change);
-    }
+    for (const Line& line : lines_) slope -= line.PowerAt(share);
     return slope;
   };
   // The slope increases with the share: regula falsi with the Illinois rule.
@@ -417,7 +468,10 @@ double PileSolver::TakeStep() {
   }
   for (Point& point : points_) {
     point.slide.rate += share * point.slide.change;
+    point.slide.Push();
+    if (!point.rolls) continue;
     point.roll.rate += share * point.roll.change;
+    point.roll.Push();
   }
   double most = 0;
   for (Body& body : bodies_) {
@@ -453,7 +507,7 @@ bool PileSolver::Solve(double dt_s) {
            [](Law& law, const Vector3& rates) { law.rate = rates; });
   for (Point& point : points_) {
     point.slide.slip = 0;
-    point.slide.Push(0);
+    point.slide.Push();
   }
   // The first iterations update slips and loads. Afterwards they are fixed, so that the problem is convex.
   const int most_iterations = is_careful_ ? 60 : 30, with_loads = is_careful_ ? 30 : 6;

@@ -47,6 +47,7 @@ class PileSolver {
  private:
   static constexpr int kNone = -1;
   using Matrix6 = BlockCholesky::Block;
+  using Vector6 = BlockCholesky::Vector;
 
   struct Body {
     BodyState state;
@@ -64,6 +65,10 @@ class PileSolver {
     std::size_t edge = 0;              // of the matrix, if both move
   };
   enum class State { kOther, kOpen, kSticks, kSlides };
+  struct Spring {
+    Vector3 axis = Vector3::Zero();
+    double stiffness = 0;
+  };
   /// Resistance to motion along or about three axes. Impulses in N s or N m s, rates in m/s or rad/s.
   struct Law {
     // If true, the law is one-sided along the first axis, the impulse along the other axes is at most
@@ -78,12 +83,26 @@ class PileSolver {
     Vector3 impulse = Vector3::Zero();
     State state = State::kOther;  // of a cone
 
-    /// Sets the impulse to that after this share of the Newton step.
-    void Push(double share);
+    /// Sets the impulse to that at the current rates.
+    void Push();
     /// Slip of a cone at the current rates.
     double Slip() const;
-    /// −∂impulse/∂rate; `is_secant`: where an impulse has reached its bound, −impulse / rate.
-    Matrix3 Stiffness(bool is_secant) const;
+    /// −∂impulse/∂rate of a cone that is not open, as springs along axes.
+    std::array<Spring, 3> Springs() const;
+    /// The same of another law, by axis; `is_secant`: where an impulse has reached its bound, −impulse /
+    /// rate.
+    Vector3 Stiffness(bool is_secant) const;
+  };
+  /// What a search along the Newton step needs of a law.
+  struct Line {
+    explicit Line(const Law& law);
+    /// The impulse after this share of the step, times the step's change of the rates.
+    double PowerAt(double share) const;
+
+    bool is_cone;
+    double friction;
+    Vector3 bound, free, change;  // impulses: without bounds, and its loss by the whole step
+    double per_hardness;
   };
   /// A contact point. Axes: the normal, from B to A, and two tangents.
   struct Point {
@@ -136,7 +155,8 @@ class PileSolver {
   // The first guess of a load may be far too large, and so is rolling friction, between whose bounds Newton's
   // method may jump forever. A careful attempt begins without it, and approaches it by secants.
   bool is_careful_ = false;
-  std::vector<BlockCholesky::Vector> solution_;
+  std::vector<Line> lines_;
+  std::vector<Vector6> solution_;
   std::vector<MeasuredContact> measured_;
   std::vector<std::size_t> measured_points_;
 };
