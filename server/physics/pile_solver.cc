@@ -99,14 +99,28 @@ PileSolver::Line::Line(const Law& law)
   free[0] -= law.hardness * law.friction * law.slip;
 }
 
-double PileSolver::Line::PowerAt(double share) const {
+void PileSolver::Line::AddTo(Slope& slope, double share) const {
   const Vector3 now = free - share * change;
-  if (!is_cone) return per_hardness * now.cwiseMax(-bound).cwiseMin(bound).dot(change);
+  if (!is_cone) {
+    for (int i = 0; i < 3; ++i) {
+      slope.value -= per_hardness * std::clamp(now[i], -bound[i], bound[i]) * change[i];
+      if (std::abs(now[i]) < bound[i]) slope.rise += per_hardness * change[i] * change[i];
+    }
+    return;
+  }
   const double mu = friction, along2 = now[1] * now[1] + now[2] * now[2], normal2 = now[0] * now[0];
-  if (now[0] >= 0 && along2 <= mu * mu * normal2) return per_hardness * now.dot(change);
-  if (now[0] <= 0 && mu * mu * along2 <= normal2) return 0;
+  if (now[0] >= 0 && along2 <= mu * mu * normal2) {
+    slope.value -= per_hardness * now.dot(change);
+    slope.rise += per_hardness * change.squaredNorm();
+    return;
+  }
+  if (now[0] <= 0 && mu * mu * along2 <= normal2) return;
   const double along = std::sqrt(along2), load = (now[0] + mu * along) / (1 + mu * mu);
-  return per_hardness * load * (change[0] + mu / along * (now[1] * change[1] + now[2] * change[2]));
+  const double x = now[1] / along, y = now[2] / along;
+  const double edge = change[0] + mu * (x * change[1] + y * change[2]),
+               across = x * change[2] - y * change[1];
+  slope.value -= per_hardness * load * edge;
+  slope.rise += per_hardness * (edge * edge / (1 + mu * mu) + mu * load / along * across * across);
 }
 
 double PileSolver::Law::Slip() const {
@@ -439,32 +453,22 @@ double PileSolver::TakeStep() {
     if (point.rolls) lines_.emplace_back(point.roll);
   }
   const auto slope_at = [&](double share) {
-    double slope = free_slope + share * bend;
-    for (const Line& line : lines_) slope -= line.PowerAt(share);
+    Slope slope{free_slope + share * bend, bend};
+    for (const Line& line : lines_) line.AddTo(slope, share);
     return slope;
   };
-  // The slope increases with the share: regula falsi with the Illinois rule.
+  // The slope increases with the share: Newton's method, kept between bounds.
   constexpr double kFlat = 0.01;
   constexpr int kMostTrials = 20;
   const double flat = kFlat * std::abs(begin_slope);
-  double share = 1, slope = slope_at(1);
-  if (!std::isfinite(begin_slope) || !std::isfinite(slope)) return kInfinity;  // no usable step
-  double low = 0, low_slope = begin_slope, high = 1, high_slope = slope;
-  int side = 0;
-  for (int i = 0; i < kMostTrials && (slope > flat || (i > 0 && slope < -flat)); ++i) {
-    share = (low * high_slope - high * low_slope) / (high_slope - low_slope);
+  double share = 1, low = 0, high = 1;
+  Slope slope = slope_at(share);
+  if (!std::isfinite(begin_slope) || !std::isfinite(slope.value)) return kInfinity;  // no usable step
+  for (int i = 0; i < kMostTrials && (slope.value > flat || (i > 0 && slope.value < -flat)); ++i) {
+    (slope.value > 0 ? high : low) = share;
+    share -= slope.value / slope.rise;
+    if (!(share > low && share < high)) share = (low + high) / 2;
     slope = slope_at(share);
-    if (slope > 0) {
-      high = share;
-      high_slope = slope;
-      if (side > 0) low_slope /= 2;
-      side = 1;
-    } else {
-      low = share;
-      low_slope = slope;
-      if (side < 0) high_slope /= 2;
-      side = -1;
-    }
   }
   for (Point& point : points_) {
     point.slide.rate += share * point.slide.change;

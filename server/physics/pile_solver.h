@@ -93,11 +93,15 @@ class PileSolver {
     /// rate.
     Vector3 Stiffness(bool is_secant) const;
   };
+  /// Slope of the convex function along the Newton step, and its derivative.
+  struct Slope {
+    double value = 0, rise = 0;
+  };
   /// What a search along the Newton step needs of a law.
   struct Line {
     explicit Line(const Law& law);
-    /// The impulse after this share of the step, times the step's change of the rates.
-    double PowerAt(double share) const;
+    /// Adds the law's part after this share of the step.
+    void AddTo(Slope& slope, double share) const;
 
     bool is_cone;
     double friction;
