@@ -15,15 +15,13 @@ using Block = BlockCholesky::Block;
 constexpr int kSize = 6;
 
 /// Factors a symmetric and positive definite block as L D Lᵀ. Reads its lower triangle. Stores L below the
-/// diagonal, and the inverse of D on it.
+/// diagonal, the inverse of D on it, and nothing of use above it.
 void FactorBlock(Block& A) {
   for (int j = 0; j < kSize; ++j) {
     const double inverse = 1 / A(j, j);
-    for (int k = j + 1; k < kSize; ++k) {
-      const double scaled = A(k, j) * inverse;
-      for (int i = k; i < kSize; ++i) A(i, k) -= A(i, j) * scaled;
-    }
-    for (int i = j + 1; i < kSize; ++i) A(i, j) *= inverse;
+    const BlockCholesky::Vector column = inverse * A.col(j);
+    for (int k = j + 1; k < kSize; ++k) A.col(k) -= A(k, j) * column;
+    A.col(j) = column;
     A(j, j) = inverse;
   }
 }
@@ -31,7 +29,9 @@ void FactorBlock(Block& A) {
 /// sum −= A Bᵀ.
 void Subtract(const Block& A, const Block& B, Block& sum) {
   for (int j = 0; j < kSize; ++j) {
-    for (int m = 0; m < kSize; ++m) sum.col(j) -= B(j, m) * A.col(m);
+    BlockCholesky::Vector column = sum.col(j);
+    for (int m = 0; m < kSize; ++m) column -= B(j, m) * A.col(m);
+    sum.col(j) = column;
   }
 }
 
