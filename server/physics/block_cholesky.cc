@@ -17,9 +17,11 @@ constexpr int kSize = 6;
 /// Factors a symmetric and positive definite block as L D Lᵀ. Reads its lower triangle. Stores L below the
 /// diagonal, the inverse of D on it, and nothing of use above it.
 void FactorBlock(Block& A) {
+#pragma GCC unroll 6
   for (int j = 0; j < kSize; ++j) {
     const double inverse = 1 / A(j, j);
     const BlockCholesky::Vector column = inverse * A.col(j);
+#pragma GCC unroll 6
     for (int k = j + 1; k < kSize; ++k) A.col(k) -= A(k, j) * column;
     A.col(j) = column;
     A(j, j) = inverse;
@@ -30,6 +32,7 @@ void FactorBlock(Block& A) {
 void Subtract(const Block& A, const Block& B, Block& sum) {
   for (int j = 0; j < kSize; ++j) {
     BlockCholesky::Vector column = sum.col(j);
+#pragma GCC unroll 6
     for (int m = 0; m < kSize; ++m) column -= B(j, m) * A.col(m);
     sum.col(j) = column;
   }
@@ -117,7 +120,9 @@ void BlockCholesky::Factor() {
     const std::size_t begin = first_[column], end = first_[column + 1];
     for (std::size_t k = begin; k < end; ++k) {
       Block& original = blocks_[k];
+#pragma GCC unroll 6
       for (int j = 1; j < kSize; ++j) {
+#pragma GCC unroll 6
         for (int m = 0; m < j; ++m) original.col(j) -= pivot(j, m) * original.col(m);
       }
       Block scaled;
@@ -141,7 +146,9 @@ void BlockCholesky::Solve(std::span<Vector> x) {
   for (std::size_t column = 0; column < x.size(); ++column) {
     Vector& value = ordered_[column];
     const Block& pivot = diagonal_[column];
+#pragma GCC unroll 6
     for (int j = 0; j < kSize; ++j) {
+#pragma GCC unroll 6
       for (int i = j + 1; i < kSize; ++i) value[i] -= pivot(i, j) * value[j];
     }
     for (std::size_t k = first_[column]; k < first_[column + 1]; ++k) {
@@ -154,7 +161,9 @@ void BlockCholesky::Solve(std::span<Vector> x) {
     for (std::size_t k = first_[column]; k < first_[column + 1]; ++k) {
       value -= blocks_[k].transpose().lazyProduct(ordered_[rows_[k]]);
     }
-    for (int j = kSize; j-- > 0;) {
+#pragma GCC unroll 6
+    for (int j = kSize - 1; j >= 0; --j) {
+#pragma GCC unroll 6
       for (int i = j + 1; i < kSize; ++i) value[j] -= pivot(i, j) * value[i];
     }
     ordered_[column] = value;

@@ -24,7 +24,22 @@ constexpr double kLost = 0.05, kMostLost = 0.5;
 
 }  // namespace
 
+bool LimbSolver::FliesExactly() const {
+  if (members_.size() != 1 || !members_.front().mechanism->is_loose()) return false;
+  const Matrix3& I = members_.front().mechanism->bodies.front().inertia_kg_m2;
+  return I == I(0, 0) * Matrix3::Identity();
+}
+
 bool LimbSolver::Fly(double dt_s) {
+  if (FliesExactly()) {
+    std::ranges::fill(efforts_, 0.0);
+    rates_ = forest_.rates();
+    forest_.Move(rates_, dt_s / 2);
+    for (std::size_t i = 0; i < 3; ++i) rates_[3 + i] += dt_s * settings_.g_W[static_cast<Eigen::Index>(i)];
+    forest_.Move(rates_, dt_s / 2);
+    forest_.SetRates(rates_);
+    return true;
+  }
   const double before_j = forest_.EnergyAt(settings_.g_W).total_j();
   const double turn_rad = forest_.FreeTurnRate_rad_s() * dt_s;
   int parts = 1;

@@ -164,6 +164,8 @@ class LimbSolver {
   /// Advances things that touch nothing and are held by no motor; rates_ become those of the step's end.
   /// Returns whether all is exact. limb_flight.cc has Fly(), FlyParts() and WorkSince().
   bool Fly(double dt_s);
+  /// The only thing is loose and turns at a constant rate: its moments of inertia are all equal.
+  bool FliesExactly() const;
   struct Flight {
     bool is_solved = true;
     double work_j = 0;      // of motors and rows
