@@ -212,6 +212,18 @@ Patch PatchOf(const PlacedPart& part, const Vector3& n_W) {
   return patch;
 }
 
+/// Points of the rim of a leaning cylinder's end that faces along `n_W`: the furthest, and those at each
+/// quarter turn from it. Empty if the part is another shape.
+Patch RimOf(const PlacedPart& part, const Vector3& n_W) {
+  const Cylinder* cylinder = std::get_if<Cylinder>(&part.part->shape);
+  if (cylinder == nullptr) return {};
+  const PlacedRotation place = part.place();
+  const Vector3 axis = (n_W.dot(place.axis(2)) < 0 ? -1 : 1) * place.axis(2);
+  const Vector3 furthest = cylinder->radius_m * (n_W - n_W.dot(axis) * axis).normalized();
+  const Vector3 middle = place.position() + cylinder->length_m / 2 * axis, side = axis.cross(furthest);
+  return {middle + furthest, middle + side, middle - furthest, middle - side};
+}
+
 /// The part of `patch` within the outline `within`, seen along `n`.
 Patch Clipped(Patch patch, const Patch& within, const Vector3& n) {
   Patch kept;
@@ -298,7 +310,14 @@ Separation FindSeparation(const PlacedPart& a, const PlacedPart& b, double margi
 std::vector<ContactPoint> ContactsAlong(const PlacedPart& a, const PlacedPart& b, const Separation& least,
                                         double margin_m) {
   const Vector3& n = least.n_W;
-  const Patch of_a = PatchOf(a, -n), of_b = PatchOf(b, n);
+  Patch of_a = PatchOf(a, -n), of_b = PatchOf(b, n);
+  // A disc that wobbles on a face is held where it will touch next, too.
+  const auto add_rim = [](Patch& patch, const PlacedPart& part, const Vector3& n_W, const Patch& other) {
+    if (patch.size() != 1 || other.size() < 3) return;
+    if (Patch rim = RimOf(part, n_W); !rim.empty()) patch = std::move(rim);
+  };
+  add_rim(of_a, a, -n, of_b);
+  add_rim(of_b, b, n, of_a);
   // The outline with fewer corners clips the other; a corner or an edge clips nothing.
   const bool is_b_larger = of_a.size() < of_b.size();
   const bool swap = std::min(of_a.size(), of_b.size()) < 3 ? !is_b_larger : is_b_larger;

@@ -66,95 +66,6 @@ Vector3 Spin(const Vector3& w_W, const Matrix3& R_WB, const Matrix3& I, double d
 
 }  // namespace
 
-void PileSolver::Law::Push() {
-  const Vector3 free = hardness * (target - rate);
-  if (!is_cone) {
-    impulse = free.cwiseMax(-bound).cwiseMin(bound);
-    return;
-  }
-  // The nearest point of the friction cone.
-  const double mu = friction, along2 = free[1] * free[1] + free[2] * free[2];
-  const double normal = free[0] - hardness * mu * slip;
-  if (normal >= 0 && along2 <= mu * mu * normal * normal) {
-    state = State::kSticks;
-    impulse = {normal, free[1], free[2]};
-  } else if (normal <= 0 && mu * mu * along2 <= normal * normal) {
-    state = State::kOpen;
-    impulse.setZero();
-  } else {
-    state = State::kSlides;
-    const double along = std::sqrt(along2), load = (normal + mu * along) / (1 + mu * mu);
-    const double scale = mu * load / along;
-    impulse = {load, scale * free[1], scale * free[2]};
-  }
-}
-
-PileSolver::Line::Line(const Law& law)
-    : is_cone(law.is_cone),
-      friction(law.friction),
-      bound(law.bound),
-      free(law.hardness * (law.target - law.rate)),
-      change(law.hardness * law.change),
-      per_hardness(1 / law.hardness) {
-  free[0] -= law.hardness * law.friction * law.slip;
-}
-
-void PileSolver::Line::AddTo(Slope& slope, double share) const {
-  const Vector3 now = free - share * change;
-  if (!is_cone) {
-    for (int i = 0; i < 3; ++i) {
-      slope.value -= per_hardness * std::clamp(now[i], -bound[i], bound[i]) * change[i];
-      if (std::abs(now[i]) < bound[i]) slope.rise += per_hardness * change[i] * change[i];
-    }
-    return;
-  }
-  const double mu = friction, along2 = now[1] * now[1] + now[2] * now[2], normal2 = now[0] * now[0];
-  if (now[0] >= 0 && along2 <= mu * mu * normal2) {
-    slope.value -= per_hardness * now.dot(change);
-    slope.rise += per_hardness * change.squaredNorm();
-    return;
-  }
-  if (now[0] <= 0 && mu * mu * along2 <= normal2) return;
-  const double along = std::sqrt(along2), load = (now[0] + mu * along) / (1 + mu * mu);
-  const double x = now[1] / along, y = now[2] / along;
-  const double edge = change[0] + mu * (x * change[1] + y * change[2]),
-               across = x * change[2] - y * change[1];
-  slope.value -= per_hardness * load * edge;
-  slope.rise += per_hardness * (edge * edge / (1 + mu * mu) + mu * load / along * across * across);
-}
-
-double PileSolver::Law::Slip() const {
-  if (state == State::kSticks) return 0;
-  const double x = target[1] - rate[1], y = target[2] - rate[2];
-  // Without the rate that the softness yields.
-  return std::sqrt(x * x + y * y) - std::sqrt(impulse[1] * impulse[1] + impulse[2] * impulse[2]) / hardness;
-}
-
-Vector3 PileSolver::Law::Stiffness(bool is_secant) const {
-  Vector3 stiffness = Vector3::Zero();
-  for (int i = 0; i < 3; ++i) {
-    const double free = std::abs(hardness * (target[i] - rate[i]));
-    if (free < bound[i]) {
-      stiffness[i] = hardness;
-    } else if (is_secant && bound[i] > 0) {
-      stiffness[i] = hardness * bound[i] / free;
-    }
-  }
-  return stiffness;
-}
-
-std::array<PileSolver::Spring, 3> PileSolver::Law::Springs() const {
-  if (state == State::kSticks) {
-    return {{{Vector3::UnitX(), hardness}, {Vector3::UnitY(), hardness}, {Vector3::UnitZ(), hardness}}};
-  }
-  // The impulse turns with the slip: stiffness across it.
-  const Vector3 free = hardness * (target - rate);
-  const double mu = friction, along = std::sqrt(free[1] * free[1] + free[2] * free[2]);
-  const double normal = free[0] - hardness * mu * slip, load = (normal + mu * along) / (1 + mu * mu);
-  const double x = free[1] / along, y = free[2] / along;
-  return {{{{1, mu * x, mu * y}, hardness / (1 + mu * mu)}, {{0, -y, x}, hardness * mu * load / along}, {}}};
-}
-
 PileSolver::PileSolver(const Things& things, const WorldSettings& settings)
     : things_(things), settings_(settings) {
   Fit();
@@ -242,7 +153,7 @@ void PileSolver::AddPoint(const Surface& surface, int a, int b, double dt_s) {
   point.axes_W.col(1) = along;
   point.axes_W.col(2) = normal.cross(along);
   const Vector3 p_W(contact.geom.pos);
-  Law& slide = point.slide;
+  ContactLaw& slide = point.slide;
   Vector3 approach = Vector3::Zero();
   if (a != kNone) {
     const BodyState& state = bodies_[static_cast<std::size_t>(a)].state;
@@ -259,15 +170,16 @@ void PileSolver::AddPoint(const Surface& surface, int a, int b, double dt_s) {
     if (body != kNone) mass_kg += bodies_[static_cast<std::size_t>(body)].mass_kg;
   }
   slide.hardness = std::max(mass_kg, kCarries * heaviest_kg_) / kSoftness;
-  double target = kErp * contact.geom.depth / dt_s;
+  const bool yields = has(dContactSoftCFM);
+  double target = (yields ? of.soft_erp : kErp) * contact.geom.depth / dt_s;
   if (has(dContactMotionN)) target += of.motionN;
-  target = std::min(target, kMaxPushOut_m_s);
+  if (!yields) target = std::min(target, kMaxPushOut_m_s);
   if (has(dContactBounce)) {
     const double speed = -approach.dot(point.axes_W.col(0));
     if (speed > of.bounce_vel) {
       // Adds the speed that the softness takes away.
       const double impulse = (1 + of.bounce) * speed / MobilityAt(point, a, b);
-      target = std::max(target, of.bounce * speed + impulse / point.slide.hardness);
+      target = std::max(target, of.bounce * speed + (yields ? 0 : impulse / slide.hardness));
     }
   }
   slide.is_cone = true;
@@ -285,6 +197,16 @@ void PileSolver::AddPoint(const Surface& surface, int a, int b, double dt_s) {
     point.rolls = true;
     point.roll.hardness = slide.hardness / kRollSoftness * (a != kNone ? point.r_a : point.r_b).squaredNorm();
     point.resistance = {of.rhoN, of.rho, of.rho2};
+  }
+  if (yields) {
+    // The length of the first axis makes the contact softer along it: the impulse along the normal is that of
+    // the law times this length.
+    const double length = std::sqrt(dt_s / of.soft_cfm / slide.hardness);
+    point.is_round = false;
+    point.axes_W.col(0) *= length;
+    slide.target[0] *= length;
+    slide.friction *= length;
+    point.resistance.tail<2>() *= length;
   }
 }
 
@@ -328,7 +250,7 @@ double PileSolver::FindGradient() {
   for (const Joint& joint : joints_) {
     Vector3 impulse = Vector3::Zero(), torque_a = Vector3::Zero(), torque_b = Vector3::Zero();
     for (const Point& point : PointsOf(joint)) {
-      if (point.slide.state == State::kOpen) continue;
+      if (point.slide.state == ContactLaw::State::kOpen) continue;
       const Vector3 push = point.axes_W * point.slide.impulse;
       impulse += push;
       torque_a += point.r_a.cross(push);
@@ -375,8 +297,8 @@ void PileSolver::FindStep() {
     Matrix3 aa = Matrix3::Zero(), bb = aa, ab = aa;
     bool has_sums = false;
     for (const Point& point : PointsOf(joint)) {
-      if (point.slide.state == State::kOpen) continue;
-      if (point.slide.state == State::kSticks && point.is_round) {
+      if (point.slide.state == ContactLaw::State::kOpen) continue;
+      if (point.slide.state == ContactLaw::State::kSticks && point.is_round) {
         has_sums = true;
         const double k = point.slide.hardness;
         k_sum += k;
@@ -438,7 +360,7 @@ void PileSolver::FindStep() {
 double PileSolver::TakeStep() {
   AtPoints([](const Body& body) -> const Vector3& { return body.step_v; },
            [](const Body& body) -> const Vector3& { return body.step_w; },
-           [](Law& law, const Vector3& rates) { law.change = rates; });
+           [](ContactLaw& law, const Vector3& rates) { law.change = rates; });
   // Without the contacts, the slope at the share s of the step is free_slope + s bend.
   double begin_slope = 0, free_slope = 0, bend = 0;
   for (const Body& body : bodies_) {
@@ -447,14 +369,14 @@ double PileSolver::TakeStep() {
     free_slope += momentum.dot(body.v - body.free_v) + spin.dot(body.w - body.free_w);
     bend += momentum.dot(body.step_v) + spin.dot(body.step_w);
   }
-  lines_.clear();
+  laws_.clear();
   for (const Point& point : points_) {
-    lines_.emplace_back(point.slide);
-    if (point.rolls) lines_.emplace_back(point.roll);
+    laws_.emplace_back(point.slide);
+    if (point.rolls) laws_.emplace_back(point.roll);
   }
   const auto slope_at = [&](double share) {
-    Slope slope{free_slope + share * bend, bend};
-    for (const Line& line : lines_) line.AddTo(slope, share);
+    StepSlope slope{free_slope + share * bend, bend};
+    for (const LawAlongStep& law : laws_) law.AddTo(slope, share);
     return slope;
   };
   // The slope increases with the share: Newton's method, kept between bounds.
@@ -462,7 +384,7 @@ double PileSolver::TakeStep() {
   constexpr int kMostTrials = 20;
   const double flat = kFlat * std::abs(begin_slope);
   double share = 1, low = 0, high = 1;
-  Slope slope = slope_at(share);
+  StepSlope slope = slope_at(share);
   if (!std::isfinite(begin_slope) || !std::isfinite(slope.value)) return kInfinity;  // no usable step
   for (int i = 0; i < kMostTrials && (slope.value > flat || (i > 0 && slope.value < -flat)); ++i) {
     (slope.value > 0 ? high : low) = share;
@@ -508,14 +430,14 @@ bool PileSolver::Solve(double dt_s) {
   }
   AtPoints([](const Body& body) -> const Vector3& { return body.v; },
            [](const Body& body) -> const Vector3& { return body.w; },
-           [](Law& law, const Vector3& rates) { law.rate = rates; });
+           [](ContactLaw& law, const Vector3& rates) { law.rate = rates; });
   for (Point& point : points_) {
     point.slide.slip = 0;
     point.slide.Push();
   }
   // The first iterations update slips and loads. Afterwards they are fixed, so that the problem is convex.
   const int most_iterations = is_careful_ ? 60 : 30, with_loads = is_careful_ ? 30 : 6;
-  std::vector<State> assumed(points_.size());
+  std::vector<ContactLaw::State> assumed(points_.size());
   double step_m_s = 0;
   for (int i = 0; i < most_iterations; ++i) {
     const bool rolls = i > 0 || !is_careful_;  // without rolling friction it is no solution yet
@@ -530,7 +452,9 @@ bool PileSolver::Solve(double dt_s) {
     step_m_s = TakeStep();
     if (step_m_s == kInfinity) break;
     // A step that assumed that things stick is tiny, but not the last if they begin to slide.
-    const auto is_assumed = [](const Point& point, State state) { return point.slide.state == state; };
+    const auto is_assumed = [](const Point& point, ContactLaw::State state) {
+      return point.slide.state == state;
+    };
     if (rolls && std::max(step_m_s, change_m_s) < enough_m_s &&
         (bodies_.size() > kFew || std::ranges::equal(points_, assumed, is_assumed)))
       break;

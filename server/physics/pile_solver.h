@@ -9,13 +9,13 @@
 // server/physics includes this file.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "server/physics/block_cholesky.h"
+#include "server/physics/contact_law.h"
 #include "server/physics/measures.h"
 #include "server/physics/surface.h"
 
@@ -64,56 +64,12 @@ class PileSolver {
     std::size_t first = 0, count = 0;  // of points_
     std::size_t edge = 0;              // of the matrix, if both move
   };
-  enum class State { kOther, kOpen, kSticks, kSlides };
-  struct Spring {
-    Vector3 axis = Vector3::Zero();
-    double stiffness = 0;
-  };
-  /// Resistance to motion along or about three axes. Impulses in N s or N m s, rates in m/s or rad/s.
-  struct Law {
-    // If true, the law is one-sided along the first axis, the impulse along the other axes is at most
-    // `friction` times that along the first, and `slip` is the last known rate along them. Otherwise each
-    // axis has its own bound.
-    bool is_cone = false;
-    double friction = 0, slip = 0;
-    Vector3 bound = Vector3::Zero();
-    Vector3 target = Vector3::Zero();
-    double hardness = 0;                                       // impulse per rate
-    Vector3 rate = Vector3::Zero(), change = Vector3::Zero();  // now, and change by the Newton step
-    Vector3 impulse = Vector3::Zero();
-    State state = State::kOther;  // of a cone
-
-    /// Sets the impulse to that at the current rates.
-    void Push();
-    /// Slip of a cone at the current rates.
-    double Slip() const;
-    /// −∂impulse/∂rate of a cone that is not open, as springs along axes.
-    std::array<Spring, 3> Springs() const;
-    /// The same of another law, by axis; `is_secant`: where an impulse has reached its bound, −impulse /
-    /// rate.
-    Vector3 Stiffness(bool is_secant) const;
-  };
-  /// Slope of the convex function along the Newton step, and its derivative.
-  struct Slope {
-    double value = 0, rise = 0;
-  };
-  /// What a search along the Newton step needs of a law.
-  struct Line {
-    explicit Line(const Law& law);
-    /// Adds the law's part after this share of the step.
-    void AddTo(Slope& slope, double share) const;
-
-    bool is_cone;
-    double friction;
-    Vector3 bound, free, change;  // impulses: without bounds, and its loss by the whole step
-    double per_hardness;
-  };
   /// A contact point. Axes: the normal, from B to A, and two tangents.
   struct Point {
     Matrix3 axes_W;
     Vector3 r_a = Vector3::Zero(), r_b = Vector3::Zero();  // from the centres of mass, in W
-    Law slide, roll;
-    bool is_round = true;                  // friction is the same in all directions: the axes have length 1
+    ContactLaw slide, roll;
+    bool is_round = true;                  // all axes have length 1
     bool rolls = false;                    // resists rolling or spinning
     Vector3 resistance = Vector3::Zero();  // m: torque bounds per load
   };
@@ -159,7 +115,7 @@ class PileSolver {
   // The first guess of a load may be far too large, and so is rolling friction, between whose bounds Newton's
   // method may jump forever. A careful attempt begins without it, and approaches it by secants.
   bool is_careful_ = false;
-  std::vector<Line> lines_;
+  std::vector<LawAlongStep> laws_;
   std::vector<Vector6> solution_;
   std::vector<MeasuredContact> measured_;
   std::vector<std::size_t> measured_points_;

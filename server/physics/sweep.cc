@@ -13,6 +13,10 @@ namespace {
 // Shares of the half size: an object that moves by more than kFast is fast; a contact deeper than kDeep is
 // more than a touch; what is deeper still may go kDeeper in a substep, less than contacts push it out.
 constexpr double kFast = 0.5, kDeep = 0.1, kDeeper = 0.01;
+// What yields is pressed in deeper than a touch. Here it has no room left.
+constexpr double kDeepest = 0.9;
+// Share of its rates that what turns on into something keeps in a substep, at least.
+constexpr double kKeeps = 0.5;
 // Deep enough for Collide() to find contacts.
 constexpr double kTouch_m = 1e-5;
 constexpr int kMostLooks = 2000, kBisections = 30;
@@ -111,8 +115,11 @@ void Sweep::End(const Things& things, BroadPhase& broad_phase, Collider& collide
     BodyState& body = body_of(one.thing);
     body = Between(one.before, one.after, one.end);
     if (one.touched) {
-      body.v_WB = one.after.v_WB;
-      body.w_WB = one.after.w_WB;
+      // Its contacts did not stop it: it turns on into what it touches, where it hits again, or a weak spring
+      // holds it. Unless it lost speed, it could gain some forever without moving.
+      const double keeps = one.yields ? one.end : std::max(one.end, kKeeps);
+      body.v_WB = keeps * one.after.v_WB;
+      body.w_WB = keeps * one.after.w_WB;
     }
     if (one.thing < things.first_robot) broad_phase.MoveObject(one.thing, body);
   }
@@ -144,7 +151,10 @@ void Sweep::EndAt(const Things& things, Fast& a, const Actor* other, Fast* movin
   const int looks = static_cast<int>(std::clamp(std::ceil(way_m.norm() / step_m), 1.0, 1.0 * kMostLooks));
   const double start_m = depth_m(0);
   const bool touches = start_m > kTouch_m;
-  const double deep_m = std::max(kDeep * a.half_size_m, start_m + kDeeper * a.half_size_m);
+  const bool yields =
+      things.all[a.thing].mechanism->is_soft() || (other != nullptr && other->thing.mechanism->is_soft());
+  const double deep_m =
+      std::max((yields ? kDeepest : kDeep) * a.half_size_m, start_m + kDeeper * a.half_size_m);
   // What touches goes on until it is deeper than it may be: if it stopped at once, it would hang in the air.
   const double end_m = touches ? deep_m : kTouch_m;
   for (int i = 1; i <= looks; ++i) {
@@ -159,6 +169,7 @@ void Sweep::EndAt(const Things& things, Fast& a, const Actor* other, Fast* movin
       if (one == nullptr || touching >= one->end) continue;
       one->end = touching;
       one->touched = touches;
+      one->yields = yields;
     }
     return;
   }

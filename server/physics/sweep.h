@@ -31,6 +31,7 @@ class Sweep {
     BodyState before, after;
     double end = 1;        // share of the way before it touches
     bool touched = false;  // what ends its way touched it from the start: contacts have changed its rates
+    bool yields = false;   // it or what ends its way does
   };
   /// Ends the way of `a` where it touches `other` (null: the floor) or, if it touches it from the start,
   /// where it would go deeper. `moving`: `other`, if it is fast too, whose way ends as well; else null.

@@ -131,6 +131,8 @@ class PhysicsWorld {
   bool HasLimbs(std::uint32_t root) const;
   /// Something in the island yields where it touches.
   bool IsSoft(std::uint32_t root) const;
+  /// Whether the pile solver takes an island in which something yields.
+  bool IsSoftPile(std::uint32_t root) const;
   /// The island contains only loose things, and they are few or slow.
   bool IsPile(std::uint32_t root);
   /// The island is one loose thing that touches nothing.

@@ -126,10 +126,11 @@ void PhysicsWorld::MakeBatches() {
   std::size_t open = 0;  // 0: none
   for (const std::uint32_t root : islands_.roots()) {
     std::size_t at = 0;
-    if (HasLimbs(root) || Flies(root) || IsSoft(root)) {
+    const bool is_soft = IsSoft(root);
+    if (HasLimbs(root) || Flies(root) || (is_soft && !IsSoftPile(root))) {
       at = batch_count_;
       NextBatch(Method::kLimbs);
-    } else if (IsPile(root)) {
+    } else if (is_soft || IsPile(root)) {
       at = batch_count_;
       NextBatch(Method::kPile);
     } else if (IsPlane(root)) {
@@ -195,10 +196,20 @@ bool PhysicsWorld::IsSoft(std::uint32_t root) const {
   return false;
 }
 
+bool PhysicsWorld::IsSoftPile(std::uint32_t root) const {
+  constexpr int kFew = 3;  // so few are solved faster, and as exactly, as if they were limbs
+  int count = 0;
+  for (std::uint32_t i = islands_.FirstOf(root); i != Islands::kNone; i = islands_.NextOf(i)) {
+    if (!things_.all[i].mechanism->is_loose()) return false;
+    ++count;
+  }
+  return count > kFew;
+}
+
 bool PhysicsWorld::IsPile(std::uint32_t root) {
   // When many objects tumble, their contacts change too often for Newton's method. The work grows with the
   // square of the number of objects, or faster if each touches many.
-  constexpr int kFew = 16, kMost = 256, kMostRows = 6000;
+  constexpr int kFew = 64, kMost = 256, kMostRows = 6000;
   constexpr double kCalm_m_s = 0.5;
   int count = 0;
   bool is_calm = true;

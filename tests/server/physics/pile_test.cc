@@ -45,6 +45,15 @@ TEST_P(TowerTest, OfTenAndOfTwentyBoxesDriftsLessThanAMillimetreInAMinute) {
   }
 }
 
+TEST_P(TowerTest, OfTwentyBoxesThatFallsOnTheFloorStays) {
+  for (int i = 0; i < 20; ++i) scene_.Add(Box{{0.1, 0.1, 0.1}}, At(0, 0, 0.1 + 0.1 * i), 1);
+  scene_.RunFor(4);
+  for (std::size_t i = 0; i < 20; ++i) {
+    EXPECT_LT(scene_.object(i).p.head<2>().norm(), 1e-5) << i;
+    EXPECT_NEAR(scene_.object(i).p.z(), 0.05 + 0.1 * static_cast<double>(i), 1e-3) << i;
+  }
+}
+
 TEST_P(TowerTest, OfTenRobotsOfOneLinkStandsAsOneOfObjectsDoes) {
   RobotModel model;
   model.type = "brick";
@@ -207,6 +216,23 @@ TEST(Pile, OfTwoHundredBoxesFallsAsleep) {
   EXPECT_TRUE(AllSleep(scene, 200));
   for (int i = 0; i < 200; ++i) EXPECT_GT(scene.object(i).p.z(), 0.049) << i;
   EXPECT_TRUE(scene.world().TakeFrozen().empty());
+}
+
+TEST(Pile, PushesOutABallWhoseCentreIsInTheFaceOfABox) {
+  PhysicsScene scene;
+  scene.step_length = 10'000'000;
+  scene.AllowOverlaps();
+  WorldObject ball;
+  ball.shape = Sphere{0.1};
+  ball.X_WO = At(0.15, 0.02, 3.01);
+  ball.mass_kg = 1;
+  ball.rolling_friction_m = 5e-4;
+  scene.Add(std::move(ball));
+  scene.Add(Box{{0.4, 0.4, 0.4}}, At(0, 0, 3), 2);
+  scene.RunFor(5);
+  EXPECT_LT(scene.object(0).p.z(), 0.6);
+  EXPECT_NEAR(scene.object(1).p.z(), 0.2, 0.01);
+  EXPECT_TRUE(scene.world().TakeUnsolved().empty());
 }
 
 TEST(Pile, LeavesNothingHangingInTheAir) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 #include <string>
 
 #include "tests/server/physics/physics_scene.h"
@@ -128,6 +129,76 @@ TEST_P(SweepTest, ABallHitsARobotThatStandsInItsWay) {
   EXPECT_LT(scene_.object(0).p.x(), 0);
 }
 
+/// Small things in 40 attitudes that fall at 20 m/s, each on a plate of 1 cm, or on the floor.
+class ImpactTest : public SweepTest {
+ protected:
+  void Drop(const Shape& shape, bool on_plates) {
+    std::mt19937 random{3};
+    const auto any = [&random] { return static_cast<double>(random() % 2001) / 1000 - 1; };
+    for (int i = 0; i < kCount; ++i) {
+      const double x = 1.5 * (i % 8), y = 1.5 * (i / 8 % 5), top_m = on_plates ? 2.005 : 0;
+      if (on_plates) scene_.Add(Box{{1, 1, 0.01}}, At(x, y, 2));
+      WorldObject thing;
+      thing.shape = shape;
+      thing.mass_kg = 0.05;
+      thing.X_WO = {{x, y, top_m + 0.35 + 0.15 * any()}, FromRollPitchYaw(3 * any(), 1.5 * any(), 0)};
+      thing.v_WO = {0, 0, -20};
+      thing.w_WO = {10 * any(), 10 * any(), 0};
+      scene_.Add(std::move(thing));
+    }
+    scene_.Build();
+    ASSERT_EQ(scene_.diagnostics().ToString(), "");
+  }
+  /// The fastest of them.
+  double Fastest_m_s() {
+    double fastest = 0;
+    for (const BodyState& body : scene_.Capture()->bodies) fastest = std::max(fastest, body.v_WB.norm());
+    return fastest;
+  }
+
+  static constexpr int kCount = 40;
+};
+
+TEST_P(ImpactTest, ACylinderDoesNotSinkThroughThePlateThatItHits) {
+  for (const Cylinder& cylinder : {Cylinder{0.01, 0.02}, Cylinder{0.015, 0.01}}) {
+    scene_ = PhysicsScene();
+    SetUp();
+    Drop(cylinder, true);
+    scene_.RunFor(0.8);
+    for (int i = 0; i < kCount; ++i) {
+      const Vector3 p_W = scene_.object(2 * static_cast<std::size_t>(i) + 1).p;
+      const bool is_above =
+          std::abs(p_W.x() - 1.5 * (i % 8)) < 0.5 && std::abs(p_W.y() - 1.5 * (i / 8 % 5)) < 0.5;
+      if (!is_above) continue;  // it has left the plate
+      EXPECT_GT(p_W.z(), 2) << i;
+    }
+  }
+}
+
+TEST_P(ImpactTest, ABoxGainsNoSpeed) {
+  for (const bool on_plates : {false, true}) {
+    scene_ = PhysicsScene();
+    SetUp();
+    Drop(Box{{0.05, 0.1, 0.15}}, on_plates);
+    double fastest_m_s = 0;
+    for (int i = 0; i < 50; ++i) {
+      scene_.RunFor(0.01);
+      fastest_m_s = std::max(fastest_m_s, Fastest_m_s());
+    }
+    EXPECT_LT(fastest_m_s, 20.5);
+    EXPECT_TRUE(scene_.world().TakeFrozen().empty());
+  }
+}
+
+TEST_P(ImpactTest, ASmallBoxDoesNotExplode) {
+  Drop(Box{{0.01, 0.02, 0.03}}, true);
+  scene_.RunFor(0.5);
+  const std::size_t known = GetParam() == 10 ? 1 : 0;  // at 10 ms one in a hundred turns too fast
+  EXPECT_LE(scene_.world().TakeFrozen().size(), known);
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, ImpactTest, ::testing::Values(1, 5, 10),
+                         [](const auto& info) { return std::to_string(info.param) + "ms"; });
 INSTANTIATE_TEST_SUITE_P(Steps, SweepTest, ::testing::Values(1, 5, 10),
                          [](const auto& step) { return std::to_string(step.param) + "ms"; });
 

@@ -147,6 +147,56 @@ TEST_P(YieldingTest, WhatIsPressedInDeepIsNotThrownHigherThanItsSpringSays) {
   EXPECT_LT(seen_m, highest_m * 1.001);
 }
 
+TEST_P(YieldingTest, InAStackEachSpringCarriesWhatStandsOnIt) {
+  constexpr int kCount = 6;
+  constexpr double kMass_kg = 2, kStiffness_n_m = 5000;
+  scene_.robot_model = Body(Box{{0.2, 0.2, 0.2}}, kMass_kg, kStiffness_n_m, 300, std::get<bool>(GetParam()));
+  for (int i = 0; i < kCount; ++i) scene_.AddRobot(At(0, 0, 0.1 + 0.2 * i));
+  Build();
+  scene_.RunFor(4);
+  constexpr double kAsleepBefore_m = 1e-4;
+  EXPECT_NEAR(0.1 - Now().p_WB.z(), kCount * kMass_kg * kG / (4 * kStiffness_n_m), kAsleepBefore_m);
+  for (int i = 1; i < kCount; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    EXPECT_NEAR(0.2 - (Now(k).p_WB.z() - Now(k - 1).p_WB.z()),
+                (kCount - i) * kMass_kg * kG / (4 * kStiffness_n_m / 2), kAsleepBefore_m)
+        << i;
+  }
+}
+
+TEST_P(YieldingTest, AStackSlidesAsFarAsItsFrictionSays) {
+  scene_.robot_model = Body(Box{{0.4, 0.4, 0.02}}, 2, 50'000, 500, std::get<bool>(GetParam()));
+  for (int i = 0; i < 5; ++i) scene_.AddRobot(At(0, 0, 0.01 + 0.02 * i));
+  Build();
+  scene_.RunFor(0.5);
+  Frame frame;
+  scene_.world().Fill(frame);
+  for (BodyState& body : frame.bodies) {
+    body.v_WB.x() = 1;
+    body.sleep_counter = 0;
+  }
+  scene_.world().Restore(frame);
+  const double start_m = Now().p_WB.x();
+  scene_.RunFor(1);
+  const double step_s = 1e-3 * std::get<int>(GetParam());
+  EXPECT_NEAR(Now().p_WB.x() - start_m, 1 / (2 * kG), 0.5 * step_s + 5e-4);  // friction 1
+}
+
+TEST_P(YieldingTest, AWeakSpringThatCannotStopItGivesItNoEnergy) {
+  constexpr double kSmall_m = 0.01;
+  scene_.robot_model = Body(Sphere{kSmall_m}, 1, 50, 0, std::get<bool>(GetParam()));
+  scene_.AddRobot(At(0, 0, 1 + kSmall_m));
+  Build();
+  double fastest_m_s = 0;
+  for (int i = 0; i < 300; ++i) {
+    scene_.RunFor(0.01);
+    const BodyState now = Now();
+    fastest_m_s = std::max(fastest_m_s,
+                           now.v_WB.norm() - std::sqrt(2 * kG * std::max(0.0, 1 + kSmall_m - now.p_WB.z())));
+  }
+  EXPECT_LT(fastest_m_s, 0.1);
+}
+
 INSTANTIATE_TEST_SUITE_P(Steps, YieldingTest, testing::Combine(testing::Values(1, 5, 10), testing::Bool()),
                          [](const auto& info) {
                            return std::to_string(std::get<int>(info.param)) +
