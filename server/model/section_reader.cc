@@ -236,7 +236,8 @@ std::optional<std::vector<double>> SectionReader::Numbers(const std::string& key
                          FormatNumber(value < min ? min : max) + ", not " + FormatNumber(value));
       return std::nullopt;
     }
-    if (quantity == Quantity::kAngle && !degrees_ && !number.has_unit &&
+    const bool is_rate = key == "turn_rate";  // more than a turn per second is usual
+    if (quantity == Quantity::kAngle && !is_rate && !degrees_ && !number.has_unit &&
         std::abs(value) > 2 * std::numbers::pi + 1e-9) {
       diagnostics_.Warning(entry->In(file_), "'" + key + "': angles are in radians, and " +
                                                  FormatNumber(value) +

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Translates URDF into SDF element by element, so that messages have the lines of the URDF.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -238,8 +239,14 @@ class UrdfConverter {
   static bool IsUsedExtra(const XmlNode& inner) {
     if (inner.name == "material") return GazeboColor(inner.text).has_value();
     if (inner.name == "visual") return DiffuseOf(inner) != nullptr;
-    return inner.name == "sensor" || inner.name == "mu" || inner.name == "mu1" || inner.name == "mu2" ||
-           inner.name == "fdir1" || inner.name == "kp" || inner.name == "kd";
+    if (inner.name == "sensor") return true;
+    static constexpr std::array kWords = {"mu", "mu1", "mu2", "fdir1", "kp", "kd"};
+    return std::ranges::find(kWords, inner.name) != kWords.end() && !ValueOf(inner).empty();
+  }
+  /// As in Gazebo: the attribute `value`, or else the text.
+  static std::string ValueOf(const XmlNode& extra) {
+    const std::string value = extra.Attribute("value");
+    return value.empty() ? extra.text : value;
   }
   static const XmlNode* DiffuseOf(const XmlNode& visual) {
     const XmlNode* material = visual.Child("material");
@@ -299,7 +306,7 @@ class UrdfConverter {
   const XmlNode* Extra(const std::string& link, const char* word) const {
     for (const XmlNode* extra : ExtrasOf(link)) {
       const XmlNode* found = extra->Child(word);
-      if (found != nullptr && !found->text.empty()) return found;
+      if (found != nullptr && !ValueOf(*found).empty()) return found;
     }
     return nullptr;
   }
@@ -312,7 +319,7 @@ class UrdfConverter {
     if (mu == nullptr && kp == nullptr && kd == nullptr) return;
     XmlNode& surface = collision.Add("surface");
     const auto add = [](XmlNode& to, const char* name, const XmlNode* from) {
-      if (from != nullptr) to.Add(name, from->text).where = from->where;
+      if (from != nullptr) to.Add(name, ValueOf(*from)).where = from->where;
     };
     if (mu != nullptr) {
       XmlNode& ode = surface.Add("friction").Add("ode");

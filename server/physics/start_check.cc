@@ -165,7 +165,8 @@ void CheckStart(const Scene& scene, const Things& things, Diagnostics& diagnosti
     else if (is_held)
       diagnostics.Warning(where, whole + ", more than half of it: " + kStuck);
     else
-      diagnostics.Mended(where, whole + ": it is pushed out slowly");
+      diagnostics.Mended(where, whole + (thing.mechanism->is_soft() ? ": its springs push it out"
+                                                                    : ": it is pushed out slowly"));
   };
   BroadPhase broad_phase(things, things.bodies);
   Collider collider;

@@ -221,17 +221,39 @@ TEST(SurfaceReaderTest, APlaneIsASlabBelowItsNormal) {
   }
 }
 
+constexpr const char* kUrdfBox =
+    "<link name=\"base\"><inertial><mass value=\"1\"/><inertia ixx=\"0.01\" iyy=\"0.01\" izz=\"0.01\" "
+    "ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial><collision><geometry><box size=\"0.2 0.2 0.2\"/>"
+    "</geometry></collision></link>";
+
 TEST(SurfaceReaderTest, AUrdfMayYieldWhereItTouches) {
-  const auto [robot, messages] = ReadUrdf(
-      "<link name=\"base\"><inertial><mass value=\"1\"/><inertia ixx=\"0.01\" iyy=\"0.01\" izz=\"0.01\" "
-      "ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial><collision><geometry><box size=\"0.2 0.2 0.2\"/>"
-      "</geometry></collision></link><gazebo reference=\"base\"><mu1>0.3</mu1></gazebo>"
-      "<gazebo reference=\"base\"><kp>20000</kp><kd>30</kd></gazebo>");
+  const auto [robot, messages] = ReadUrdf(std::string(kUrdfBox) +
+                                          "<gazebo reference=\"base\"><mu1>0.3</mu1></gazebo>"
+                                          "<gazebo reference=\"base\"><kp>20000</kp><kd>30</kd></gazebo>");
   ASSERT_NE(robot, nullptr) << messages;
   const LinkShape& shape = robot->links[0].collisions.at(0);
   EXPECT_EQ(shape.friction, 0.3);
   EXPECT_EQ(shape.contact_stiffness_n_m, 20000);
   EXPECT_EQ(shape.contact_damping_n_s_m, 30);
+}
+
+TEST(SurfaceReaderTest, WordsOfAGazeboReferenceMayBeAttributes) {
+  const auto [robot, messages] =
+      ReadUrdf(std::string(kUrdfBox) +
+               "<gazebo reference=\"base\"><mu1 value=\"0.3\"/><mu2 value=\"0.7\"/>"
+               "<kp value=\"20000\"/><kd value=\"30\"/></gazebo>");
+  ASSERT_NE(robot, nullptr) << messages;
+  const LinkShape& shape = robot->links[0].collisions.at(0);
+  EXPECT_EQ(shape.friction, 0.3);
+  EXPECT_EQ(shape.contact_stiffness_n_m, 20000);
+  EXPECT_EQ(shape.contact_damping_n_s_m, 30);
+}
+
+TEST(SurfaceReaderTest, AWordOfAGazeboReferenceWithoutAValueIsReported) {
+  const auto [robot, messages] =
+      ReadUrdf(std::string(kUrdfBox) + "<gazebo reference=\"base\"><kp/></gazebo>");
+  ASSERT_NE(robot, nullptr) << messages;
+  EXPECT_THAT(messages, HasSubstr("<kp> in <gazebo reference>"));
 }
 
 }  // namespace

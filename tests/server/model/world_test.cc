@@ -155,6 +155,10 @@ TEST(WorldTest, ThingsBounceAndBeginWithASpeed) {
   EXPECT_EQ(box.rolling_friction_m, 0.002);
 }
 
+TEST(WorldTest, ATurnRateOfMoreThanATurnPerSecondIsUsual) {
+  EXPECT_EQ(ReadWorldText(kBox + "mass 1\nturn_rate 7.58 0 0\n").messages, "");
+}
+
 TEST(WorldTest, WhatIsRoundHasRollingFrictionByItsRadius) {
   EXPECT_EQ(ReadWorldText(kBox + "mass 1\n").world.objects.at(0).rolling_friction_m, 0);
   const std::string ball = "[S]\ntype sphere\nsize 0.4\nposition 0 0\nmass 1\n";
