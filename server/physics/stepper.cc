@@ -71,6 +71,11 @@ bool Stepper::StartFrom(const SavedStatePtr& state, Diagnostics& diagnostics) {
     if (options_.speed) speeds_[static_cast<std::size_t>(mode_)] = options_.speed;
     TakeOptions(state->frame->scene->scenario->simulation);
     if (!options_.step) step_length_ = LengthOf(*state);
+    if (options_.steps) {
+      const Frame& at = *state->frame;
+      const std::uint64_t left = *options_.steps - std::min(*options_.steps, at.step);
+      duration_ = at.time + static_cast<Nanoseconds>(left) * step_length_;
+    }
     InstallState(*state, StepEnd::kLoad);
   }
   baton_.Pass();

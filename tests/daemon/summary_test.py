@@ -104,6 +104,14 @@ class SummaryTest(unittest.TestCase):
         self.assertRegex(done.stdout.decode(), r"the run ended early by a signal, at [\d.]+ of 1000 s")
         self.assertEqual(run("verify", record).returncode, 0)
 
+    def test_steps_are_counted_in_steps_of_the_recording_that_a_run_goes_on_from(self):
+        record = self.folder / "a.run"
+        text = self.folder / "a.scenario"
+        text.write_text(FREE)
+        run("serve", text, "--mode", "free", "--no-net", "--step", "0.002", "--steps", "100", "--record", record)
+        run("serve", "--from", f"{record}@#50", "--mode", "free", "--no-net", "--steps", "80", "--summary", self.file)
+        self.assertEqual(self.told()["steps"], 80)
+
     def test_the_factor_is_counted_from_where_a_run_goes_on(self):
         record = str(self.folder / "lesson.run")
         with Daemon(FREE, "--record", record, "--duration", "20") as daemon:
