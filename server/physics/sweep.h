@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Objects that move by more than half of their half size in a substep could pass through thin things. Such an
 // object stops where it first touches something, keeps its speed, and the next substep finds it there
-// (continuous collision by time of impact, as in E. Catto's Box2D). So does one that a corner holds while it
-// turns on into a wall. One thread. Only server/physics includes
-// this file.
+// (continuous collision by time of impact, as in E. Catto's Box2D). One that touches already, and that a
+// corner holds while it turns on into a wall, stops where it would go deeper, and loses some of its rates.
+// One thread. Only server/physics includes this file.
 #pragma once
 
 #include <cstdint>
