@@ -197,7 +197,7 @@ bool PhysicsWorld::IsSoft(std::uint32_t root) const {
 }
 
 bool PhysicsWorld::IsSoftPile(std::uint32_t root) const {
-  constexpr int kFew = 3;  // so few are solved faster, and as exactly, as if they were limbs
+  constexpr int kFew = 3;  // so few cost little as limbs
   int count = 0;
   for (std::uint32_t i = islands_.FirstOf(root); i != Islands::kNone; i = islands_.NextOf(i)) {
     if (!things_.all[i].mechanism->is_loose()) return false;
